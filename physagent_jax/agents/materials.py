@@ -43,7 +43,7 @@ class MaterialMention:
         phrase: The words in the sentence that say it: "made of jelly".
         turns: Whether the object becomes it in the course of the clip.
         named: Whether the word is a part of the object's own name ("the rubber duck" of a rubber duck).
-        span: Where the phrase stands in the sentence: its first character and the one after its last; None = nowhere.
+        span: The phrase's first character in the sentence and the one after its last; None = it is not there.
     """
 
     word: str
@@ -124,7 +124,7 @@ def _split(words: str) -> list[str]:
 
 
 class _Finder:
-    """Looks at every word for a material with what stands before and after it."""
+    """A search for material words by the words that stand before and after them."""
 
     def __init__(self, text: str, brief: SceneBrief):
         self.text, self.lexicon = text, read_material_words()
@@ -203,7 +203,7 @@ class _Finder:
         return place
 
     def _find_made(self, at: int) -> int | None:
-        """Where "made of" begins that leads to this token and is said of the object; None = nowhere."""
+        """The beginning of "made of" before this token, if it is said of the object; None = there is none."""
         place = self._back(at, self.within)
         if self._get(place) not in ("of", "from"):
             return None
@@ -224,7 +224,7 @@ class _Finder:
         return noun in self.nouns and self._get(self._back(at, self.before)) not in self.lexicon.prepositions
 
     def _find_of(self, at: int) -> int | None:
-        """Where "a bear of sand" begins."""
+        """The beginning of "bear of sand"."""
         place = self._back(at, self.unnamed - {"of"})
         owner = place - 1
         if self._get(place) != "of" or self._get(owner) in self.lexicon.containers | {"it", "one", "itself"}:
@@ -232,7 +232,7 @@ class _Finder:
         return owner if self._is_object(owner) else None
 
     def _find_turn(self, at: int) -> int | None:
-        """Where "turns to" begins; scenery has an article ("collapses into the sand")."""
+        """The beginning of "turns to"; scenery has an article ("collapses into the sand")."""
         place = self._back(at, self.unnamed)
         if self._get(place) in ("into", "to", "in"):
             place -= 1
@@ -241,7 +241,7 @@ class _Finder:
         return place if self._get(place) in self.lexicon.turns else None
 
     def _find_likeness(self, at: int) -> int | None:
-        """Where "wobbles like" begins, or "as soft as"; only of how it deforms."""
+        """The beginning of "wobbles like" or "soft as": a likeness in deforming, and no other."""
         place = at - 1
         if self._get(place) not in ("like", "as"):
             return None
@@ -251,7 +251,7 @@ class _Finder:
         return before if deforms else None
 
     def _find_noun(self, begin: int, end: int) -> int | None:
-        """Where "metal robot" ends: the adjective stands before the object's noun, maybe with others between."""
+        """The end of "metal robot": the adjective stands before the object's noun, maybe with others between."""
         place = end
         if self._get(place) == "like":
             place += 1
@@ -266,7 +266,7 @@ class _Finder:
         return None if elsewhere or self._get(place + 1) in self.lexicon.contacts else place + 1
 
     def _find_predicate(self, begin: int) -> int | None:
-        """Where "is metal" begins, said of the object."""
+        """The beginning of "is metal", said of the object."""
         place = self._back(begin, self.lexicon.qualifiers | {"now"})
         subject = self._get(place - 1)
         return place if self._get(place) in self.lexicon.being and subject in self.nouns else None

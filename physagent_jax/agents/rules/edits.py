@@ -256,8 +256,11 @@ def make_actions(case: Case) -> list[Action]:
     kind = ActionType.IMPULSE if expectation.sudden else _TYPES[expectation.kind]
     if expectation.sudden and window:
         window = (window[0], window[0] + 1.0)
-    told = dict(magnitude=magnitude, active_time=window, region=make_part_region(expectation))
-    return [Action(action_type=kind, vector=axis, **told) for axis in axes]
+    region = make_part_region(expectation)
+    return [
+        Action(action_type=kind, vector=axis, magnitude=magnitude, active_time=window, region=region)
+        for axis in axes
+    ]
 
 
 def _get_window(case: Case) -> tuple[float, float] | None:

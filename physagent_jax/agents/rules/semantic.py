@@ -108,7 +108,8 @@ def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
     gravity = _read_gravity(mentions)
     unknown, notes = list_unknown(mentions, names, brief)
     materials = find_materials(prompt, brief)
-    said = {word for material in materials for word in material.phrase.lower().replace("-", " ").split()}
+    phrases = [material.phrase.lower().replace("-", " ") for material in materials if not material.turns]
+    said = {word for phrase in phrases for word in phrase.split()}
     unknown = [word for word in unknown if word.lower() not in said]
     notes += describe_corrections(prompt, names)
     clauses = _assume_push(clauses, unknown)
