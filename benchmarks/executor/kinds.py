@@ -11,8 +11,8 @@ from benchmarks.executor.scenes import Clip, Setting, prepare
 from benchmarks.executor.tasks import LAST
 from benchmarks.harness import Row
 from physagent_jax.agents.matching import find_causes
+from physagent_jax.agents.regions import make_end_region
 from physagent_jax.agents.rules import kinds
-from physagent_jax.agents.rules.language.regions import make_end_region
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind
 from physagent_jax.agents.vectors import scale
 from physagent_jax.core.rotations import polar

@@ -21,7 +21,7 @@ from benchmarks.language.markdown import PAGE, PARTS
 from benchmarks.language.notation import FILES, LIMIT, Sentence, read_sentences
 from benchmarks.language.score import get_answer, make_scene, score
 from physagent_jax.agents.context import AgentContext
-from physagent_jax.agents.rules.semantic import RuleSemanticAgent
+from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent
 from physagent_jax.agents.schema import SceneBrief, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_skills
@@ -87,7 +87,7 @@ def read_one(sentence: Sentence) -> Row:
 def compile_sentence(text: str, brief: SceneBrief) -> SemanticReply | None:
     """The parser's reply; None if it refuses."""
     try:
-        return RuleSemanticAgent().compile(AgentContext(text, brief, describe_skills())).value
+        return GrammarSemanticAgent().compile(AgentContext(text, brief, describe_skills())).value
     except UserError:
         return None
 

@@ -146,9 +146,10 @@ class Clause(Strict):
 
     Attributes:
         motion: A motion of the lexicon, in its base form: "push", "twist", "let go"; also a noun that names a motion
-            ("compression").
-        cause: A noun that names what does it: "wind", "explosion"; None = none is named.
-        order: "then" follows the clause before in time; "together" happens at the same time as it.
+            ("compression"). Empty if only a cause is named: "a gentle wind".
+        cause: A noun that names what does it: "wind", "explosion", "gravity"; None = none is named.
+        order: "then" follows the clause before in time; "together" happens at the same time as it; "and" leaves that
+            to the two motions: together, unless they would cancel or one can only come after the other.
         ways: Directions, lines and axes.
         turning: Sense of a rotation, seen by the viewer or from ``seen_from``.
         seen_from: Side from which ``turning`` is meant.
@@ -162,12 +163,13 @@ class Clause(Strict):
         inherited: Whether the motion is understood from the clause before ("push it left, then right").
         stays: Whether the result is held ("and hold it there").
         even: Whether it goes at one speed.
+        said: The words in the sentence that name the motion.
         text: The clause's words in the sentence.
     """
 
     motion: Word
     cause: Word | None = None
-    order: Literal["then", "together"] = "then"
+    order: Literal["then", "together", "and"] = "then"
     ways: Annotated[tuple[Way, ...], Field(max_length=20)] = ()
     turning: Literal["clockwise", "counterclockwise"] | None = None
     seen_from: Direction | None = None
@@ -181,6 +183,7 @@ class Clause(Strict):
     inherited: bool = False
     stays: bool = False
     even: bool = False
+    said: Word = ""
     text: Word = ""
 
 

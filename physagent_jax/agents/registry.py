@@ -5,7 +5,10 @@ from __future__ import annotations
 from physagent_jax.agents.protocols import Agents
 from physagent_jax.core.registry import Choice, Registry
 
-SEMANTIC = Registry("`agents.semantic`", {"rules": "physagent_jax.agents.rules.semantic:RuleSemanticAgent"})
+_GRAMMAR = "physagent_jax.agents.grammar.semantic:GrammarSemanticAgent"
+SEMANTIC = Registry(
+    "`agents.semantic`", {"grammar": _GRAMMAR, "rules": _GRAMMAR}
+)  # "rules" in older run specs
 PLANNER = Registry("`agents.planner`", {"rules": "physagent_jax.agents.rules.planner:RulePlanner"})
 EXECUTOR = Registry("`agents.executor`", {"rules": "physagent_jax.agents.rules.executor:RuleExecutor"})
 

@@ -8,6 +8,7 @@ import pytest
 
 from benchmarks.language.notation import FILES, Clause, Sentence, read_sentences
 from benchmarks.language.score import make_scene
+from physagent_jax.agents.grammar.semantic import read_sentence
 from physagent_jax.agents.hold import (
     Hold,
     HoldOrigin,
@@ -16,7 +17,6 @@ from physagent_jax.agents.hold import (
     find_leaving,
     refuse_impossible,
 )
-from physagent_jax.agents.rules.semantic import read_sentence
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SemanticReply
 from physagent_jax.agents.trace import Reply
 from physagent_jax.core.errors import UserError

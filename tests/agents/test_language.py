@@ -3,11 +3,11 @@
 import math
 
 import pytest
+from physagent_jax.agents.compiler.schedule import LONGEST, STEP
 
 from physagent_jax.agents.rules.kinds import choose_kinds
-from physagent_jax.agents.rules.language.quantities import match_quantity
-from physagent_jax.agents.rules.language.schedule import LONGEST, STEP
-from physagent_jax.agents.rules.language.tokens import tokenise
+from physagent_jax.agents.grammar.measures import Words, match_quantity
+from physagent_jax.agents.grammar.tokens import tokenise
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import cosine
 from physagent_jax.core.errors import UserError
@@ -50,7 +50,7 @@ def first(prompt, scene=None):
 def test_quantities_with_units(words, unit, value):
     """Numbers in digits, words and fractions, in the unit that they stand in."""
     tokens = tokenise(words)
-    found = match_quantity(tokens, 0)
+    found = match_quantity(Words(tokens), 0)
     assert found is not None and found[1] == len(tokens)
     assert found[0].unit == unit and found[0].value == pytest.approx(value)
 
@@ -60,7 +60,7 @@ def test_quantities_with_units(words, unit, value):
 )
 def test_what_is_no_quantity(words):
     """Times, parts and counts are other things' business."""
-    assert match_quantity(tokenise(words), 0) is None
+    assert match_quantity(Words(tokenise(words)), 0) is None
 
 
 @pytest.mark.parametrize(

@@ -5,9 +5,9 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from physagent_jax.agents.rules.language.compilation import MAX_ACTIONS
 
 from physagent_jax.agents.rules.language import modifiers, verbs
-from physagent_jax.agents.rules.language.compilation import MAX_ACTIONS
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import cosine
 from physagent_jax.core.errors import UserError

@@ -7,12 +7,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from physagent_jax.agents.matching import Cause
-from physagent_jax.agents.rules.language.schedule import divide_swings
-from physagent_jax.agents.rules.language.timing import BRIEF
 from physagent_jax.agents.rules.parts import bound_to_part, make_part_region
 from physagent_jax.agents.rules.tolerances import round_window
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import add, clamp, cosine, dot, norm, normalise, scale
+from physagent_jax.agents.windows import divide_swings
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
     MAGNITUDE_MAX,
@@ -23,6 +22,7 @@ from physagent_jax.forces.calibration import (
 from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField, VelocityConstraint
 from physagent_jax.perception.schema import MotionReport
 
+_BRIEF = 0.15  # of the clip: "briefly", as the lexicon has it
 POINTED = 0.95  # cosine from which a vector points where the sentence says
 _TYPES = {
     MotionKind.MOVE: ActionType.TRANSLATION,
@@ -389,7 +389,7 @@ def act_on_part(case: Case, causes: Sequence[Cause]) -> Change:
 
 def soften(case: Case, causes: Sequence[Cause]) -> Change:
     """The weakest blow is too strong: a brief push, which reaches less speed in its time."""
-    reach = max(2.0, BRIEF * case.last)
+    reach = max(2.0, _BRIEF * case.last)
     items = [
         cause.item.model_copy(
             update={

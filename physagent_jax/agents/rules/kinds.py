@@ -11,10 +11,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from physagent_jax.agents.dosing import find_magnitude
 from physagent_jax.agents.matching import Cause, agrees, find_own_causes, share_time
+from physagent_jax.agents.regions import make_box, make_end_region
 from physagent_jax.agents.rules.edits import AXIAL, replace_items
-from physagent_jax.agents.rules.language.amounts import find_magnitude
-from physagent_jax.agents.rules.language.regions import make_box, make_end_region
 from physagent_jax.agents.rules.tolerances import (
     expect_move,
     expect_quantity,

@@ -1,0 +1,142 @@
+"""Forces and torques that act for a time: how strong, how long, and how they are stopped.
+
+A free object keeps its speed when a force ends, so a push that is followed by another motion or by stillness brakes in
+the second half of its window; an anchored one comes back by itself. A length that the sentence tells is the cause's
+own: what is to stop then is braked after it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from physagent_jax.agents.compiler.amounts import find_effort, find_held_magnitude, find_word_effort
+from physagent_jax.agents.compiler.builder import ForceFieldBuilder
+from physagent_jax.agents.compiler.events import Event
+from physagent_jax.agents.compiler.schedule import Slot, has_to_stop
+from physagent_jax.agents.dosing import find_magnitude
+from physagent_jax.agents.lexicon import Effect
+from physagent_jax.agents.vectors import scale
+from physagent_jax.agents.windows import Window, halve
+from physagent_jax.core.strict import Vector
+from physagent_jax.forces.schema import ActionType
+
+GUST = 0.3  # part of its window during which a gust impulses
+_DRIFTS = "The object is free and would drift on: it is braked"
+BRAKED_BEFORE = f"{_DRIFTS} before what follows."
+
+
+@dataclass(frozen=True)
+class Task:
+    """An event in its window, to be compiled.
+
+    Attributes:
+        event, window: The event, and its time [frames].
+        after: Events of the slot that follows.
+        before: All slots before.
+        builder: The reply in the making.
+    """
+
+    event: Event
+    window: Window
+    after: list[Event]
+    before: list[Slot]
+    builder: ForceFieldBuilder
+
+    @property
+    def direction(self) -> Vector:
+        """The event's direction, of an effect that always has one."""
+        assert self.event.direction is not None
+        return self.event.direction
+
+    @property
+    def is_reached_within(self) -> bool:
+        """Whether the told time is the one in which a quantity is reached, and says nothing of later."""
+        event = self.event
+        return event.when.within and event.amount is not None and not event.motion.brief
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether a change of shape that is reached in its time is to stay: nothing says that it is let go."""
+        return self.is_reached_within and not self._is_let_go
+
+    @property
+    def is_released(self) -> bool:
+        """Whether the cause ends and leaves the object to itself; what is brought to a place is not left there."""
+        if self.event.stays or self._is_measured or self.is_reached_within and not self._is_let_go:
+            return False
+        ends_early = not self.after and self.window[1] < self.builder.last - 0.5
+        return self._is_let_go or ends_early or self.event.motion.brief
+
+    @property
+    def needs_brake(self) -> bool:
+        """Whether a free object must be stopped before what comes next can be seen."""
+        if self.builder.anchored:
+            return False
+        up, grounded = self.builder.brief.directions.up, self.builder.grounded
+        return self.event.stays or self._is_measured or has_to_stop(self.event, self.after, up, grounded)
+
+    @property
+    def _is_let_go(self) -> bool:
+        return any(later.effect is Effect.RELEASE for later in self.after)
+
+    @property
+    def _is_measured(self) -> bool:
+        """Whether a free object is to go so far, or turn by so much, and no further."""
+        effort = find_effort(self.event.amount, self.event.effect, self.builder.brief)
+        return not self.builder.anchored and effort is not None
+
+
+def add_steady(task: Task, kind: ActionType, vector: Vector, magnitude: float) -> Window:
+    """Adds a force or torque over the window, braked in its second half if need be; returns where it acts."""
+    event, window, builder = task.event, task.window, task.builder
+    if event.motion.brief and event.when.lasts is None:
+        window = shorten(window, builder.last)
+    told = event.when.lasts is not None and event.when.lasts.unit != "clip" and not event.when.within
+    brakes = task.needs_brake
+    halves = halve(window)
+    acts = (halves[0][0], halves[1][1]) if brakes and not told else window
+    seconds = (acts[1] - acts[0]) * builder.brief.frame_dt
+    magnitude *= _find_dose(task, magnitude, seconds, brakes and not told)
+    if builder.anchored and task.is_reached_within and not task.after:
+        builder.add_action(event, kind, vector, magnitude, (window[0], builder.last))
+    elif brakes and not told:
+        builder.add_action(event, kind, vector, magnitude, halves[0])
+        builder.add_action(event, kind, scale(vector, -1.0), magnitude, halves[1])
+        builder.add_note(BRAKED_BEFORE)
+    else:
+        builder.add_action(event, kind, vector, magnitude, window)
+        if brakes and window[1] < builder.last and any(later.effect is Effect.STILL for later in task.after):
+            _brake_after(task, kind, vector, magnitude, window)
+    return window
+
+
+def shorten(window: Window, last: float) -> Window:
+    """The part of a window in which a gust or a burst acts."""
+    return (window[0], window[0] + max(GUST * (window[1] - window[0]), min(1.0, last)))
+
+
+def _brake_after(task: Task, kind: ActionType, vector: Vector, magnitude: float, window: Window) -> None:
+    """Adds the brake behind a told time."""
+    first, end = round(window[0]), round(window[1])
+    brake = (float(end), float(min(2 * end - first, math.floor(task.builder.room))))
+    if brake[1] > brake[0]:
+        task.builder.add_action(task.event, kind, scale(vector, -1.0), magnitude, brake)
+        task.builder.add_note(f"{_DRIFTS} after the time that is told.")
+
+
+def _find_dose(task: Task, magnitude: float, seconds: float, braked: bool) -> float:
+    """Factor on the magnitude so that the event's quantity is reached where nothing opposes.
+
+    Without one, what is braked goes as far as its word promises: half of its time goes to stopping.
+    """
+    event, brief, anchored = task.event, task.builder.brief, task.builder.anchored
+    if event.amount is None:
+        effort = find_word_effort(event.strength, event.effect) if braked and not anchored else None
+        return 1.0 if effort is None else find_magnitude(effort, seconds, braked, brief) / abs(magnitude)
+    if anchored:
+        wanted = find_held_magnitude(event.amount, event.effect, brief)
+    else:
+        effort = find_effort(event.amount, event.effect, brief)
+        wanted = None if effort is None else find_magnitude(effort, seconds, braked, brief)
+    return 1.0 if wanted is None else max(wanted, 1e-3) / abs(magnitude)
