@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from importlib import resources
 
@@ -44,6 +44,7 @@ class MaterialMention:
         turns: Whether the object becomes it in the course of the clip.
         named: Whether the word is a part of the object's own name ("the rubber duck" of a rubber duck).
         span: The phrase's first character in the sentence and the one after its last; None = it is not there.
+        masked: The same of what tells nothing but the material: "like jelly" in "wobbles like jelly".
     """
 
     word: str
@@ -51,6 +52,7 @@ class MaterialMention:
     turns: bool = False
     named: bool = False
     span: tuple[int, int] | None = None
+    masked: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True)
@@ -75,6 +77,7 @@ class MaterialLexicon:
     containers: frozenset[str]
     becoming: frozenset[str]
     turns: frozenset[str]
+    changing: frozenset[str]
     being: frozenset[str]
     deforms: frozenset[str]
     acts: frozenset[str]
@@ -117,6 +120,20 @@ def find_materials(text: str, brief: SceneBrief) -> tuple[MaterialMention, ...]:
         brief: The scene; its object's name and nouns tell of what a material is said.
     """
     return tuple(_Finder(text, brief).find())
+
+
+def mask_materials(text: str, mentions: Iterable[MaterialMention]) -> str:
+    """A sentence with blanks for what tells nothing but a material, so that motions can be read without it.
+
+    Args:
+        text: The sentence.
+        mentions: Its materials (`find_materials`). Those of the object's own name stay.
+    """
+    for mention in mentions:
+        if mention.masked is not None and not mention.named:
+            start, end = mention.masked
+            text = text[:start] + " " * (end - start) + text[end:]
+    return text
 
 
 def _split(words: str) -> list[str]:
@@ -164,8 +181,14 @@ class _Finder:
                 first, last, turns = found
                 start, end = self.spans[first][0], self.spans[last - 1][1]
                 named = first == at and word in self.own
-                yield MaterialMention(word, self.text[start:end], turns, named, (start, end))
+                masked = (self.spans[self._find_masked(first, at)][0], self.spans[at + max(length, 1) - 1][1])
+                yield MaterialMention(word, self.text[start:end], turns, named, (start, end), masked)
             at += max(length, 1)
+
+    def _find_masked(self, first: int, at: int) -> int:
+        """The first token that tells nothing but the material: a motion or a noun before it stays."""
+        telling = self.tokens[first] in self.lexicon.changing | self.lexicon.made | self.lexicon.being
+        return first if telling or first == at else first + 1
 
     def _read(self, begin: int, end: int, adjective: bool) -> tuple[int, int, bool] | None:
         """The phrase of tokens in which a material is said of the object, and whether the object turns to it."""

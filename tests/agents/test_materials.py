@@ -2,7 +2,7 @@
 
 import pytest
 
-from physagent_jax.agents.materials import find_materials, find_meaning, read_material_words
+from physagent_jax.agents.materials import find_materials, find_meaning, mask_materials, read_material_words
 from physagent_jax.scene.materials import LIBRARY
 from physagent_jax.scene.priors import PRIORS, list_nouns
 from tests.agents.scenes import brief
@@ -114,6 +114,30 @@ def test_becoming_something_is_told_apart():
     (turned,) = find_materials("the robot turns to stone", ROBOT)
     (made,) = find_materials("a robot made of stone", ROBOT)
     assert turned.turns and not made.turns
+
+
+@pytest.mark.parametrize(
+    ("sentence", "left"),
+    [
+        ("a robot made of soft jelly falls", "a robot falls"),
+        ("push the metal robot left", "push the robot left"),
+        ("it wobbles like jelly and stops", "it wobbles and stops"),
+        ("the robot turns to sand and falls", "the robot and falls"),
+        ("the robot collapses into a pile of sand", "the robot collapses"),
+        ("a robot of steel falls", "a robot falls"),
+        ("push the robot onto the sand", "push the robot onto the sand"),
+    ],
+)
+def test_what_is_left_to_read_without_the_material(sentence, left):
+    masked = mask_materials(sentence, find_materials(sentence, ROBOT))
+    assert " ".join(masked.split()) == left and len(masked) == len(sentence)
+
+
+def test_the_objects_own_name_stays_to_be_read():
+    scene = called("rubber duck", "animal")
+    assert mask_materials("push the rubber duck", find_materials("push the rubber duck", scene)) == (
+        "push the rubber duck"
+    )
 
 
 def test_several_materials_are_all_found_and_each_once():
