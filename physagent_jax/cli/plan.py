@@ -42,6 +42,8 @@ class Plan:
     """plant, food, robot, ... (decides what is held); default: its card, else from the file's name."""
     azimuth: float | None = None
     """The camera's place, in degrees about the vertical: it decides what left is."""
+    material: str | None = None
+    """As for `physagent run`."""
     anchor: Literal["auto", "none", "base", "top"] = "auto"
     """The part that is held fixed; auto: as the sentence says, else as the kind implies."""
     world: Literal["ground", "free"] | None = None
@@ -114,6 +116,7 @@ def to_json(reply: SemanticReply, brief: SceneBrief) -> dict:
         "anchor": {"held": brief.anchored, **shown["anchor"]},
         "frames": brief.frame_count,
         "seconds": round((brief.frame_count - 1) * brief.frame_dt, 6),
+        "materials": list(reply.materials),
         "assumptions": list(reply.notes),
         "not_understood": list(reply.not_understood),
         "unsure": list(reply.unsure),

@@ -86,8 +86,8 @@ class Run:
     """Width and height of the pictures that perception gets; default: the preset's."""
     video_size: str = "1280x720"
     """Width and height of the video, which is drawn for people; off: none is."""
-    max_iterations: int = 3
-    """Rounds at most."""
+    max_iterations: Annotated[int, tyro.conf.arg(aliases=("--rounds",))] = 3
+    """Rounds at most; they end earlier where none of the last two improved anything."""
     reader: Literal["grammar", "model", "both"] = "grammar"
     """Agent that reads the sentence; both: the grammar's reading stands, and the model may doubt it."""
     form: Literal["clauses", "by-clause", "paper"] | None = None
@@ -172,7 +172,9 @@ class Run:
         if self.json_line:
             print(json.dumps(summary))
         else:
-            stderr.print(f"[bold]{summary['verdict']}[/] after {summary['iterations']} round(s)")
+            stderr.print(
+                f"[bold]{summary['verdict']}[/] after {summary['iterations']} round(s): {summary['stopped']}"
+            )
             video = PLAIN_VIDEO if run.spec.save.video_size is None else VIDEO
             print(f"video:  {store.path / video}\nreport: {report}")
         return 0
@@ -193,6 +195,7 @@ def summarise(store, seconds: float) -> dict:
     return {
         "verdict": manifest.verdict,
         "iterations": manifest.iterations,
+        "stopped": manifest.stopped,
         "assumptions": understood.notes,
         "not_understood": understood.not_understood,
         "unsure": understood.unsure,

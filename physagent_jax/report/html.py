@@ -38,7 +38,7 @@ from physagent_jax.report.rounds import make_overview, make_probe_table, make_ro
 from physagent_jax.report.truth import make_truth_table
 from physagent_jax.report.words import make_words_section
 from physagent_jax.run.finished import FinishedRound, FinishedRun, open_run
-from physagent_jax.run.manifest import AgentCost
+from physagent_jax.run.manifest import STOP_REASONS, AgentCost
 from physagent_jax.run.store import REPORT
 
 SECTIONS = {
@@ -190,6 +190,7 @@ def _make_glance(run: FinishedRun) -> Markup:
         [
             ("score", f"{format_fixed(score)} of 1") if score is not None else None,
             ("rounds", f"{len(run.rounds)}, the best is round {best.number}") if best else None,
+            ("ended because", STOP_REASONS[manifest.stopped]) if manifest and manifest.stopped else None,
             ("coarse rounds before", str(len(run.probe))) if run.probe else None,
             ("clip", describe_clip(scene)) if scene else None,
             ("particles", format_count(record.particle_count)) if record else None,

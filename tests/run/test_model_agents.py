@@ -7,6 +7,7 @@ from contextlib import nullcontext
 import imageio.v3 as iio
 import pytest
 
+from physagent_jax.agents.progress import find_best_round
 from physagent_jax.agents.protocols import Agents, ExecutorAgent, PlannerAgent, SemanticAgent
 from physagent_jax.agents.registry import make_agents
 from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply, Verdict
@@ -14,7 +15,7 @@ from physagent_jax.agents.trace import AgentError, FailedCall, Message, Reply, T
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.report.html import write_report
-from physagent_jax.run.manifest import Manifest, find_best_round
+from physagent_jax.run.manifest import Manifest
 from physagent_jax.run.refused import RefusedReadings
 from physagent_jax.scene.cost import Limits
 from tests.run.specs import made, small
