@@ -125,13 +125,15 @@ def _is_part_with_name(reader: Reader, at: int, noun: str) -> bool:
 _SIDE = "left|right|front|back|rear"
 _NOUN = "|".join(sorted(LEXICON.obstacles, key=len, reverse=True))
 _OF_IT = r"(?: (?:of )?(?:it|him|her|(?:the )(?P<owner>\S+)))?"
+_PLACES = "|".join(read_sections()["places_of_walls"])
 _WALL = re.compile(
-    rf"(?:(?P<side>{_SIDE}) )?(?:(?:{_NOUN}) )?(?P<noun>{_NOUN})(?P<where> (?:"
-    rf"(?P<place>{'|'.join(read_sections()['places_of_walls'])}|in front){_OF_IT}"
-    rf"|(?P<to>on|at|to) (?:the |its |his |our )?(?P<beside>{_SIDE})(?: side| hand)?(?P<of> of (?:it|him|her|the \S+))?))?(?= )"
+    rf"(?:(?P<side>{_SIDE}) )?(?:(?:{_NOUN}) )?(?P<noun>{_NOUN})(?P<where> (?:(?P<place>{_PLACES}|in front){_OF_IT}"
+    rf"|(?P<to>on|at|to) (?:the |its |his |our )?(?P<beside>{_SIDE})(?: side| hand)?"
+    r"(?P<of> of (?:it|him|her|the \S+))?))?(?= )"
 )
 _PAIR = re.compile(
-    r"walls (?:(?:on )?(?:the |its )?left and (?:on )?(?:the |its )?right|on (?:both|either) (?:its )?sides?)(?: of (?:it|the \S+))?(?= )"
+    r"walls (?:(?:on )?(?:the |its )?left and (?:on )?(?:the |its )?right|on (?:both|either) (?:its )?sides?)"
+    r"(?: of (?:it|the \S+))?(?= )"
 )
 
 
