@@ -178,7 +178,9 @@ def read_corrections(mentions: list[Mention], _names: frozenset[str]) -> list[Me
                 i for i in range(max(begin - _REACH, 0), begin) if result[i].kind in _REPLACED[mention.kind]
             ][-1:]:
                 result[place] = empty(result[place])
-        first = begin - (mentions[begin - 1].kind is MentionKind.JOIN)
+        first = begin
+        while first > 0 and mentions[first - 1].kind is MentionKind.JOIN:
+            first -= 1
         result[first : begin + size] = [empty(m) for m in result[first : begin + size]]
     return result
 

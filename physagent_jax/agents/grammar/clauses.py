@@ -37,6 +37,7 @@ OPPOSITE_GRAVITY = {"down": "none", "none": "down", "up": "down"}
 _RANK = (Join.COMMA, Join.AND, Join.RESULT, Join.WHILE, Join.BUT, Join.THEN, Join.AFTER, Join.BEFORE)
 _TIMED = (Join.WHILE, Join.AFTER, Join.BEFORE)
 _STRENGTHS = (MentionKind.INTENSITY, MentionKind.COMPARATIVE)
+_MEASURES = (*_STRENGTHS, MentionKind.QUANTITY, MentionKind.TIME)
 _NEGATABLE = (*WHERE, *MOTIONS, *_STRENGTHS, MentionKind.DEGREE, MentionKind.GRAVITY, MentionKind.ANCHOR)
 _EMPTY = (MentionKind.FUNCTION, MentionKind.UNKNOWN, MentionKind.IGNORED)
 _REACH = 12  # words behind a verb that may tell how it is done
@@ -108,7 +109,7 @@ def find_repeats(clause: Clause) -> list[Repeat]:
 def group_mentions(mentions: list[Mention]) -> list[Clause]:
     """The clauses of a sentence in the order of its words; some have no verb yet."""
     clauses: list[Clause] = []
-    for join, segment in split_segments(mentions):
+    for join, segment in _part_list(split_segments(mentions)):
         _add_segment(clauses, join, apply_negations(segment))
     return clauses
 
@@ -131,6 +132,22 @@ def split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]:
         else:
             segments[-1] = (_combine(join, mention, len(segments) == 1), inside)
     return [segment for segment in segments if segment[1]]
+
+
+def _part_list(segments: list[tuple[Join, list[Mention]]]) -> list[tuple[Join, list[Mention]]]:
+    """Makes steps of a list of three ways or more: "it goes left, up, right"; two go together: "left, up"."""
+    parted = list(segments)
+    bare = {MentionKind.DIRECTION, MentionKind.INTENSITY, MentionKind.FUNCTION}
+    begin = 0
+    for end in range(1, len(segments) + 1):
+        kinds = {m.kind for m in segments[end][1]} if end < len(segments) else set()
+        if end < len(segments) and segments[end][0] in (Join.COMMA, Join.THEN) and kinds <= bare:
+            continue
+        led = any(m.kind is MentionKind.DIRECTION for m in segments[begin][1])
+        if led and end - begin > 2:
+            parted[begin + 1 : end] = [(Join.THEN, segment) for _, segment in segments[begin + 1 : end]]
+        begin = end
+    return parted
 
 
 def _is_trailing(mentions: list[Mention], index: int) -> bool:
@@ -298,7 +315,7 @@ def _is_other_place(last: Clause, mentions: list[Mention]) -> bool:
 def _is_turning_back(clauses: list[Clause], join: Join, mentions: list[Mention]) -> bool:
     """Whether a list goes the other way now: "push it left, right, and left again"."""
     last = clauses[-1]
-    measured = any(m.kind in (*_STRENGTHS, MentionKind.QUANTITY) for m in mentions) and not last.has(
+    measured = any(m.kind in _MEASURES for m in mentions) and not last.has(
         Effect.SWAY, Effect.SCALE, Effect.SWELL
     )
     listed = len(clauses) > 1 and last.head is None or measured  # "gently to the left and hard to the right"

@@ -99,7 +99,9 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
             clause.join = _find_comma(merged, clause)
         if clause.join is Join.RESULT and before.has(Effect.STILL):
             clause.join = Join.THEN  # "nothing happens until it is hit"
-        if _is_falling_over(before, clause):
+        if clause.stays and not clause.modifiers and before.has(get_verb(clause.verb).effect):
+            before.stays = True  # "compress it and keep it compressed"
+        elif _is_falling_over(before, clause):
             _absorb(before, clause)
         elif (
             clause.join is Join.RESULT or _is_carried_off(before, clause) or _is_moved_by_wind(before, clause)
