@@ -167,7 +167,7 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
     plural = text.endswith("s") and text != reader.tokens[at].lemma
     if plural and before in get_set("before_nouns"):
         return True  # "on waves"
-    return words[0] in LEXICON.nouns and (described and article or before in ("the", "its", "a"))
+    return " ".join(words) in LEXICON.nouns and (described and article or before in ("the", "its", "a"))
 
 
 def _is_standing(reader: Reader, at: int) -> bool:

@@ -97,18 +97,14 @@ def sort_words(mentions: list[Mention], names: frozenset[str], brief: SceneBrief
     found: dict[str, list[str]] = {"ignored": [], "doubtful": [], "taken": []}
     seen: set[str] = set()
     for spot in _list_spots(mentions, names):
-        if (
-            spot.mentions[spot.index].kind is MentionKind.IGNORED
-            or is_look(spot.word)
-            and not _is_telling_a_part(spot)
-        ):
-            kind = "ignored"
-        elif nameless and spot.word.isalpha() and _is_named_here(spot, named, found["taken"]):
+        look = is_look(spot.word) and not _is_telling_a_part(spot)
+        if nameless and spot.word.isalpha() and _is_named_here(spot, named, found["taken"]):
             kind = "taken"
+        elif look or mentions[spot.index].kind is MentionKind.IGNORED:
+            kind = "ignored"
         else:
-            kind = (
-                "ignored" if next((ignored for rule, ignored in _RULES if rule(spot)), False) else "doubtful"
-            )
+            ignored = next((ignored for rule, ignored in _RULES if rule(spot)), False)
+            kind = "ignored" if ignored else "doubtful"
         if spot.word not in seen:
             found[kind].append(spot.word)
             seen.add(spot.word)
@@ -261,6 +257,7 @@ def _is_acting(spot: _Spot) -> bool:
 
 # In their order: the first that holds decides whether the word is ignored; what none holds for is doubtful.
 _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
+    (_is_a_path, False),
     (_is_heading, True),
     (_is_in_a_fragment, True),
     (_is_number, False),
@@ -270,7 +267,6 @@ _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
     (_is_reaching, True),
     (_is_a_part, False),
     (_is_telling_a_part, False),
-    (_is_a_path, False),
     (_is_struck, False),
     (_is_result, False),
     (_is_placed, True),

@@ -155,12 +155,12 @@ def _make_quantity(
         return None
     scales = [_TABLES[name][groups[name]] for name in ("factors", "angles", "metres") if groups.get(name)]
     named = [_TABLES[name][groups[name]] for name in ("dimensions", "adjectives") if groups.get(name)]
-    relations = ("is", "acts"), ("to", "goal"), ("by", "relative")
+    told = {name: holds[row.get(name, "")] for name in ("acts", "goal", "relative")}
     return Quantity(
         value=min(value * float(row.get("scale", 1.0)) * math.prod(map(float, scales)), _MOST),
         unit=row["unit"],
         dimension=named[0] if named else row.get("dimension", ""),
-        relation=next((relation for relation, name in relations if holds[row.get(name, "")]), ""),
+        relation="is" if told["acts"] else "to" if told["goal"] else "by" if told["relative"] else "",
     )
 
 
