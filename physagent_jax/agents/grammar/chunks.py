@@ -140,6 +140,9 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
             return True  # "wobble it on its base"
         another = before in ("a", "an") and not set(words) & LEXICON.one_of_many
         return (text in LEXICON.agents and not owned) or another and reader.get_text(at + 1) != "of"
+    if kind is MentionKind.ANCHOR and value == "none":  # "the free end"
+        behind = reader.get_text(used[-1] + 1)
+        return behind in LEXICON.part_adjectives or behind in LEXICON.part_nouns
     if kind is not MentionKind.VERB:
         return False
     if len(words) > 1:  # "push it over and over" does not push it over, "push it over the edge" neither

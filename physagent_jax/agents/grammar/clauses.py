@@ -196,7 +196,7 @@ def apply_negations(mentions: list[Mention]) -> list[Mention]:
             pending = mention
         elif pending is not None and (mention.kind is MentionKind.SOLID or ground):
             pending = None  # "no wall, just push it", "without a floor it falls"
-            result += [mention] if ground else []
+            result += [mention] if mention.kind is not MentionKind.SOLID else []
         elif pending is None or mention.kind not in _NEGATABLE:
             result.append(mention)
         elif mention.kind is MentionKind.VERB and _is_manner_denied(mentions[index + 1 : index + _REACH]):

@@ -165,7 +165,8 @@ def _make_quantity(
 
 
 def _begins_number(word: str) -> bool:
-    return word[:1].isdigit() and word.isascii() or word in NUMBERS or word in _SCALES or word in _VAGUE
+    known = word in NUMBERS or word in _SCALES or word in _VAGUE or word.removesuffix("fold") in NUMBERS
+    return known or word[:1].isdigit() and word.isascii()
 
 
 # A length of time, and moments.
