@@ -32,14 +32,14 @@ from physagent_jax.metrics.task_judge import compute_residuals
 _SUPERPOSED = [skill for skill in list_skills("actions") if skill.superposes]
 
 SKILLS = tuple(ActionType(s.name) for s in sorted(_SUPERPOSED, key=lambda s: s.is_axis or s.is_two_sided))
-"""Those whose response in any window follows from one simulation. Of equals the first is preferred: along a way."""
+"""Skills whose response in any window follows from one simulation; among equals the first is preferred."""
 
 WRING = ConstraintType("enforce_particle_rotation")
 """Two ends turned against each other and held so: what no torque does to a body that springs back. Prescribed motions
 do not add up, so that both ends are one response."""
 
 END_SKILLS = tuple(skill for skill in SKILLS if not skill.skill.is_two_sided)
-"""Of an end; those with two sides too where the target speaks of its length."""
+"""Skills of an end; those with two sides too where the target speaks of its length."""
 
 SIDED_SKILLS = tuple(skill for skill in SKILLS if skill.skill.is_two_sided)
 """A stretch or squeeze along an axis."""
@@ -48,7 +48,7 @@ STRENGTH = MAGNITUDE_MIN
 """[|M|] of what is simulated: weak, to be in proportion; what is pulled hard tears, and says nothing of what holds."""
 
 SHARE = 0.4
-"""Of the budget that responses may cost; regions that would cost more are left out."""
+"""Share of the budget that responses may cost; regions that would cost more are left out."""
 
 BLOW_LENGTH = 2
 """[frames] of a blow."""
@@ -57,11 +57,13 @@ CLOSEST = 3
 """[frames] by which two changes are apart, at least."""
 
 PARTICLES = 120
-"""Of which the superposed paths are made, about."""
+"""Particles of the superposed paths, about."""
 
 CLEARLY = 0.9
-"""Of the loss at rest: a fall that leaves more is none of what is asked for. What falls comes to touch the ground, and
-answers to every skill in another way."""
+"""Share of the loss at rest; a fall that leaves more is none of what is asked for.
+
+An object that falls comes to touch the ground, and answers to every skill in another way.
+"""
 
 SHORTER = 4
 """Part of the clip for which a skill acts whose response failed: less strength the library does not have."""

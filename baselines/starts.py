@@ -30,7 +30,7 @@ KINDS = tuple(
     for skill in list_skills("actions")
     for sign in ((1.0, -1.0) if skill.is_two_sided else (1.0,))
 )
-"""What an action can be: the skills, a stretch and a squeeze apart, for no vector turns one into the other."""
+"""Skills of an action; a stretch and a squeeze are two, for no vector turns one into the other."""
 
 BLOW = (0.0, 2.0)
 """[frames] of a blow whose window nobody has said: short, and at once."""
@@ -42,7 +42,7 @@ HOP = 0.15
 """[|M| v] standard deviation by which a search that got stuck begins again beside its best."""
 
 FIRST_SHARE = 0.6
-"""Of the budget that is spent on finding out which of several searches is the best."""
+"""Share of the budget that is spent on finding the best of several searches."""
 
 Descent = Iterator[float]
 """A local search that can be stopped after every step: yields the best loss so far."""

@@ -8,9 +8,10 @@ it accepts a `ForceField` or raw JSON, so that a language model's reply is mende
 from __future__ import annotations
 
 import copy
+import functools
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -39,8 +40,10 @@ _GROUPS = {
 }
 _SAME_VECTOR = 0.9999
 _PARALLEL = 0.9
+_AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 Entries = dict[str, Any]  # {"default_drop": bool, "actions": [dict], "constraints": [dict]}
+Entry = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -67,6 +70,21 @@ class Context:
 
     brief: SceneBrief
     expectations: tuple[ExpectedMotion, ...] = ()
+
+    @property
+    def last(self) -> float:
+        """Index of the clip's last frame."""
+        return float(self.brief.frame_count - 1)
+
+    @functools.cached_property
+    def allowed(self) -> list[Vector]:
+        """Directions that entries may have."""
+        named = [e.direction for e in self.expectations if e.direction is not None]
+        lines = [*_AXES, *named]
+        return [*base_directions(self.brief.directions), *lines, *(scale(v, -1.0) for v in lines)]
+
+
+Rule = Callable[[Entries, Context], tuple[Entries, list[str]]]
 
 
 def apply_hard_rules(
@@ -101,16 +119,28 @@ def base_directions(table: DirectionTable) -> list[Vector]:
     return vectors
 
 
+def _on_each(repair: Callable[[Entry, str, Context], Iterator[str]]) -> Rule:
+    """A rule about single entries: it changes one in place, or empties what is to be dropped, and says why."""
+
+    @functools.wraps(repair)
+    def rule(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
+        reasons = [
+            f"{group}[{index}]{why}"
+            for group in _GROUPS
+            for index, item in enumerate(entries[group])
+            for why in repair(item, group, context)
+        ]
+        return entries | {group: [item for item in entries[group] if item] for group in _GROUPS}, reasons
+
+    return rule
+
+
 def known_skills(entries: Entries, _context: Context) -> tuple[Entries, list[str]]:
     """Only the library's skills and keys: unknown keys are removed, unknown or malformed entries dropped."""
-    reasons: list[str] = []
     drop = entries.get("default_drop", False)
     clean: Entries = {"default_drop": drop if isinstance(drop, bool) else str(drop).lower() == "true"}
-    reasons += [
-        f"'{key}' is not part of a force field: removed"
-        for key in entries
-        if key not in ("default_drop", *_GROUPS)
-    ]
+    foreign = [key for key in entries if key not in ("default_drop", *_GROUPS)]
+    reasons = [f"'{key}' is not part of a force field: removed" for key in foreign]
     for group, (type_key, types, model) in _GROUPS.items():
         clean[group] = []
         items = entries.get(group) or []
@@ -120,39 +150,103 @@ def known_skills(entries: Entries, _context: Context) -> tuple[Entries, list[str
                 continue
             unknown = [key for key in item if key not in model.model_fields]
             reasons += [f"{group}[{index}].{key} is not a field of a skill: removed" for key in unknown]
-            clean[group].append({key: value for key, value in item.items() if key in model.model_fields})
+            clean[group].append({key: value for key, value in item.items() if key not in unknown})
     return clean, reasons
 
 
-def unit_vectors(entries: Entries, _context: Context) -> tuple[Entries, list[str]]:
+@_on_each
+def unit_vectors(item: Entry, _group: str, _context: Context) -> Iterator[str]:
     """||v|| = 1: vectors are normalised; an entry without a usable direction is dropped."""
-    reasons: list[str] = []
-    for group in _GROUPS:
-        kept = []
-        for index, item in enumerate(entries[group]):
-            vector = _read_numbers(item.get("vector"), 3)
-            unit = normalise(vector) if vector else None
-            if vector is None or unit is None:
-                reasons.append(f"{group}[{index}].vector is no direction: the entry is dropped")
-                continue
-            if abs(math.dist(unit, vector)) > 1e-6:
-                reasons.append(f"{group}[{index}].vector is normalised")
-            kept.append({**item, "vector": list(unit)})
-        entries[group] = kept
-    return entries, reasons
+    vector = _read_numbers(item.get("vector"), 3)
+    unit = normalise(vector) if vector else None
+    if vector is None or unit is None:
+        item.clear()
+        yield ".vector is no direction: the entry is dropped"
+        return
+    item["vector"] = list(unit)
+    if abs(math.dist(unit, vector)) > 1e-6:
+        yield ".vector is normalised"
 
 
-def magnitude_range(entries: Entries, _context: Context) -> tuple[Entries, list[str]]:
+@_on_each
+def magnitude_range(item: Entry, _group: str, _context: Context) -> Iterator[str]:
     """0.4 <= |M| <= 1.6 with the sign kept; something that is no number becomes 1."""
-    reasons: list[str] = []
-    for group, index, item in _map_each(entries):
-        given = _read_numbers([item.get("magnitude", 1.0)], 1)
-        value = given[0] if given else 1.0
-        kept = math.copysign(clamp(abs(value), MAGNITUDE_MIN, MAGNITUDE_MAX), value)
-        if not given or abs(kept - value) > 1e-9:
-            reasons.append(f"{group}[{index}].magnitude {item.get('magnitude')} becomes {kept:g}")
-        item["magnitude"] = kept
-    return entries, reasons
+    told = item.get("magnitude", 1.0)
+    given = _read_numbers([told], 1)
+    value = given[0] if given else 1.0
+    item["magnitude"] = kept = math.copysign(clamp(abs(value), MAGNITUDE_MIN, MAGNITUDE_MAX), value)
+    if not given or abs(kept - value) > 1e-9:
+        yield f".magnitude {told} becomes {kept:g}"
+
+
+@_on_each
+def window_in_clip(item: Entry, _group: str, context: Context) -> Iterator[str]:
+    """0 <= first < last <= last frame; a window that is no window becomes the whole clip."""
+    told, end = item.get("active_time"), context.last
+    if told is None:
+        return
+    window, kept = _read_numbers(told, 2), None
+    if window and end >= 1:
+        first, last = clamp(min(window), 0.0, end), clamp(max(window), 0.0, end)
+        begin = min(first, end - 1.0)
+        kept = [begin, begin + 1.0] if is_too_short(first, last) else [first, last]
+    item["active_time"] = kept
+    if kept is None or list(window or ()) != kept:
+        yield f".active_time {told} becomes {kept or 'the whole clip'}"
+
+
+@_on_each
+def held_until_in_clip(item: Entry, group: str, context: Context) -> Iterator[str]:
+    """Hold what was moved somewhere until a frame after its window and inside the clip, or release it."""
+    told, window = item.pop("held_until", None), item.get("active_time")
+    if told is None:
+        return
+    given = _read_numbers([told], 1)
+    until = None if given is None else min(given[0], context.last)
+    if (
+        until is not None
+        and window is not None
+        and until > window[1]
+        and not _get_skill(group, item).is_sudden
+    ):
+        item["held_until"] = until
+    if given is None or item.get("held_until") != given[0]:
+        yield f".held_until becomes {item.get('held_until', 'nothing')}"
+
+
+@_on_each
+def known_regions(item: Entry, group: str, _context: Context) -> Iterator[str]:
+    """Regions must be well formed: what cannot be read as one is removed, and the whole object is used."""
+    try:
+        _GROUPS[group][2].model_validate(item)
+    except ValidationError as error:
+        wrong = {str(detail["loc"][0]) for detail in error.errors() if detail["loc"]}
+        for key in sorted(wrong & {"region", "object"}):
+            item[key] = None
+            yield f".{key} is malformed: removed"
+
+
+@_on_each
+def brief_impulse(item: Entry, group: str, context: Context) -> Iterator[str]:
+    """An impulse is sudden: its window spans at most two frames."""
+    first, last = item.get("active_time") or (0.0, context.last)
+    if _get_skill(group, item).is_sudden and context.last >= 1 and last - first > LONGEST_IMPULSE:
+        item["active_time"] = [first, first + 1.0]
+        yield f" is an impulse: its window becomes {item['active_time']}"
+
+
+@_on_each
+def directional_rigidity(item: Entry, _group: str, context: Context) -> Iterator[str]:
+    """Base vectors are immutable; composites are their normalised sums.
+
+    World axes and the directions that the sentence names are allowed too; anything else is moved to the
+    nearest of these.
+    """
+    given = tuple(item["vector"])
+    nearest = max(context.allowed, key=lambda v: cosine(v, given))
+    if cosine(nearest, given) < _SAME_VECTOR:
+        item["vector"] = list(nearest)
+        yield f".vector is no sum of base directions: moved to {_format(nearest)}"
 
 
 def no_stacking(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
@@ -163,11 +257,10 @@ def no_stacking(entries: Entries, context: Context) -> tuple[Entries, list[str]]
     count nor make room.
     """
     reasons: list[str] = []
-    last = float(context.brief.frame_count - 1)
     kept: list[Cause] = []
     gone: dict[str, set[int]] = {group: set() for group in _GROUPS}
     for cause in list_causes(ForceField.model_validate(entries)):
-        room, fellows = find_room(cause, kept, last)
+        room, fellows = find_room(cause, kept, context.last)
         if fits(room, cause.item.magnitude):
             kept.append(cause)
             continue
@@ -184,7 +277,7 @@ def no_stacking(entries: Entries, context: Context) -> tuple[Entries, list[str]]
             gone[cause.group].add(cause.index)
             reasons.append(f"{why} than {MAGNITUDE_MAX:g} in all: removed")
     for group, indices in gone.items():
-        entries[group] = [item for index, item in enumerate(entries[group]) if index not in indices]
+        entries[group] = _without(entries[group], indices)
     return entries, reasons
 
 
@@ -211,110 +304,11 @@ def gravity_makes_it_fall(entries: Entries, context: Context) -> tuple[Entries, 
         and not any(agrees(cause, e) for e in context.expectations if e.kind is MotionKind.SWAY)
     ]
     for group in _GROUPS:
-        indices = {cause.index for cause in lowered if cause.group == group}
-        entries[group] = [item for index, item in enumerate(entries[group]) if index not in indices]
+        entries[group] = _without(entries[group], {cause.index for cause in lowered if cause.group == group})
     reasons += [f"{cause.name} pushes down what is to fall: removed, gravity does it" for cause in lowered]
     if context.brief.world == "free" and not entries["default_drop"]:
         entries["default_drop"] = True
         reasons.append("gravity acts on what is to fall: switched on, with the ground below")
-    return entries, reasons
-
-
-def window_in_clip(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
-    """0 <= first < last <= last frame; a window that is no window becomes the whole clip."""
-    reasons: list[str] = []
-    end = float(context.brief.frame_count - 1)
-    for group, index, item in _map_each(entries):
-        if item.get("active_time") is None:
-            continue
-        window = _read_numbers(item["active_time"], 2)
-        kept = None
-        if window and end >= 1:
-            first, last = clamp(min(window), 0.0, end), clamp(max(window), 0.0, end)
-            kept = (
-                [min(first, end - 1.0), min(first, end - 1.0) + 1.0]
-                if is_too_short(first, last)
-                else [first, last]
-            )
-        if kept is None or window is None or list(window) != kept:
-            reasons.append(
-                f"{group}[{index}].active_time {item['active_time']} becomes {kept or 'the whole clip'}"
-            )
-        item["active_time"] = kept
-    return entries, reasons
-
-
-def held_until_in_clip(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
-    """Hold what was moved somewhere until a frame after its window and inside the clip, or release it."""
-    reasons: list[str] = []
-    end = float(context.brief.frame_count - 1)
-    for group, index, item in _map_each(entries):
-        if item.get("held_until") is None:
-            item.pop("held_until", None)
-            continue
-        given = _read_numbers([item.pop("held_until")], 1)
-        window = item.get("active_time")
-        until = (
-            None
-            if given is None or window is None or _get_skill(group, item).is_sudden
-            else min(given[0], end)
-        )
-        if until is not None and window is not None and until > window[1]:
-            item["held_until"] = until
-        if given is None or item.get("held_until") != given[0]:
-            reasons.append(f"{group}[{index}].held_until becomes {item.get('held_until', 'nothing')}")
-    return entries, reasons
-
-
-def known_regions(entries: Entries, _context: Context) -> tuple[Entries, list[str]]:
-    """Regions must be well formed: what cannot be read as one is removed, and the whole object is used."""
-    reasons: list[str] = []
-    for group, index, item in _map_each(entries):
-        model = _GROUPS[group][2]
-        try:
-            model.model_validate(item)
-        except ValidationError as error:
-            bad = {str(detail["loc"][0]) for detail in error.errors() if detail["loc"]} & {"region", "object"}
-            for key in sorted(bad):
-                reasons.append(f"{group}[{index}].{key} is malformed: removed")
-                item[key] = None
-    return entries, reasons
-
-
-def brief_impulse(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
-    """An impulse is sudden: its window spans at most two frames."""
-    reasons: list[str] = []
-    end = float(context.brief.frame_count - 1)
-    for group, index, item in _map_each(entries):
-        if not _get_skill(group, item).is_sudden or end < 1:
-            continue
-        first, last = item.get("active_time") or (0.0, end)
-        if last - first > LONGEST_IMPULSE:
-            item["active_time"] = [first, first + 1.0]
-            reasons.append(f"{group}[{index}] is an impulse: its window becomes {item['active_time']}")
-    return entries, reasons
-
-
-def directional_rigidity(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
-    """Base vectors are immutable; composites are their normalised sums.
-
-    World axes and the directions that the sentence names are allowed too; anything else is moved to the
-    nearest of these.
-    """
-    reasons: list[str] = []
-    allowed = base_directions(context.brief.directions)
-    for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
-        allowed += [axis, scale(axis, -1.0)]
-    for expectation in context.expectations:
-        if expectation.direction is not None:
-            allowed += [expectation.direction, scale(expectation.direction, -1.0)]
-    for group, index, item in _map_each(entries):
-        nearest = max(allowed, key=lambda v: cosine(v, tuple(item["vector"])))
-        if cosine(nearest, tuple(item["vector"])) < _SAME_VECTOR:
-            item["vector"] = list(nearest)
-            reasons.append(
-                f"{group}[{index}].vector is no sum of base directions: moved to {_format(nearest)}"
-            )
     return entries, reasons
 
 
@@ -371,7 +365,7 @@ def paired_translation(entries: Entries, context: Context) -> tuple[Entries, lis
             continue
         first = entries["constraints"][slabs[0].index]
         gone = {cause.index for cause in slabs[1:]}
-        kept = [item for i, item in enumerate(entries["constraints"]) if i not in gone]
+        kept = _without(entries["constraints"], gone)
         entries["constraints"] = [*kept, _mirror(first)]
         reasons.append(
             f"{slabs[0].name} is given its symmetrically opposed partner; {len(gone)} others are removed"
@@ -400,11 +394,8 @@ def _mirror(item: dict[str, Any]) -> dict[str, Any]:
     return {**item, "region": region, "vector": [-c + 0.0 for c in item["vector"]]}
 
 
-def _map_each(entries: Entries):
-    """(group, index, item) of every entry."""
-    for group in _GROUPS:
-        for index, item in enumerate(entries[group]):
-            yield group, index, item
+def _without(items: list[Entry], indices: set[int]) -> list[Entry]:
+    return [item for index, item in enumerate(items) if index not in indices]
 
 
 def _get_skill(group: str, item: Mapping[str, Any]) -> Skill:
@@ -425,8 +416,6 @@ def _read_numbers(value: Any, count: int) -> tuple | None:
 def _format(vector: Vector) -> str:
     return "[" + ", ".join(f"{c:.3g}" for c in vector) + "]"
 
-
-Rule = Callable[[Entries, Context], tuple[Entries, list[str]]]
 
 # In order: form before content, so that later rules can rely on valid entries.
 RULES: dict[str, Rule] = {

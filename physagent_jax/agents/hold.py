@@ -1,9 +1,9 @@
 """Holds against motions: whether a hold gives way, stays, or makes a motion impossible.
 
 A hold that only the object's kind implies gives way to a motion that needs the object free: it falls, rises, turns as
-a whole, or leaves its place (`ExpectedMotion.leaves_place`). What is bent, swayed, stretched or twisted keeps it, and
-so does a push of which no distance is told: it bends what is rooted. A hold that the sentence or the user asks for
-never gives way; a motion that it makes impossible is found before anything is simulated.
+a whole, or leaves its place (`ExpectedMotion.leaves_place`). What is bent, swayed, stretched or twisted keeps it. So
+does a push of which neither a distance nor another place is told: it bends what is rooted. A hold that the sentence or
+the user asks for never gives way; a motion that it makes impossible is found before anything is simulated.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def find_leaving(reply: SemanticReply, up: Vector) -> ExpectedMotion | None:
         reply: The plan.
         up: Unit vector against gravity.
     """
-    return next((each for each in _list_motions(reply) if _needs_free(each, up)), None)
+    return next((each for each in _list_whole_motions(reply) if _needs_free(each, up)), None)
 
 
 def find_impossible(hold: Hold, reply: SemanticReply, up: Vector) -> ExpectedMotion | None:
@@ -69,7 +69,7 @@ def find_impossible(hold: Hold, reply: SemanticReply, up: Vector) -> ExpectedMot
         reply: The plan.
         up: Unit vector against gravity.
     """
-    return next((each for each in _list_motions(reply) if _is_impossible(each, hold, up)), None)
+    return next((each for each in _list_whole_motions(reply) if _is_impossible(each, hold, up)), None)
 
 
 def refuse_impossible(hold: Hold, reply: SemanticReply, up: Vector, *, whole: bool) -> None:
@@ -106,7 +106,7 @@ def describe_yielding(hold: Hold, reply: SemanticReply, up: Vector) -> str | Non
         reply: The plan.
         up: Unit vector against gravity.
     """
-    motions = [each for each in _list_motions(reply) if _needs_free(each, up)]
+    motions = [each for each in _list_whole_motions(reply) if _needs_free(each, up)]
     upright = [each for each in motions if each.kind is MotionKind.ROTATE or _find_height(each, up) > _UPWARD]
     if not upright:
         return None
@@ -152,9 +152,12 @@ def _list_motions(reply: SemanticReply) -> tuple[ExpectedMotion, ...]:
     return tuple(motions)
 
 
+def _list_whole_motions(reply: SemanticReply) -> list[ExpectedMotion]:
+    """The motions of the object as a whole: no part needs it free, and none is impossible by its hold."""
+    return [each for each in _list_motions(reply) if not each.partial and each.part is None]
+
+
 def _needs_free(motion: ExpectedMotion, up: Vector) -> bool:
-    if not _is_of_whole(motion):
-        return False
     match motion.kind:
         case MotionKind.FALL:
             return True
@@ -167,8 +170,6 @@ def _needs_free(motion: ExpectedMotion, up: Vector) -> bool:
 
 
 def _is_impossible(motion: ExpectedMotion, hold: Hold, up: Vector) -> bool:
-    if not _is_of_whole(motion):
-        return False
     match motion.kind:
         case MotionKind.FALL:
             return True
@@ -178,10 +179,6 @@ def _is_impossible(motion: ExpectedMotion, hold: Hold, up: Vector) -> bool:
         case MotionKind.ROTATE:
             return abs(_find_height(motion, up)) < _LEVEL and _find_angle(motion) >= _TURNED_OVER
     return False
-
-
-def _is_of_whole(motion: ExpectedMotion) -> bool:
-    return not motion.partial and motion.part is None
 
 
 def _find_height(motion: ExpectedMotion, up: Vector) -> float:

@@ -163,6 +163,7 @@ class Clause(Strict):
         inherited: Whether the motion is understood from the clause before ("push it left, then right").
         stays: Whether the result is held ("and hold it there").
         even: Whether it goes at one speed.
+        elsewhere: Whether the object ends at another place: "away", "aside", "off the table".
         said: The words in the sentence that name the motion.
         text: The clause's words in the sentence.
     """
@@ -183,6 +184,7 @@ class Clause(Strict):
     inherited: bool = False
     stays: bool = False
     even: bool = False
+    elsewhere: bool = False
     said: Word = ""
     text: Word = ""
 
@@ -232,11 +234,11 @@ class Intent(Strict):
         notes: Assumptions made, in plain sentences.
     """
 
-    clauses: Annotated[tuple[Clause, ...], Field(max_length=100)] = ()
+    clauses: Annotated[tuple[Clause, ...], Field(max_length=10_000)] = ()
     held: Held | None = None
     surroundings: Surroundings = Surroundings()
     materials: Annotated[tuple[Word, ...], Field(max_length=20)] = ()
     ignored: Annotated[tuple[Word, ...], Field(max_length=1000)] = ()
     unknown: Annotated[tuple[Word, ...], Field(max_length=1000)] = ()
-    doubts: Annotated[tuple[Annotated[str, Field(max_length=1000)], ...], Field(max_length=100)] = ()
-    notes: Annotated[tuple[Annotated[str, Field(max_length=1000)], ...], Field(max_length=100)] = ()
+    doubts: Annotated[tuple[Annotated[str, Field(max_length=1000)], ...], Field(max_length=10_000)] = ()
+    notes: Annotated[tuple[Annotated[str, Field(max_length=1000)], ...], Field(max_length=10_000)] = ()

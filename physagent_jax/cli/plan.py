@@ -29,7 +29,7 @@ class Plan:
     """
 
     prompt: tyro.conf.Positional[str]
-    """What should happen, in everyday English."""
+    """The wanted motion, in everyday English."""
     object: Path
     """3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply)."""
     preset: PresetName = PresetName.FAST
@@ -41,15 +41,15 @@ class Plan:
     kind: str | None = None
     """plant, food, robot, ... (decides what is held); default: its card, else from the file's name."""
     azimuth: float | None = None
-    """Where the camera stands, in degrees about the vertical: it decides what left is."""
+    """The camera's place, in degrees about the vertical: it decides what left is."""
     anchor: Literal["auto", "none", "base", "top"] = "auto"
-    """What is held fixed; auto: what the sentence says, else what the kind implies."""
+    """The part that is held fixed; auto: as the sentence says, else as the kind implies."""
     world: Literal["ground", "free"] | None = None
     """As for `physagent run`."""
     frames: int | None = None
     """Pictures of the clip; default: as many as the sentence needs."""
     semantic: str = "rules"
-    """Who reads the sentence."""
+    """The agent that reads the sentence."""
     json_line: Annotated[bool, tyro.conf.arg(name="json")] = False
     """Print one line of JSON instead of sentences."""
 

@@ -34,7 +34,7 @@ class Run:
     object: Path | None = None
     """3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply)."""
     prompt: str | None = None
-    """What should happen, in everyday English."""
+    """The wanted motion, in everyday English."""
     spec: Path | None = None
     """JSON or YAML that says all of the run, in place of the options that do (`physagent schema run`)."""
     preset: PresetName = PresetName.FAST
@@ -45,13 +45,13 @@ class Run:
     kind: str | None = None
     """plant, food, robot, ... (decides material and anchor); default: its card, else from the file's name."""
     azimuth: float | None = None
-    """Where the camera stands, in degrees about the vertical; default: the card's, else where the object is broad."""
+    """The camera's place, in degrees about the vertical; default: the card's, else where the object is broad."""
     elevation: float = 10.0
     """The camera's height above the horizon, in degrees."""
     follow: bool = False
     """Have the video's camera go along with the object; else it does so only if the object would be too small."""
     anchor: AnchorChoice = "auto"
-    """What is held fixed; auto: what the sentence says, else what the kind implies."""
+    """The part that is held fixed; auto: as the sentence says, else as the kind implies."""
     anchor_box: tuple[float, float, float, float, float, float] | None = None
     """For --anchor box: centre and half size in metres (the object's longest side is 1 m, centred in the domain)."""
     anchor_mask: Path | None = None
@@ -63,17 +63,17 @@ class Run:
     soften: float | Literal["auto"] | None = None
     """Make the material so many times softer, with the same strains at yield; auto: so that a round is affordable."""
     youngs_modulus: float | None = None
-    """E [Pa]; default: the material's."""
+    """Young's modulus E [Pa]; default: the material's."""
     poissons_ratio: float | None = None
-    """nu; default: the material's."""
+    """Poisson's ratio nu; default: the material's."""
     density: float | None = None
-    """[kg/m^3]; default: the material's."""
+    """Density [kg/m^3]; default: the material's."""
     damping_ratio: float | None = None
     """Share of critical damping of the object's lowest mode, 0 to 1; default: its kind's, if that costs little."""
     world: Literal["ground", "free"] = "ground"
     """ground: it stands on the ground and gravity acts, unless the sentence says otherwise; free: it floats."""
     friction: float | None = None
-    """Of the ground; default: that of a dry floor (0.4), and none in the free world."""
+    """Friction coefficient of the ground; default: that of a dry floor (0.4), and none in the free world."""
     opacity_threshold: float = 0.02
     """Gaussians with less opacity are left out."""
     splat_encoding: SplatEncoding | None = None
@@ -89,15 +89,15 @@ class Run:
     max_iterations: int = 3
     """Rounds at most."""
     semantic: str = "rules"
-    """Who reads the sentence."""
+    """The agent that reads the sentence."""
     planner: str = "rules"
-    """Who judges the motion."""
+    """The agent that judges the motion."""
     executor: str = "rules"
-    """Who rewrites the force field."""
+    """The agent that rewrites the force field."""
     probe: bool = False
     """First try force fields on a coarse version of the scene; the rounds then begin with the best of them."""
     seed: int = 0
-    """Of everything random."""
+    """Seed of everything random."""
     ledger: bool = False
     """Also record work, dissipation and impulses, frame by frame (plotted in the report)."""
     save_frames: bool = False

@@ -20,6 +20,7 @@ from physagent_jax.forces.opposition import find_friction, find_rubbing
 from physagent_jax.forces.parameters import ActionParameters, Array
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.forces.schema import Action, Opposition, SkillScaling, VelocityConstraint
+from physagent_jax.forces.sections import find_stress_concentration
 from physagent_jax.forces.terms import PushCompensation, TurnCompensation
 from physagent_jax.mpm.boundaries import HalfSpace
 from physagent_jax.mpm.constraints import MovingPlate, PrescribedMotion
@@ -30,7 +31,6 @@ PLATE_FRICTION = (
 AFTER = (
     1e-3  # [frames] by which a `particle_impulse` comes after what ends then, whatever the clock's round-off
 )
-SECTIONS, SECTION_WIDTH = 32, 0.1  # cross-sections looked at, and half their thickness in body lengths
 _TINY = float(np.finfo(np.float32).tiny)
 
 
@@ -51,7 +51,7 @@ class Stroke:
 
 @dataclasses.dataclass(frozen=True)
 class Circumstances:
-    """What an entry has to do with besides its own numbers.
+    """Circumstances of an entry, besides its own numbers.
 
     Attributes:
         scaling: What M = 1 means.
@@ -183,31 +183,11 @@ class Binding:
         return self.leaf(_direct(k, self.values))
 
     def stress_concentration(self) -> Array | float:
-        """The strain of a `scale` in the weakest section over that in a uniform bar's middle; at least 1.
-
-        A pull grows along the object and is carried by its cross-section: a thin neck with much behind it
-        would tear where a bar only stretches. Compared are the pull beyond a section over the section's
-        area, largest over sections across the axis, and L / 2 of the bar.
-        """
-        inside, axis = self._mask, self.values.vector
-        extent = np.ptp(self._rest, axis=0).max()
-        if extent == 0:  # all particles in one place
-            return 1.0
-        xp = jnp if _is_traced(axis) else np
-        volume = self._volume[inside].astype(xp.result_type(float))
-        height = self._rest[inside] @ axis
-        side = xp.sign(height - xp.average(height, weights=volume))
-        pull = volume * (side - xp.average(side, weights=volume))
-
-        def stress(section):
-            # A tent of width 2 w instead of a sharp cut, so that layers of particles do not alias.
-            distance = (height - section) / (SECTION_WIDTH * extent)
-            area = (volume * xp.maximum(1 - xp.abs(distance), 0)).sum() / (SECTION_WIDTH * extent)
-            return xp.abs((pull * xp.clip(0.5 + 0.5 * distance, 0, 1)).sum()) / xp.maximum(area, _TINY)
-
-        sections = xp.linspace(height.min(), height.max(), SECTIONS)
-        largest = max(map(stress, sections)) if xp is np else jax.lax.map(stress, sections).max()
-        return xp.maximum(1.0, largest / (0.5 * extent))
+        """The strain of a `scale` in the weakest section over that in a uniform bar's middle; at least 1."""
+        inside = self._mask
+        return find_stress_concentration(
+            self._rest[inside], self._volume[inside], self.values.vector, np.ptp(self._rest, axis=0).max()
+        )
 
     def overcome_friction(
         self, k: float | Array, before: Array | float | None = None, *, pulse: bool = False

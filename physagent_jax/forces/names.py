@@ -68,6 +68,10 @@ class SkillName(str, metaclass=_Known):
         *others, last = [f"'{name}'" for name in cls.known]
         return f"{', '.join(others)} or {last}" if others else last
 
+    def __reduce__(self) -> tuple[type[Self], tuple[str]]:
+        """A copy is the same object, and so is what another process reads."""
+        return type(self), (self.value,)
+
     @property
     def value(self) -> str:
         """The name as a plain string."""

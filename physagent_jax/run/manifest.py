@@ -36,7 +36,7 @@ from physagent_jax.agents.schema import Judgement, Verdict
 from physagent_jax.core.strict import Strict
 
 FORMAT = 3
-"""Of the run folder's layout; 2 added the list of files, 3 the plain video beside the one for people."""
+"""Version of the run folder's layout; 2 added the list of files, 3 the plain video beside the one for people."""
 
 MOST_ROUNDS = 1000
 Rounds = Annotated[int, Field(ge=0, le=MOST_ROUNDS)]

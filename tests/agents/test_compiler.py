@@ -221,6 +221,8 @@ def test_holding_what_was_moved_and_what_was_not() -> None:
     squeeze = Clause(motion="squeeze")
     reply = compile_clauses(squeeze, Clause(motion="hold"))
     assert reply.expectations[0].stays and reply.anchor.kind is None
+    kept = compile_clauses(squeeze, Clause(motion="squeeze", stays=True))  # "squeeze it and keep it squeezed"
+    assert [each.stays for each in kept.expectations] == [True]
     reply = compile_clauses(Clause(motion="hold", parts=(Part(word="bottom"),)), squeeze)
     assert reply.anchor.kind == "base" and not reply.expectations[0].stays
     held = compile_forces(Intent(clauses=(squeeze,), held=Held(end="top", text="hanging")), make_brief())
@@ -263,6 +265,32 @@ def test_what_an_intent_leaves_aside_is_passed_on() -> None:
     assert "'castle' is taken to be the object." in reply.notes
     calm = compile_forces(intent.model_copy(update={"unknown": (), "doubts": ()}), make_brief())
     assert not calm.unsure
+
+
+def test_evidence_quotes_the_sentence() -> None:
+    clause = Clause(
+        motion="push",
+        said="pushes",
+        ways=(Way(word="left", text="to the left"),),
+        strength=("gently",),
+        parts=(Part(word="head", text="its head"),),
+        timing=Timing(lasts=Duration(value=1, text="for a second")),
+    )
+    told = {item.field: item.words for item in compile_clauses(clause).evidence}
+    assert told == {
+        "actions[0].action_type": "pushes",
+        "actions[0].vector": "to the left",
+        "actions[0].magnitude": "gently",
+        "actions[0].region": "its head",
+        "actions[0].active_time": "for a second",
+    }
+
+
+def test_what_goes_elsewhere_leaves_its_place() -> None:
+    push = Clause(motion="push", ways=(Way(word="left"),))
+    for elsewhere in (False, True):
+        reply = compile_clauses(push.model_copy(update={"elsewhere": elsewhere}))
+        assert reply.expectations[0].leaves_place is elsewhere
 
 
 def test_words_that_nobody_knows_are_doubts() -> None:

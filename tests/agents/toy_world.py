@@ -102,6 +102,9 @@ class ToyWorld:
             if kind is ActionType.TRANSLATION:
                 k = strokes[index].k if index in strokes else 2.0 * calibration.TRAVEL
                 push.append(scale(vector, float(k)))
+            elif kind == "wind_gust":
+                share = 1.0 - math.cos(2.0 * math.pi * (frame - first) / (last - first))
+                push.append(scale(vector, 2.0 * calibration.TRAVEL * share))
             elif kind in (ActionType.IMPULSE, ConstraintType.PARTICLE_IMPULSE):
                 push.append(scale(vector, calibration.TRAVEL * (self.scene.frame_count - 1) / (last - first)))
             elif kind is ActionType.TORQUE:

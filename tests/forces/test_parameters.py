@@ -19,6 +19,10 @@ from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.forces.skills import find_skill, list_skills
 
+pytestmark = pytest.mark.usefixtures(
+    "least_optimised"
+)  # derivatives of small scenes: to compile takes longest
+
 FRAMES, FRAME_DT = 26, 0.04
 SCALING = make_closed_form_scaling(extent=0.83, youngs_modulus=5e4, density=390.0, duration=1.0)
 REGION = {"kind": "sphere", "center": [0.4, 0.6, 0.5], "radius": 0.4}

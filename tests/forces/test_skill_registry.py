@@ -1,7 +1,9 @@
-"""What every registered skill keeps to, whoever writes it; and the closed forms of the vortex and the gust."""
+"""The contract of every registered skill, whoever writes it; closed forms of the vortex and the gust."""
 
+import copy
 import dataclasses
 import math
+import pickle
 
 import jax
 import jax.numpy as jnp
@@ -22,7 +24,7 @@ from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.free_path import compute_free_path
 from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.scaling import make_closed_form_scaling
-from physagent_jax.forces.schema import Action, ForceField, Opposition
+from physagent_jax.forces.schema import Action, ActionType, ForceField, Opposition
 from physagent_jax.forces.skills import Skill, find_skill, list_skills, register_skill, unregister_skill
 from physagent_jax.forces.skills.vortex import CORE
 from physagent_jax.forces.terms import UniformAcceleration
@@ -175,8 +177,22 @@ def test_search_methods_vary_it(skill):
 def test_names_that_no_skill_has_are_refused():
     with pytest.raises(ValueError, match="'translation', .*'vortex'"):
         ForceField.model_validate({"actions": [{"action_type": "teleport", "vector": UP}]})
+    with pytest.raises(ValueError, match="TELEPORT"):
+        ActionType("TELEPORT")
+    with pytest.raises(AttributeError, match="TELEPORT"):
+        _ = ActionType.TELEPORT
     with pytest.raises(ValueError, match="already"):
         register_skill(find_skill("scale"))
+
+
+@pytest.mark.parametrize("skill", ["wind_gust", "enforce_particle_translation"])
+def test_a_name_stays_one_object(skill):
+    """By whatever way it comes: so that what is said of it by identity holds, also in another process."""
+    field = make_field(find_skill(skill))
+    for other in (copy.deepcopy(field), pickle.loads(pickle.dumps(field)), field.model_copy(deep=True)):
+        (entry,), (same,) = field.actions or field.constraints, other.actions or other.constraints
+        names = [getattr(each, "action_type", None) or each.constraint_type for each in (entry, same)]
+        assert names[0] is names[1] and names[0].skill is find_skill(skill) and type(names[0].value) is str
 
 
 class Lift(Skill):

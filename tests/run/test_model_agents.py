@@ -422,7 +422,7 @@ def test_the_rules_alone_make_no_pictures(tmp_path, robot_path, monkeypatch):
 
 
 def test_agents_are_chosen_by_name():
-    assert set(make_agents().names.values()) == {"RuleSemanticAgent", "RulePlanner", "RuleExecutor"}
+    assert set(make_agents().names.values()) == {"GrammarSemanticAgent", "RulePlanner", "RuleExecutor"}
     with pytest.raises(UserError, match="agents.planner"):
         make_agents(planner="rulse")
 

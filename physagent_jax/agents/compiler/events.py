@@ -42,6 +42,7 @@ class Event:
         repeat: Count and alternation.
         when: Time that the sentence names.
         wind: Whether a wind does it.
+        elsewhere: Whether the sentence says that the object ends at another place: "away", "aside", "off the table".
         sources: Where each value comes from.
         notes: Assumptions.
         doubts: What was not understood and matters.
@@ -63,6 +64,7 @@ class Event:
     repeat: Repeat = Repeat()
     when: Timing = Timing()
     wind: bool = False
+    elsewhere: bool = False
     sources: dict[str, ValueSource] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()

@@ -19,6 +19,9 @@ def apply_holding(meanings: list[Meaning], held: intent.Held | None) -> list[Mea
     for index, meaning in enumerate(meanings):
         last = result[-1] if result else None
         follows = next((each for each in meanings[index + 1 :] if not each.clause.negated), None)
+        if last is not None and meaning.stays and meaning.bare and _has_effect(last, _get_effect(meaning)):
+            last.stays = True  # "compress it and keep it compressed"
+            continue
         if _hangs_in_the_air(meaning, last):
             if _has_effect(follows, Effect.FALL):
                 continue  # "thrown up, it hangs there and falls": so does all that turns back
@@ -70,6 +73,11 @@ def _find_held_end(meaning: Meaning, otherwise: str | None) -> str | None:
             return "base"
         return "top" if "up" in part.place.names else None
     return otherwise
+
+
+def _get_effect(meaning: Meaning) -> Effect:
+    assert meaning.motion is not None
+    return meaning.motion.effect
 
 
 def _has_effect(meaning: Meaning | None, *effects: Effect) -> bool:

@@ -112,6 +112,7 @@ def _make_event(draft: _Draft, strength: float, sources: dict[str, ValueSource])
         repeat=draft.heading.repeat,
         when=meaning.timing,
         wind=any(each.wind for each in (meaning.cause, meaning.verb) if each is not None),
+        elsewhere=meaning.clause.elsewhere,
         sources=sources,
         notes=draft.heading.notes,
         doubts=tuple(draft.doubts),

@@ -14,6 +14,7 @@ from physagent_jax.agents.compiler.amounts import find_effort, find_held_magnitu
 from physagent_jax.agents.compiler.builder import MAX_ACTIONS, ForceFieldBuilder
 from physagent_jax.agents.compiler.events import Event
 from physagent_jax.agents.compiler.schedule import Slot, has_to_stop
+from physagent_jax.agents.displacement import HAULING_VERBS
 from physagent_jax.agents.dosing import find_magnitude
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.vectors import scale
@@ -92,16 +93,20 @@ class Task:
     def leaves_place(self) -> bool:
         """Whether a push or a blow takes the whole object elsewhere: it is thrown, goes somewhere, or goes so far.
 
-        A lean and a wind bend what is rooted, however far. So may a push or a blow of which no distance is told; a
-        motion that says no more than that the object goes a told way does not.
+        A lean and a wind bend what is rooted, however far. So may a push or a blow of which neither a distance nor
+        another place is told; a motion that says no more than that the object goes a told way does not. What is let go
+        afterwards springs back, and is in no other place.
         """
         event = self.event
         if event.region is not None or event.part is not None or event.wind or event.effect is Effect.LEAN:
             return False
         thrown = event.effect is Effect.STRIKE and (event.motion.gravity or event.motion.direction == "up")
-        goes = event.effect is Effect.PUSH and event.motion.generic and not event.is_way_assumed
+        way_told = event.effect is Effect.PUSH and not event.is_way_assumed
+        goes = way_told and event.motion.generic
+        elsewhere = event.elsewhere or way_told and event.phrase in HAULING_VERBS
         told = event.amount is not None and event.amount.unit in ("lengths", "metres")
-        return thrown or goes or told or event.effect is Effect.JUMP
+        elsewhere = elsewhere and not self._is_let_go
+        return thrown or goes or told or elsewhere or event.effect is Effect.JUMP
 
     @property
     def _is_let_go(self) -> bool:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
+from physagent_jax.agents.displacement import ends_elsewhere
 from physagent_jax.agents.grammar.mentions import MOTIONS, WAYS, Mention, MentionKind
 from physagent_jax.agents.grammar.tables import LEXICON, get_set
 from physagent_jax.agents.grammar.tokens import is_participle
@@ -56,6 +57,7 @@ class Clause:
         negated: Whether it is said *not* to happen.
         inherited: Whether the verb is that of the clause before.
         stays: Whether what it brings about is to be held.
+        elsewhere: Whether what is moved ends at another place (`agents.displacement`).
         mentions: All mentions, for quoting.
     """
 
@@ -66,6 +68,7 @@ class Clause:
     negated: bool = False
     inherited: bool = False
     stays: bool = False
+    elsewhere: bool = False
     mentions: list[Mention] = field(default_factory=list)
 
     def select(self, *kinds: MentionKind) -> list[Mention]:
@@ -85,6 +88,19 @@ class Clause:
     def words(self) -> str:
         """The words of the mention that decides what is done."""
         return self.head.words if self.head else ""
+
+
+def mark_displacements(clauses: list[Clause], words: list[str]) -> None:
+    """Mark the clauses whose words, from their first mention to the next clause's, tell of another place.
+
+    Args:
+        clauses: The clauses.
+        words: The sentence's tokens in lower case.
+    """
+    firsts = [min((m.first for m in clause.mentions), default=len(words)) for clause in clauses]
+    for clause, first in zip(clauses, firsts):
+        end = min((each for each in firsts if each > first), default=len(words))
+        clause.elsewhere = ends_elsewhere(words[first:end])
 
 
 def get_verb(mention: Mention | None) -> Motion:

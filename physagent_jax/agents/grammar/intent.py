@@ -71,6 +71,7 @@ def _make_clause(clause: Clause, clauses: list[Clause]) -> intent.Clause:
             inherited=clause.inherited,
             stays=clause.stays,
             even=bool(clause.select(MentionKind.EVEN)),
+            elsewhere=clause.elsewhere,
             said=_cut(clause.words),
             text=_cut(" ".join(m.words for m in sorted(mentions, key=lambda m: m.first))),
         )

@@ -8,7 +8,7 @@ from dataclasses import replace
 from physagent_jax.agents.compiler import compile_forces, compile_intent
 from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.grammar.asides import OTHER
-from physagent_jax.agents.grammar.clauses import Clause
+from physagent_jax.agents.grammar.clauses import Clause, mark_displacements
 from physagent_jax.agents.grammar.coverage import Coverage, is_mostly_unknown, sort_words
 from physagent_jax.agents.grammar.intent import make_intent
 from physagent_jax.agents.grammar.mentions import WAYS, Mention, MentionKind
@@ -17,7 +17,7 @@ from physagent_jax.agents.grammar.patterns import suggest_motions, suggest_patte
 from physagent_jax.agents.grammar.reading import read_mentions
 from physagent_jax.agents.grammar.relations import read_clauses
 from physagent_jax.agents.grammar.tables import LEXICON
-from physagent_jax.agents.grammar.tokens import describe_corrections
+from physagent_jax.agents.grammar.tokens import correct_spelling, describe_corrections, tokenise
 from physagent_jax.agents.intent import Intent
 from physagent_jax.agents.protocols import SemanticAgent
 from physagent_jax.agents.schema import SceneBrief, SemanticReply
@@ -72,6 +72,7 @@ def read_intent(prompt: str, brief: SceneBrief) -> Intent:
         if coverage.taken
         else []
     )
+    mark_displacements(clauses, [token.text for token in correct_spelling(tokenise(prompt), names)])
     intent = make_intent(clauses, mentions, coverage, notes + describe_corrections(prompt, names))
     if not (intent.clauses or intent.held or intent.surroundings.gravity):
         raise _refuse(prompt, brief, coverage, others)

@@ -40,6 +40,11 @@ class Change:
     why: str
     rule: str = ""
 
+    def adding(self, **entries: Sequence) -> Change:
+        """The same with more entries of some groups."""
+        more = {group: (*getattr(self.force_field, group), *new) for group, new in entries.items()}
+        return replace(self, force_field=self.force_field.model_copy(update=more))
+
 
 @dataclass(frozen=True)
 class Wish:
@@ -113,6 +118,12 @@ class Case(Wish):
             return None
         return scale(window.rotation_axis, window.rotation_degrees)
 
+    @property
+    def next_begin(self) -> float:
+        """Frame at which the next motion begins, or the clip's last."""
+        end = self.expectation.window[1] - 0.5
+        return min([*(e.window[0] for e in self.expectations if e.window[0] >= end), self.last])
+
     def failed(self, aspect: str) -> Check | None:
         """The failed check of one aspect."""
         return next((check for check in self.checks if check.aspect == aspect), None)
@@ -126,6 +137,14 @@ def replace_items(field: ForceField, causes: Sequence[Cause], items: Sequence) -
     return field.model_copy(update={k: tuple(i for i in v if i is not None) for k, v in groups.items()})
 
 
+def change_items(
+    case: Case, causes: Sequence[Cause], updates: Sequence[dict | None], why: str, rule: str = ""
+) -> Change:
+    """A change of some fields of each cause; None removes it. ``why`` goes on after the causes' names."""
+    items = [None if new is None else c.item.model_copy(update=new) for c, new in zip(causes, updates)]
+    return Change(replace_items(case.force_field, causes, items), f"{format_names(causes)}{why}", rule)
+
+
 def format_names(causes: Sequence[Cause]) -> str:
     """The causes' places in the JSON, for people."""
     return ", ".join(cause.name for cause in causes)
@@ -137,59 +156,50 @@ def get_effort(cause: Cause, last: float) -> float:
     return abs(cause.item.magnitude) * (end - first if cause.skill.prescribes else 1.0)
 
 
-def _scale(cause: Cause, factor: float, last: float):
-    """The entry with ``factor`` times the effort, as far as the range goes."""
+def _scale(cause: Cause, factor: float, last: float) -> dict:
+    """Changes that give the entry ``factor`` times the effort, as far as the range goes."""
     size = clamp(abs(cause.item.magnitude) * factor, MAGNITUDE_MIN, MAGNITUDE_MAX)
     changes: dict = {"magnitude": round(math.copysign(size, cause.item.magnitude), 4)}
     if cause.skill.prescribes and cause.item.active_time is not None:
         first, end = cause.item.active_time
-        hold_end = getattr(cause.item, "held_until", None)
+        kept = getattr(cause.item, "held_until", None)
         rest = factor * abs(cause.item.magnitude) / size
-        until = clamp(
-            float(round(first + rest * (end - first))), first + 1.0, hold_end or max(last, first + 1.0)
-        )
-        changes |= {
-            "active_time": (first, until),
-            "held_until": hold_end if hold_end and hold_end > until else None,
-        }
-    return cause.item.model_copy(update=changes)
+        latest = kept or max(last, first + 1.0)
+        until = clamp(float(round(first + rest * (end - first))), first + 1.0, latest)
+        changes |= {"active_time": (first, until), "held_until": kept if kept and kept > until else None}
+    return changes
 
 
 def scale_magnitudes(case: Case, causes: Sequence[Cause], factor: float) -> Change:
     """Multiply the magnitudes, inside their range; what has a prescribed velocity also moves longer or shorter."""
-    items = [_scale(cause, factor, case.last) for cause in causes]
-    field = replace_items(case.force_field, causes, items)
-    sizes = ", ".join(f"{item.magnitude:g}" for item in items)
-    why = f"The magnitude of {format_names(causes)} becomes {sizes} (asked for: x {factor:.2g})"
-    largest = max(abs(item.magnitude) for item in items)
+    updates = [_scale(cause, factor, case.last) for cause in causes]
+    largest = max(abs(new["magnitude"]) for new in updates)
+    limit = ""
     if factor > 1 and largest >= MAGNITUDE_MAX - 1e-9:
-        why += f"; it cannot be made stronger than {MAGNITUDE_MAX:g}"
+        limit = f"; it cannot be made stronger than {MAGNITUDE_MAX:g}"
     elif factor < 1 and largest <= MAGNITUDE_MIN + 1e-9:
-        why += f"; it cannot be made weaker than {MAGNITUDE_MIN:g}"
-    return Change(field, why + ".", "magnitude_range")
+        limit = f"; it cannot be made weaker than {MAGNITUDE_MIN:g}"
+    sizes = ", ".join(f"{new['magnitude']:g}" for new in updates)
+    why = f": the magnitude becomes {sizes} (asked for: x {factor:.2g}){limit}."
+    return change_items(case, causes, updates, why, "magnitude_range")
 
 
 def remove(case: Case, causes: Sequence[Cause], why: str) -> Change:
     """Remove entries."""
-    field = replace_items(case.force_field, causes, [None] * len(causes))
-    return Change(field, f"{format_names(causes)} removed: {why}.")
+    return change_items(case, causes, [None] * len(causes), f" removed: {why}.")
 
 
 def point(case: Case, causes: Sequence[Cause]) -> Change:
     """Points causes where the sentence says; only the sign of those that go exactly the other way is changed."""
-    told = case.expectation.direction
-    items = []
-    for cause in causes:
-        flipped = told is None or case.expectation.kind in AXIAL or cosine(cause.direction, told) < -POINTED
-        changes = (
-            {"magnitude": -cause.item.magnitude}
-            if flipped
-            else {"vector": told, "magnitude": abs(cause.item.magnitude)}
-        )
-        items.append(cause.item.model_copy(update=changes))
-    words = case.expectation.words
-    why = f"{format_names(causes)} went against '{words}': reversed, or pointed where the sentence says."
-    return Change(replace_items(case.force_field, causes, items), why, "sentence_direction")
+    told, axial = case.expectation.direction, case.expectation.kind in AXIAL
+    updates = [
+        {"magnitude": -cause.item.magnitude}
+        if told is None or axial or cosine(cause.direction, told) < -POINTED
+        else {"vector": told, "magnitude": abs(cause.item.magnitude)}
+        for cause in causes
+    ]
+    why = f" went against '{case.expectation.words}': reversed, or pointed where the sentence says."
+    return change_items(case, causes, updates, why, "sentence_direction")
 
 
 def counter(case: Case, causes: Sequence[Cause]) -> Change | None:
@@ -200,22 +210,18 @@ def counter(case: Case, causes: Sequence[Cause]) -> Change | None:
     told, seen = case.expectation.direction, case.seen()
     if told is None or seen is None or norm(seen) < 0.03 or case.expectation.kind in AXIAL:
         return None
-    missed = normalise(add([normalise(seen) or told, scale(told, -dot(normalise(seen) or told, told))]))
-    if missed is None:
-        return None
+    way = normalise(seen) or told
+    missed = normalise(add([way, scale(told, -dot(way, told))]))
     angle = math.acos(clamp(cosine(seen, told), -1.0, 1.0))
-    vector = normalise(add([scale(told, math.cos(angle)), scale(missed, -math.sin(angle))]))
-    if vector is None or math.degrees(angle) > 100:
+    if missed is None or math.degrees(angle) > 100:
         return None
-    items = [
-        cause.item.model_copy(update={"vector": vector, "magnitude": abs(cause.item.magnitude)})
-        for cause in causes
-    ]
-    beside = f"{math.degrees(angle):.0f} degrees beside '{case.expectation.words}'"
-    why = f"It went {beside}: {format_names(causes)} is turned"
-    return Change(
-        replace_items(case.force_field, causes, items), f"{why} as far the other way.", "directional_rigidity"
-    )
+    vector = normalise(add([scale(told, math.cos(angle)), scale(missed, -math.sin(angle))]))
+    if vector is None:
+        return None
+    updates = [{"vector": vector, "magnitude": abs(cause.item.magnitude)} for cause in causes]
+    far = f"{math.degrees(angle):.0f} degrees"
+    why = f" is turned {far} the other way: it went so far beside '{case.expectation.words}'."
+    return change_items(case, causes, updates, why, "directional_rigidity")
 
 
 def retime(case: Case, causes: Sequence[Cause]) -> Change | None:
@@ -223,20 +229,15 @@ def retime(case: Case, causes: Sequence[Cause]) -> Change | None:
     window = _get_window(case)
     if window is None:
         return None
-    items = []
+    updates = []
     for cause in causes:
-        first, last = cause.item.active_time or (0.0, case.last)
-        span = (window[0], window[0] + 1.0) if cause.skill.is_sudden else window
-        if cause.skill.prescribes:
-            span = (window[0], min(window[0] + (last - first), window[1]))
-        changes: dict = {"active_time": span}
-        if cause.skill.prescribes:
-            changes["held_until"] = window[1] if window[1] > span[1] else None
-        items.append(cause.item.model_copy(update=changes))
-    why = (
-        f"{format_names(causes)} acted at the wrong time: it acts from frame {window[0]:g} to {window[1]:g}."
-    )
-    return Change(replace_items(case.force_field, causes, items), why, "window_in_clip")
+        first, last = case.get_span([cause])
+        length = 1.0 if cause.skill.is_sudden else last - first if cause.skill.prescribes else math.inf
+        span = (window[0], min(window[0] + length, max(window[1], window[0] + 1.0)))
+        held = {"held_until": window[1] if window[1] > span[1] else None} if cause.skill.prescribes else {}
+        updates.append({"active_time": span} | held)
+    why = f" acted at the wrong time: it acts from frame {window[0]:g} to {window[1]:g}."
+    return change_items(case, causes, updates, why, "window_in_clip")
 
 
 def is_mistimed(case: Case, cause: Cause) -> bool:
@@ -302,29 +303,19 @@ def _alternate(case: Case, magnitude: float | None = None) -> list[Action]:
 def alternate(case: Case, causes: Sequence[Cause]) -> Change:
     """Replace whatever acts by as many pushes to and fro as the sentence counts."""
     strength = max(abs(cause.item.magnitude) for cause in causes)
-    field = replace_items(case.force_field, causes, [None] * len(causes))
-    field = field.model_copy(update={"actions": (*field.actions, *_alternate(case, strength))})
-    return Change(
-        field, f"{format_names(causes)}: replaced by pushes to and fro, {case.expectation.repeats} times."
-    )
+    why = f": replaced by pushes to and fro, {case.expectation.repeats} times."
+    return change_items(case, causes, [None] * len(causes), why).adding(actions=_alternate(case, strength))
 
 
 def lengthen(case: Case, causes: Sequence[Cause], factor: float) -> Iterator[Change]:
     """A saturated push acts for longer: up to where the next motion begins, and from where its own does."""
     if len(causes) != 1:
         return
-    later = [e.window[0] for e in case.expectations if e.window[0] >= case.expectation.window[1] - 0.5]
-    limit = min([*later, case.last])
-    first, last = causes[0].item.active_time or (0.0, case.last)
-    end = max(last, min(float(round(first + factor * (last - first))), limit))
+    first, last = case.get_span(causes)
+    end = max(last, min(float(round(first + factor * (last - first))), case.next_begin))
     begin = min(first, max(float(round(end - factor * (last - first))), case.expectation.window[0]))
-    yield Change(
-        replace_items(
-            case.force_field, causes, [causes[0].item.model_copy(update={"active_time": (begin, end)})]
-        ),
-        f"{format_names(causes)} cannot be made stronger: it acts for longer.",
-        "window_in_clip",
-    )
+    why = " cannot be made stronger: it acts for longer."
+    yield change_items(case, causes, [{"active_time": (begin, end)}], why, "window_in_clip")
 
 
 def enforce(case: Case, causes: Sequence[Cause], gain: float) -> Change:
@@ -337,77 +328,50 @@ def enforce(case: Case, causes: Sequence[Cause], gain: float) -> Change:
     reached = max(dot(seen, told) if seen and told else 0.0, 0.05)
     reference = find_reference_time(False, case.last * case.brief.frame_dt) / case.brief.frame_dt
     size = gain * reached * reference / (PRESCRIBED_TRAVEL * max(last - first, 1))
-    constraints = tuple(
-        VelocityConstraint(
-            constraint_type=ConstraintType(c.skill.prescribed_by or c.skill.name),
-            vector=told or c.direction,
-            magnitude=round(clamp(size, MAGNITUDE_MIN, MAGNITUDE_MAX), 4),
-            active_time=c.item.active_time,
-            region=c.item.region,
-            object=c.item.object,
-        )
-        for c in causes[:1]
+    cause = causes[0]
+    hand = VelocityConstraint(
+        constraint_type=ConstraintType(cause.skill.prescribed_by or cause.skill.name),
+        vector=told or cause.direction,
+        magnitude=round(clamp(size, MAGNITUDE_MIN, MAGNITUDE_MAX), 4),
+        active_time=cause.item.active_time,
+        region=cause.item.region,
+        object=cause.item.object,
     )
-    field = replace_items(case.force_field, causes, [None] * len(causes))
-    field = field.model_copy(update={"constraints": (*field.constraints, *constraints)})
-    return Change(
-        field,
-        f"{format_names(causes)}: no admissible force is enough, its velocity is prescribed.",
-        "known_skills",
-    )
+    why = ": no admissible force is enough, its velocity is prescribed."
+    return change_items(case, causes, [None] * len(causes), why, "known_skills").adding(constraints=[hand])
 
 
 def shorten(case: Case, causes: Sequence[Cause], factor: float, why: str) -> Change:
     """End the causes earlier: they keep a fraction ``factor`` of their windows."""
-    items = []
+    updates = []
     for cause in causes:
-        first, last = cause.item.active_time or (0.0, case.last)
+        first, last = case.get_span([cause])
         end = min(max(round(first + factor * (last - first)), first + 1.0), last) if case.last >= 1 else last
-        items.append(
-            cause.item.model_copy(update={"active_time": (first, end)}) if end > first else cause.item
-        )
-    return Change(
-        replace_items(case.force_field, causes, items),
-        f"{format_names(causes)} acts for a shorter time: {why}.",
-        "window_in_clip",
-    )
+        updates.append({"active_time": (first, end)} if end > first else {})
+    return change_items(case, causes, updates, f" acts for a shorter time: {why}.", "window_in_clip")
 
 
 def keep(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
     """Keep an object where it was brought until the next motion: hold it, or push it on."""
-    begins = [e.window[0] for e in case.expectations if e.window[0] >= case.expectation.window[1] - 0.5]
-    limit = min([*begins, case.last])
-    items = []
+    limit, updates = case.next_begin, []
     for cause in causes:
-        first, end = cause.item.active_time or (0.0, case.last)
+        first, end = case.get_span([cause])
         if cause.skill.prescribes:
-            items.append(cause.item.model_copy(update={"held_until": limit if limit > end else None}))
+            updates.append({"held_until": limit if limit > end else None})
         elif cause.skill.is_sudden or case.brief.anchored is None and case.expectation.kind not in AXIAL:
             return  # what is free would only go on
         else:
-            items.append(cause.item.model_copy(update={"active_time": (first, max(end, limit))}))
-    yield Change(
-        replace_items(case.force_field, causes, items),
-        f"{format_names(causes)} keeps it where it was brought, until frame {limit:g}.",
-        "window_in_clip",
-    )
+            updates.append({"active_time": (first, max(end, limit))})
+    why = f" keeps it where it was brought, until frame {limit:g}."
+    yield change_items(case, causes, updates, why, "window_in_clip")
 
 
 def soften(case: Case, causes: Sequence[Cause]) -> Change:
     """The weakest blow is too strong: a brief push, which reaches less speed in its time."""
-    reach = max(2.0, _BRIEF * case.last)
-    items = [
-        cause.item.model_copy(
-            update={
-                "action_type": ActionType(find_first_skill(case.expectation.kind).name),
-                "active_time": (cause.item.active_time[0], min(cause.item.active_time[0] + reach, case.last)),
-            }
-        )
-        if cause.item.active_time
-        else cause.item
-        for cause in causes
-    ]
-    return Change(
-        replace_items(case.force_field, causes, items),
-        f"{format_names(causes)}: the weakest blow is too strong, a brief push instead.",
-    )
+    kind, reach = ActionType(find_first_skill(case.expectation.kind).name), max(2.0, _BRIEF * case.last)
+    updates = []
+    for cause in causes:
+        first, _ = case.get_span([cause])
+        brief = {"action_type": kind, "active_time": (first, min(first + reach, case.last))}
+        updates.append(brief if cause.item.active_time else {})
+    return change_items(case, causes, updates, ": the weakest blow is too strong, a brief push instead.")

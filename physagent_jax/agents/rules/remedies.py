@@ -167,28 +167,26 @@ def _strengthen(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Ch
 
 def _goes_on(cause: Cause) -> bool:
     """Return whether it is a force that moves or turns the object the further the longer it acts."""
-    skill = cause.skill
-    return cause.group == "actions" and not skill.is_sudden and not skill.is_two_sided
+    return cause.group == "actions" and not (cause.skill.is_sudden or cause.skill.is_two_sided)
 
 
 def _try_other_kind(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
     """Velocity constraints in place of a body force that does not do it."""
     expectation, whole = case.expectation, not case.expectation.partial
-    stretches = [c for c in causes if c.skill.is_two_sided and c.item.region is None]
+    forces = [c for c in causes if c.group == "actions" and c.skill.prescribed_by]
+    stretches = [c for c in forces if c.skill.is_two_sided and c.item.region is None]
     if stretches and expectation.direction is not None and whole:
-        names = edits.format_names(stretches)
+        cannot = f"{edits.format_names(stretches)} cannot do it:"
         if expectation.kind is MotionKind.SQUEEZE:
             field = kinds.press_between(case, stretches)
-            yield Change(field, f"{names} cannot do it: it is pressed between plates instead.")
-        field = kinds.move_ends(case, stretches)
-        why = f"{names} cannot do it: two opposed translations of the end slabs instead."
-        yield Change(field, why, "paired_translation")
-    blows = [c for c in causes if c.group == "actions" and c.skill.is_sudden and c.skill.prescribed_by]
+            yield Change(field, f"{cannot} it is pressed between plates instead.")
+        why = f"{cannot} two opposed translations of the end slabs instead."
+        yield Change(kinds.move_ends(case, stretches), why, "paired_translation")
+    blows = [c for c in forces if c.skill.is_sudden]
     if blows:
-        field = kinds.replace_blows(case, blows)
         why = f"{edits.format_names(blows)} becomes an instantaneous change of velocity."
-        yield Change(field, why, "brief_impulse")
-    pushes = [c for c in causes if c.pushes and c.skill.prescribed_by]
+        yield Change(kinds.replace_blows(case, blows), why, "brief_impulse")
+    pushes = [c for c in forces if c.pushes]
     if pushes and expectation.kind is MotionKind.MOVE and case.brief.anchored is None and whole:
         yield edits.enforce(case, pushes, gain)
 
@@ -210,26 +208,25 @@ def _weaken(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change
 
 def _strike(case: Case, causes: Sequence[Cause]) -> Change:
     """Strike what should start at once, in place of a push."""
-    new = edits.make_actions(case)
+    field = _replace(case, causes, edits.make_actions(case)[:1])
+    why = f"{edits.format_names(causes)} starts too slowly: a blow in its place."
+    return Change(field, why, "known_skills")
+
+
+def _replace(case: Case, causes: Sequence[Cause], new: Sequence[Action]) -> ForceField:
+    """The first new action in place of the first cause, and the others after all that is left."""
     field = edits.replace_items(case.force_field, causes, [*new[:1], *[None] * (len(causes) - 1)])
-    return Change(
-        field, f"{edits.format_names(causes)} starts too slowly: a blow in its place.", "known_skills"
-    )
+    return field.model_copy(update={"actions": (*field.actions, *new[1:])})
 
 
 def _switch_type(case: Case) -> Iterator[Change]:
     """A discrete leap: the action has the wrong kind of effect and becomes the skill that has the right one."""
     wrong = find_misfits(case.expectation, case.expectations, case.force_field)
     if wrong:
-        new = edits.make_actions(case)
-        field = edits.replace_items(case.force_field, wrong, [*new[:1], *[None] * (len(wrong) - 1)])
-        field = field.model_copy(update={"actions": (*field.actions, *new[1:])})
-        yield Change(
-            _choose_kind(case, field),
-            f"{edits.format_names(wrong)} ({wrong[0].skill.name}) cannot make it {case.expectation.kind.value}: "
-            f"replaced by {new[0].action_type}.",
-            "known_skills",
-        )
+        new, kind = edits.make_actions(case), case.expectation.kind.value
+        cannot = f"{edits.format_names(wrong)} ({wrong[0].skill.name}) cannot make it {kind}"
+        why = f"{cannot}: replaced by {new[0].action_type}."
+        yield Change(_choose_kind(case, _replace(case, wrong, new)), why, "known_skills")
 
 
 def _choose_kind(case: Case, field: ForceField) -> ForceField:
@@ -240,29 +237,23 @@ def _choose_kind(case: Case, field: ForceField) -> ForceField:
 def _add(case: Case) -> Change:
     new = edits.make_actions(case)
     field = case.force_field.model_copy(update={"actions": (*case.force_field.actions, *new)})
-    return Change(
-        _choose_kind(case, field),
-        f"Nothing made it {case.expectation.kind.value}: {new[0].action_type} is added.",
-        "sentence_direction",
-    )
+    why = f"Nothing made it {case.expectation.kind.value}: {new[0].action_type} is added."
+    return Change(_choose_kind(case, field), why, "sentence_direction")
 
 
 def _calm(case: Case) -> Iterator[Change]:
     """Stillness: nothing acts in the window; what drifts on is stopped by a blow against its motion."""
     falls = any(e.kind is MotionKind.FALL for e in case.expectations)
     if case.force_field.default_drop and not falls:
-        yield Change(
-            case.force_field.model_copy(update={"default_drop": False}),
-            "It is not let fall: it should be still.",
-        )
+        field = case.force_field.model_copy(update={"default_drop": False})
+        yield Change(field, "It is not let fall: it should be still.")
     active = find_misfits(case.expectation, case.expectations, case.force_field)
     if active:
         yield edits.remove(case, active, "it should be still")
     first, last = round_window(case.expectation, case.brief.frame_count)
     if case.brief.anchored is not None:  # a held object swings on rather than drifts: let it settle
-        before = [
-            c for c in list_causes(case.force_field) if c.item.active_time and c.item.active_time[0] < first
-        ]
+        causes = list_causes(case.force_field)
+        before = [c for c in causes if c.item.active_time and c.item.active_time[0] < first]
         yield edits.shorten(case, before, 0.8, "it should be still afterwards")
         return
     window = next((w for w in case.report.windows if (w.first, w.last) == (first, last)), None)
@@ -275,7 +266,5 @@ def _calm(case: Case) -> Iterator[Change]:
         magnitude=round(clamp(speed / TRAVEL, MAGNITUDE_MIN, MAGNITUDE_MAX), 4),
         active_time=(float(first), first + 1.0),
     )
-    yield Change(
-        case.force_field.model_copy(update={"actions": (*case.force_field.actions, brake)}),
-        "It drifts on: a blow against its motion stops it.",
-    )
+    why = "It drifts on: a blow against its motion stops it."
+    yield Change(case.force_field, why).adding(actions=[brake])

@@ -70,7 +70,7 @@ class Skill:
 
     @property
     def prescribes(self) -> bool:
-        """Whether it prescribes a velocity for a while: what it does is that times how long it lasts."""
+        """Return whether it prescribes a velocity for a while: what it does is that times how long it lasts."""
         return self.group == "constraints" and not self.is_sudden
 
     def find_k(self, scaling: SkillScaling, vector: Any) -> Any:

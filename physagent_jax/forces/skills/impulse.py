@@ -8,7 +8,7 @@ from physagent_jax.forces.skills.icons import draw_arrow
 
 
 class Blow(Skill):
-    """What both forms of a blow share: a velocity change k M v, with k = s L / T and s = `TRAVEL`.
+    """The common part of both forms of a blow: a velocity change k M v, with k = s L / T and s = `TRAVEL`.
 
     What is held goes by its compliance (`forces.holding`); friction and weight are made up for (`forces.opposition`).
     """

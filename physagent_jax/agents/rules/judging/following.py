@@ -454,7 +454,8 @@ def _check_part(index: int, expectation: ExpectedMotion, view: View) -> list[Che
 
 
 _REST_SHARE = {False: 0.75, True: 0.4}
-"""Of the moving end's motion that the other may show: a part drags the rest along, an excepted one hardly moves."""
+"""Share of the moving end's motion that the other may show: a part drags the rest along; an excepted one hardly
+moves."""
 
 
 def _measure_extent(
