@@ -217,6 +217,7 @@ class SemanticReply(Strict):
         not_understood: Content words that led to nothing.
         unsure: What was not understood and would change the motion, in plain sentences: no motion can then be called
             a success.
+        materials: Words for what the object is made of, as they stand in the sentence: "jelly" in "made of jelly".
         notes: Assumptions made, in plain sentences.
     """
 
@@ -230,6 +231,7 @@ class SemanticReply(Strict):
     evidence: tuple[Evidence, ...] = ()
     not_understood: tuple[str, ...] = ()
     unsure: tuple[str, ...] = ()
+    materials: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
 
@@ -267,6 +269,36 @@ class Check(Strict):
     remedy: str = ""
 
 
+class StageVerdict(enum.StrEnum):
+    """The verdict on one stage of a sentence."""
+
+    MET = "met"
+    NOT_MET = "not met"
+    NOT_SEEN = "not seen"
+
+
+class Stage(Strict):
+    """One step of a sentence, judged by itself: the motions that begin together.
+
+    Attributes:
+        expectations: Indices of its motions.
+        words: The words that led to it.
+        window: [first, last] frames of its motions.
+        verdict: Met, if all of its checks passed; not met, if one failed; not seen, if one could not be made.
+        asked: The range in words of the check that decides it, with its question.
+        measured: The value seen in words.
+        misfit: What the worst of its checks is short of a full score, in [0, 1]; 0 = met.
+    """
+
+    expectations: tuple[Count, ...]
+    words: str = ""
+    window: tuple[_Frame, _Frame]
+    verdict: StageVerdict
+    asked: str = ""
+    measured: str = ""
+    misfit: float = Field(default=0.0, ge=0, le=1)
+
+
 class Judgement(Strict):
     """The planner's answer: SUCCESS, or FAIL with a suggestion; that alone is a complete judgement.
 
@@ -274,13 +306,22 @@ class Judgement(Strict):
         verdict: Whether the motion is what the sentence asks for.
         score: 0 (contrary) .. 1 (as asked), ranks the rounds; None = the planner gives none.
         checks: Every comparison made, if the planner judges by comparisons.
+        stages: The sentence's steps in order, each with its own verdict, if the planner judges them one by one.
         suggestion: What the executor should change, in words (empty on SUCCESS).
+        notes: How it came about, in plain sentences: a model's comparison, a disagreement between judges.
     """
 
     verdict: Verdict
     score: float | None = Field(default=None, ge=0, le=1)
     checks: tuple[Check, ...] = ()
+    stages: tuple[Stage, ...] = ()
     suggestion: str = ""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def stages_met(self) -> int:
+        """The number of stages that came true."""
+        return sum(stage.verdict is StageVerdict.MET for stage in self.stages)
 
 
 class Rewrite(Strict):

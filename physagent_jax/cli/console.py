@@ -108,8 +108,16 @@ class ConsoleObserver(Observer):
         stderr.print(
             f"[{colour}]{'✓' if good else '✗'}[/] {which}: [{colour}]{judgement.verdict.value}[/]{score}"
         )
+        for number, stage in enumerate(judgement.stages, 1):
+            if len(judgement.stages) > 1:
+                found = f"{stage.asked}: {stage.measured}"
+                stderr.print(
+                    f"  stage {number}, {stage.verdict.value}: {_escape(f'{stage.words} ({found})')}"
+                )
         if judgement.suggestion:
             stderr.print(f"  {_escape(judgement.suggestion)}")
+        for note in judgement.notes:
+            stderr.print(f"  {_escape(note)}")
 
     def close(self) -> None:
         """Remove a bar that is still on the screen."""

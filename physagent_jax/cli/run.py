@@ -86,14 +86,28 @@ class Run:
     """Width and height of the pictures that perception gets; default: the preset's."""
     video_size: str = "1280x720"
     """Width and height of the video, which is drawn for people; off: none is."""
-    max_iterations: int = 3
-    """Rounds at most."""
-    semantic: str = "rules"
-    """The agent that reads the sentence."""
-    planner: str = "rules"
-    """The agent that judges the motion."""
-    executor: str = "rules"
-    """The agent that rewrites the force field."""
+    max_iterations: Annotated[int, tyro.conf.arg(aliases=("--rounds",))] = 3
+    """Rounds at most; they end earlier where none of the last two improved anything."""
+    reader: Literal["grammar", "model", "both"] = "grammar"
+    """Agent that reads the sentence; both: the grammar's reading stands, and the model may doubt it."""
+    form: Literal["clauses", "by-clause", "paper"] | None = None
+    """Answer of a model that reads: words of the whole sentence (clauses, the default), words clause by clause
+    (by-clause, for small models), or the paper's force field (paper)."""
+    planner: Literal["rules", "chat", "both"] = "rules"
+    """Agent that judges the motion; chat: a model; both: a success needs rules and model."""
+    executor: Literal["rules", "chat"] = "rules"
+    """Agent that rewrites the force field; chat: a model, inside the hard rules."""
+    llm: str | None = None
+    """The language model: http://HOST:PORT/v1 of a server, a GGUF file, or a folder with a model. A key comes from the
+    environment alone."""
+    model: str | None = None
+    """Name of the model, as the server of --llm has it."""
+    eyes: bool = False
+    """Show key frames to the model that judges: it has to take pictures."""
+    record: Path | None = None
+    """Cassette that keeps every request to the model and its answer."""
+    replay: Path | None = None
+    """Cassette with the model's answers, in place of --llm."""
     probe: bool = False
     """First try force fields on a coarse version of the scene; the rounds then begin with the best of them."""
     seed: int = 0
@@ -117,6 +131,7 @@ class Run:
         """Run the command; return the exit code."""
         # Imported here, so that --help does not wait for JAX.
         from physagent_jax.report.html import write_report
+        from physagent_jax.run.chosen_agents import open_agents
         from physagent_jax.run.loop import run_loop
         from physagent_jax.run.resolve import resolve
         from physagent_jax.run.store import PLAIN_VIDEO, VIDEO
@@ -137,9 +152,16 @@ class Run:
         observer = ConsoleObserver()
         command = " ".join(map(shlex.quote, sys.argv))
         try:
-            store = run_loop(
-                run, self.out, observer=observer, limits=limits, overwrite=self.overwrite, command=command
-            )
+            with open_agents(run.spec, run.base_dir, record=self.record) as agents:
+                store = run_loop(
+                    run,
+                    self.out,
+                    agents=agents,
+                    observer=observer,
+                    limits=limits,
+                    overwrite=self.overwrite,
+                    command=command,
+                )
         finally:
             observer.close()
         report = write_report(store.path)
@@ -150,7 +172,9 @@ class Run:
         if self.json_line:
             print(json.dumps(summary))
         else:
-            stderr.print(f"[bold]{summary['verdict']}[/] after {summary['iterations']} round(s)")
+            stderr.print(
+                f"[bold]{summary['verdict']}[/] after {summary['iterations']} round(s): {summary['stopped']}"
+            )
             video = PLAIN_VIDEO if run.spec.save.video_size is None else VIDEO
             print(f"video:  {store.path / video}\nreport: {report}")
         return 0
@@ -171,6 +195,7 @@ def summarise(store, seconds: float) -> dict:
     return {
         "verdict": manifest.verdict,
         "iterations": manifest.iterations,
+        "stopped": manifest.stopped,
         "assumptions": understood.notes,
         "not_understood": understood.not_understood,
         "unsure": understood.unsure,

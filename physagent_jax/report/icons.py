@@ -44,7 +44,7 @@ def _draw_mark(mark: Mark, frame: Sequence[Sequence[float]]) -> Markup:
     if mark.kind == "rod":
         return _draw_line(points[0], points[-1], class_="rod")
     if len(points) == 2:
-        drawing = [_draw_line(*points)]
+        drawing = [_draw_line(points[0], points[1])]
     else:
         drawing = [tag("path", d="M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points))]
     if mark.kind != "line":

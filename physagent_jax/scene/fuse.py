@@ -61,6 +61,7 @@ class SceneTemplate:
         damping_rate: Drag of the surrounding air [1/s]; the preset's holds if it is larger.
         damping_ratio: Damping ratio of what nobody has chosen one for (`Material.damping_ratio`), as far as it
             costs few substeps.
+        damping_kind: Kind that ``damping_ratio`` is of; None = the object's.
         ledger: Whether exchanged energy and momentum are recorded.
     """
 
@@ -75,6 +76,7 @@ class SceneTemplate:
     friction: float = 0.0
     damping_rate: float = 0.0
     damping_ratio: float = 0.0
+    damping_kind: str | None = None
     ledger: bool = False
 
 
@@ -182,7 +184,11 @@ def damp(template: SceneTemplate, body: Body) -> tuple[Material, str | None]:
             )
     if chosen:
         return material, note
-    reasons = material.reason, f"damping: {explain_damping_ratio(template.source.kind)}", note
+    reasons = (
+        material.reason,
+        f"damping: {explain_damping_ratio(template.damping_kind or template.source.kind)}",
+        note,
+    )
     return material.changed(damping_ratio=ratio, reason="; ".join(filter(None, reasons))), note
 
 

@@ -14,7 +14,6 @@ from physagent_jax.agents.compiler.amounts import find_effort, find_held_magnitu
 from physagent_jax.agents.compiler.builder import MAX_ACTIONS, ForceFieldBuilder
 from physagent_jax.agents.compiler.events import Event
 from physagent_jax.agents.compiler.schedule import Slot, has_to_stop
-from physagent_jax.agents.displacement import HAULING_VERBS
 from physagent_jax.agents.dosing import find_magnitude
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.vectors import scale
@@ -103,7 +102,7 @@ class Task:
         thrown = event.effect is Effect.STRIKE and (event.motion.gravity or event.motion.direction == "up")
         way_told = event.effect is Effect.PUSH and not event.is_way_assumed
         goes = way_told and event.motion.generic
-        elsewhere = event.elsewhere or way_told and event.phrase in HAULING_VERBS
+        elsewhere = event.elsewhere or way_told and event.motion.hauls
         told = event.amount is not None and event.amount.unit in ("lengths", "metres")
         elsewhere = elsewhere and not self._is_let_go
         return thrown or goes or told or elsewhere or event.effect is Effect.JUMP

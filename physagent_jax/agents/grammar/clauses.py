@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from physagent_jax.agents.displacement import ends_elsewhere
+from physagent_jax.agents.grammar.displacement import ends_elsewhere
 from physagent_jax.agents.grammar.mentions import MOTIONS, WAYS, Mention, MentionKind
 from physagent_jax.agents.grammar.tables import LEXICON, get_set
 from physagent_jax.agents.grammar.tokens import is_participle
@@ -57,7 +57,7 @@ class Clause:
         negated: Whether it is said *not* to happen.
         inherited: Whether the verb is that of the clause before.
         stays: Whether what it brings about is to be held.
-        elsewhere: Whether what is moved ends at another place (`agents.displacement`).
+        elsewhere: Whether what is moved ends at another place (`grammar.displacement`).
         mentions: All mentions, for quoting.
     """
 

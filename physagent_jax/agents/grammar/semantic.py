@@ -19,6 +19,7 @@ from physagent_jax.agents.grammar.relations import read_clauses
 from physagent_jax.agents.grammar.tables import LEXICON
 from physagent_jax.agents.grammar.tokens import correct_spelling, describe_corrections, tokenise
 from physagent_jax.agents.intent import Intent
+from physagent_jax.agents.materials import find_materials, mask_materials
 from physagent_jax.agents.protocols import SemanticAgent
 from physagent_jax.agents.schema import SceneBrief, SemanticReply
 from physagent_jax.agents.trace import Reply
@@ -54,8 +55,9 @@ def read_intent(prompt: str, brief: SceneBrief) -> Intent:
         UserError: It is no text, too little of it is understood, or it names no motion of the object.
     """
     _check_text(prompt)
-    names = collect_names(prompt, brief)
-    mentions = read_mentions(prompt, names)
+    materials = find_materials(prompt, brief)
+    names, text = collect_names(prompt, brief), mask_materials(prompt, materials)
+    mentions = read_mentions(text, names)
     coverage = sort_words(mentions, names, brief)
     if is_mostly_unknown(mentions, coverage):
         raise UserError(
@@ -72,11 +74,11 @@ def read_intent(prompt: str, brief: SceneBrief) -> Intent:
         if coverage.taken
         else []
     )
-    mark_displacements(clauses, [token.text for token in correct_spelling(tokenise(prompt), names)])
-    intent = make_intent(clauses, mentions, coverage, notes + describe_corrections(prompt, names))
+    mark_displacements(clauses, [token.text for token in correct_spelling(tokenise(text), names)])
+    intent = make_intent(clauses, mentions, coverage, notes + describe_corrections(text, names))
     if not (intent.clauses or intent.held or intent.surroundings.gravity):
         raise _refuse(prompt, brief, coverage, others)
-    return intent
+    return intent.model_copy(update={"materials": tuple(each.word for each in materials)})
 
 
 def _assume_push(clauses: list[Clause]) -> list[Clause]:

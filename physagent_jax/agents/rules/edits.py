@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from physagent_jax.agents.matching import Cause, find_first_skill
+from physagent_jax.agents.rules.parts import bound_to_part, make_part_region
 from physagent_jax.agents.rules.tolerances import round_window
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import add, clamp, cosine, dot, norm, normalise, scale
@@ -273,7 +274,11 @@ def make_actions(case: Case) -> list[Action]:
     kind = ActionType(find_first_skill(expectation.kind, expectation.sudden).name)
     if expectation.sudden and window:
         window = (window[0], window[0] + 1.0)
-    return [Action(action_type=kind, vector=axis, magnitude=magnitude, active_time=window) for axis in axes]
+    region = make_part_region(expectation)
+    return [
+        Action(action_type=kind, vector=axis, magnitude=magnitude, active_time=window, region=region)
+        for axis in axes
+    ]
 
 
 def _get_window(case: Case) -> tuple[float, float] | None:
@@ -364,6 +369,12 @@ def keep(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
             updates.append({"active_time": (first, max(end, limit))})
     why = f" keeps it where it was brought, until frame {limit:g}."
     yield change_items(case, causes, updates, why, "window_in_clip")
+
+
+def act_on_part(case: Case, causes: Sequence[Cause]) -> Change:
+    """Let causes act on the named part alone."""
+    field = replace_items(case.force_field, causes, bound_to_part(case.expectation, causes))
+    return Change(field, f"{format_names(causes)} acts on the part of '{case.expectation.words}' alone.")
 
 
 def soften(case: Case, causes: Sequence[Cause]) -> Change:

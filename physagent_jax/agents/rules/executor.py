@@ -6,9 +6,11 @@ from collections.abc import Sequence
 
 from physagent_jax.agents.context import AgentContext, Round
 from physagent_jax.agents.hard_rules import Repair, apply_hard_rules
+from physagent_jax.agents.progress import Rating, rate
 from physagent_jax.agents.protocols import ExecutorAgent
 from physagent_jax.agents.rules.edits import Case, Change
 from physagent_jax.agents.rules.remedies import list_remedies
+from physagent_jax.agents.rules.sparing import find_kept
 from physagent_jax.agents.schema import Check, Judgement, Rewrite
 from physagent_jax.agents.trace import Reply
 from physagent_jax.forces.schema import ForceField
@@ -21,7 +23,10 @@ _PASSED = 1.0  # gain of what needed no change
 
 
 class RuleExecutor(ExecutorAgent):
-    """Mends the failed expectations of the best round, all at once; without checks it has nothing to go by."""
+    """Mends the failed stages of the best round, all at once, and leaves the entries of the others as they are.
+
+    Without checks it has nothing to go by.
+    """
 
     def rewrite(self, context: AgentContext, failed: Round) -> Reply[Rewrite]:
         """Return the next force field; see `protocols.ExecutorAgent`.
@@ -57,10 +62,10 @@ class RuleExecutor(ExecutorAgent):
 
 
 def rank(rounds: Sequence[Round]) -> list[Round]:
-    """Rounds by falling score, the later of equals first; the last alone where a planner gives no scores."""
+    """Rounds by stages met, then by score, best first, the later of equals first; the last alone without scores."""
     if any(each.judgement.score is None for each in rounds):
         return [rounds[-1]]
-    return sorted(reversed(rounds), key=lambda each: -(each.judgement.score or 0.0))
+    return sorted(reversed(rounds), key=lambda each: rate(each.judgement) or Rating(0, 0.0), reverse=True)
 
 
 def _explain(
@@ -98,14 +103,20 @@ def _group_failed(judgement: Judgement, count: int, report: MotionReport) -> dic
 def _mend(
     context: AgentContext, base: Round, rounds: Sequence[Round], failed: dict[int, list[Check]], depth: int
 ) -> list[Change]:
-    """One remedy per failed expectation, each on the result of the one before; ``depth`` skips the mildest."""
+    """One remedy per failed expectation, each on the result of the one before; ``depth`` skips the mildest.
+
+    Remedies that leave the stages that were met as they are go before all others.
+    """
     changes: list[Change] = []
     field = base.force_field
+    kept = find_kept(base, context.expectations, failed)
     for index, checks in failed.items():
         earlier = tuple(_list_gains(index, [each for each in rounds if each is not base]))
         expectations = context.expectations
         case = Case(field, expectations[index], expectations, context.brief, checks, base.report, earlier)
         options = [change for change in list_remedies(case) if change.force_field != field]
+        sparing = [each for change in options if (each := kept.spare(change, field)) is not None]
+        options = sparing or options
         if not options:
             continue
         change = options[min(depth, len(options) - 1)]

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from physagent_jax.agents.context import AgentContext, Observation
 from physagent_jax.agents.protocols import PlannerAgent
 from physagent_jax.agents.rules.judging import View, make_checks
+from physagent_jax.agents.rules.judging.stages import find_stage, judge_stages
 from physagent_jax.agents.rules.tolerances import list_windows
-from physagent_jax.agents.schema import Check, ExpectedMotion, Judgement, MotionKind, Verdict
+from physagent_jax.agents.schema import Check, ExpectedMotion, Judgement, MotionKind, Stage, Verdict
 from physagent_jax.agents.trace import Reply
 
 _HIGHEST_FAILURE = 0.99
@@ -34,13 +35,15 @@ class RulePlanner(PlannerAgent):
         view = View(seen.report, context.brief, expectations, seen.force_field, gravity, obstacles)
         checks = make_checks(view)
         unsure = context.reading.unsure if context.reading else ()
+        stages = judge_stages(expectations, checks)
         success = bool(checks) and all(check.passed for check in checks) and not unsure
         mean = sum(check.score for check in checks) / len(checks) if checks else 0.0
         judgement = Judgement(
             verdict=Verdict.SUCCESS if success else Verdict.FAIL,
             score=round(mean if success else min(mean, _HIGHEST_FAILURE), 6),
             checks=tuple(checks),
-            suggestion="" if success else _suggest(context.prompt, checks, expectations, unsure),
+            stages=stages,
+            suggestion="" if success else _suggest(context.prompt, checks, expectations, stages, unsure),
         )
         return Reply(judgement)
 
@@ -55,26 +58,37 @@ def _has_gravity(context: AgentContext, seen: Observation) -> bool:
 
 
 def _suggest(
-    prompt: str, checks: list[Check], expectations: Sequence[ExpectedMotion], unsure: Sequence[str]
+    prompt: str,
+    checks: list[Check],
+    expectations: Sequence[ExpectedMotion],
+    stages: Sequence[Stage],
+    unsure: Sequence[str],
 ) -> str:
-    """Doubts, the failed clauses in words, worst first, and what could not be seen."""
+    """Doubts, the failed clauses in words, stage by stage and worst first, and what could not be seen."""
     if not checks:
         return f"Nothing is expected of the sentence '{prompt.strip()[:120]}', so nothing can be judged."
-    failed = sorted((check for check in checks if check.passed is False), key=lambda check: check.score)
+    failed = sorted(
+        (check for check in checks if check.passed is False),
+        key=lambda check: (find_stage(check.expectation, stages) or 0, check.score),
+    )
     unseen = [check for check in checks if check.passed is None]
     doubts = "; ".join(doubt.removesuffix(".") for doubt in unsure)
     parts = [f"Not understood for certain, so no motion can be called a success: {doubts}."] if unsure else []
-    parts += [_describe_failure(check, expectations[check.expectation].words) for check in failed]
+    parts += [_describe_failure(check, expectations[check.expectation].words, stages) for check in failed]
     if unseen:
         what = "; ".join(dict.fromkeys(f"{check.question} {check.observed}" for check in unseen))
         parts.append(f"Asked for, but not observable in the pictures: {what}.")
     return " ".join(parts)
 
 
-def _describe_failure(check: Check, words: str) -> str:
+def _describe_failure(check: Check, words: str, stages: Sequence[Stage]) -> str:
+    number = find_stage(check.expectation, stages)
+    place = "" if number is None else f"Stage {number} of {len(stages)}: "
     remedy = f"; {check.remedy}" if check.remedy else ""
     if check.aspect in _UNASKED:
         asked = "Nobody asked for this"
     else:
         asked = f"The sentence asks for '{words}'" if words else "The sentence asks for this motion"
-    return f"{asked} ({check.question} {check.expected}), but the pictures show {check.observed}{remedy}."
+    return (
+        f"{place}{asked} ({check.question} {check.expected}), but the pictures show {check.observed}{remedy}."
+    )

@@ -59,6 +59,8 @@ def list_remedies(case: Case) -> Iterator[Change]:
         yield from edits.keep(case, causes)
     elif case.failed("return"):
         yield edits.shorten(case, causes, 0.5, "it should come back after letting go")
+    if case.failed("part"):
+        yield edits.act_on_part(case, causes)
     if case.failed("repeats"):
         yield edits.alternate(case, causes)
     slow = case.expectation.sudden and case.failed("order")

@@ -13,20 +13,20 @@ CORE = 0.25
 
 
 class Vortex(Skill):
-    """The acceleration a = k M 2 (v x d) / (1 + (d / c)^2), d across the axis through the middle at rest, c = `CORE` L.
+    """The acceleration a = k M w(d) / <w> (v x d), w = 1 / (1 + (d / c)^2), d across the axis, c = `CORE` L.
 
-    This is Kaufmann's smooth form of Rankine's vortex: tangential, solid at the axis, 1 / d far from it. With
-    k = 2 theta / T^2 and theta = `TURN`, what is at the core's edge goes round by theta. A rigid body turns by the mean
-    of what acts on it, and a soft one is twisted. The axis is a place in space: it does not move with the object.
+    This is Kaufmann's smooth form of Rankine's vortex: tangential, solid at the axis, 1 / d far from it. The axis goes
+    through the middle at rest and stays there: it is a place in space. <w> is the mean by moments of inertia, so that a
+    rigid body turns as by a torque, with k = 2 theta / T^2 and theta = `TURN`. What is soft is twisted.
     """
 
     name = "vortex"
     meaning = (
         "a swirl about the axis `vector` (right-hand rule) through the object's middle, strongest a quarter of its "
         "length from the axis and weaker beyond, so that it twists what is soft; at magnitude 1, over the whole clip "
-        "and unopposed, what is there goes round by a quarter turn"
+        "and unopposed, it is a quarter turn on average"
     )
-    one_means = f"unopposed, {math.degrees(TURN):g} degrees at the core's edge by the clip's end"
+    one_means = f"unopposed, {math.degrees(TURN):g} degrees on average by the clip's end"
     quantity, unit = "torque", "rad/s\u00b2"
     effect = "swirls {turn}"
     causes = ("rotate",)
@@ -42,9 +42,9 @@ class Vortex(Skill):
         from physagent_jax.forces.opposition import oppose_turn
 
         core = max(CORE * bound.extent, 1e-12)
-        share = bound.average_turn(lambda squared: 2 / (1 + squared / core**2))
+        share = bound.average_turn(lambda squared: 1 / (1 + squared / core**2))
         k = self.find_k(bound.scaling, bound.values.vector)
-        turn = 2 * oppose_turn(bound.opposition, k * share, *bound.directed) / share  # at the axis
+        turn = oppose_turn(bound.opposition, k, *bound.directed) / share  # at the axis
         none, one = bound.leaf(0.0), bound.leaf(1.0)
         swirl = terms.Vortex(
             point=bound.leaf(bound.centre),
@@ -57,7 +57,7 @@ class Vortex(Skill):
             envelope=Envelope.constant(*bound.window),
             weight=bound.weight,
         )
-        return [swirl, *bound.overcome_rubbing(k * share)]
+        return [swirl, *bound.overcome_rubbing(k)]
 
     def draw_icon(self, reverse):
         """A spiral about the axis."""

@@ -8,11 +8,12 @@ whole clip, once per judgement.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from physagent_jax.agents.rules import tolerances
 from physagent_jax.agents.rules.judging.comparing import make_limit_check, make_unseen_check
 from physagent_jax.agents.rules.judging.seen import View
+from physagent_jax.agents.rules.judging.stages import group_stages
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind
 from physagent_jax.agents.vectors import add, clamp, cross, dot, norm, normalise, scale
 from physagent_jax.core.strict import Vector
@@ -102,11 +103,12 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         course = [(t, add([p, scale(up, -0.5 * dot(p, up))])) for t, p in course]
         if any(e.kind is MotionKind.FALL for e in asked) or view.force_field.default_drop:
             course = [(t, add([p, scale(up, -dot(p, up))])) for t, p in course]
-    value = _find_lasting(_measure_distance(p, lines) for _, p in course)
+    aside = [(t, _measure_distance(p, lines)) for t, p in course]
+    value = _find_lasting(v for _, v in aside)
     words = f"{value:.2g} body lengths" + (f" of {longest:.2g} in all" if moves else "")
     return [
         make_limit_check(
-            _blame(view),
+            _blame(view, _find_onset(aside, limit)),
             "does it move where nobody asked it to?",
             f"at most {limit:.2g} body lengths aside"
             if moves
@@ -162,10 +164,11 @@ def _check_turning(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     if _is_rough(view, asked):
         limit = max(limit, _TURN_HELD if view.anchored else _TURN_TUMBLING)
     axes = [e.direction for e in rotations if e.direction is not None]
-    value = _find_lasting(_measure_distance(v, axes) for _, v in turns)
+    beside = [(t, _measure_distance(v, axes)) for t, v in turns]
+    value = _find_lasting(v for _, v in beside)
     return [
         make_limit_check(
-            _blame(view),
+            _blame(view, _find_onset(beside, limit)),
             "does it turn about another axis?" if rotations else "does it turn although nobody asked for it?",
             f"at most {limit:.0f} degrees",
             f"{value:.0f} degrees",
@@ -189,11 +192,12 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     if axial:
         if any(e.direction is None for e in axial):
             return []
-        volume = _find_lasting(abs(math.log(max(_compute_determinant(S), 1e-6))) for S in tensors)
+        volumes = [(t, abs(math.log(max(_compute_determinant(S), 1e-6)))) for t, S in tensors]
+        volume = _find_lasting(v for _, v in volumes)
         limit = 0.75 + 0.4 * max(e.strength for e in axial)
         return [
             make_limit_check(
-                _blame(view),
+                _blame(view, _find_onset(volumes, limit)),
                 "does its volume change with it?",
                 f"between {math.exp(-limit):.2f} and {math.exp(limit):.2f} times",
                 f"by a factor of {math.exp(volume):.2f} up or down",
@@ -212,10 +216,11 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         if any(w.stretch_view_axis_observable for w in view.report.windows)
         else view.brief.directions.toward
     )
-    value = _find_lasting(_find_largest_strain(S, hidden) for S in tensors)
+    strains = [(t, _find_largest_strain(S, hidden)) for t, S in tensors]
+    value = _find_lasting(v for _, v in strains)
     return [
         make_limit_check(
-            _blame(view),
+            _blame(view, _find_onset(strains, limit)),
             "does its shape change although nobody asked for it?",
             f"by at most {limit:.0%}",
             f"by {value:.0%}",
@@ -229,11 +234,11 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     ]
 
 
-def _list_tensors(view: View) -> list[Matrix]:
-    """Stretch tensors, per frame or those of the windows from frame 0."""
+def _list_tensors(view: View) -> list[tuple[int, Matrix]]:
+    """Stretch tensors with their frames: of every frame, or of the windows at their ends."""
     if view.report.stretch:
-        return [S for S in view.report.stretch if S is not None]
-    return [w.stretch for w in view.report.windows if w.stretch is not None]
+        return [(t, S) for t, S in enumerate(view.report.stretch) if S is not None]
+    return [(w.last, w.stretch) for w in view.report.windows if w.stretch is not None]
 
 
 def _find_largest_strain(S: Matrix, hidden: Vector | None) -> float:
@@ -287,12 +292,15 @@ def _check_whole(view: View) -> list[Check]:
     asked = view.expectations
     torn = any(any(stem in e.words.lower() for stem in _TEARS) for e in asked)
     checks = []
-    pieces = [count for count in view.report.pieces if count is not None]
+    seen = [(t, float(count)) for t, count in enumerate(view.report.pieces) if count is not None]
+    pieces = [count for _, count in seen]
     if pieces and not torn:
-        extra = _find_lasting(float(count) for count in pieces) - min(pieces[:_LASTING])
+        whole = min(pieces[:_LASTING])
+        extra = _find_lasting(pieces) - whole
         checks.append(
             make_limit_check(
-                _blame(view), "does it stay in one piece?", "no pieces come off",
+                _blame(view, _find_onset([(t, n - whole) for t, n in seen], 1.0)),
+                "does it stay in one piece?", "no pieces come off",
                 f"{extra:.0f} pieces come off" if extra else "none", extra, 0.5,
                 aspect="integrity", sigma=0.3, gain=0.6, remedy="act more gently: it breaks",
             )
@@ -308,7 +316,8 @@ def _check_whole(view: View) -> list[Check]:
             limit *= 1.4  # it bulges
         checks.append(
             make_limit_check(
-                _blame(view), "does it hold together?", f"at most {limit:.2f} times its size",
+                _blame(view, _find_onset(_list_growths(view), limit - 1.0)),
+                "does it hold together?", f"at most {limit:.2f} times its size",
                 f"{growth:.2f} times its size", max(growth - 1.0, 0.0), limit - 1.0,
                 aspect="integrity", sigma=view.sigma("stretch"), gain=0.5, remedy="act more gently: it bursts",
             )
@@ -324,6 +333,13 @@ def _measure_growth(view: View) -> float | None:
         return _find_lasting(_measure_diagonal(box) for box in boxes) / max(rest, 1e-6)
     ratios = [w.volume_ratio for w in view.report.windows if w.volume_ratio is not None]
     return max(ratios) ** (1 / 3) if ratios else None
+
+
+def _list_growths(view: View) -> list[tuple[int, float]]:
+    """Growth of the box's diagonal since the first box, frame by frame."""
+    boxes = [(t, box) for t, box in enumerate(view.report.box) if box is not None]
+    rest = max(_measure_diagonal(boxes[0][1]), 1e-6) if boxes else 1.0
+    return [(t, _measure_diagonal(box) / rest - 1.0) for t, box in boxes]
 
 
 def _measure_diagonal(box: Box) -> float:
@@ -342,7 +358,7 @@ def _check_picture(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     value = float(view.last + 1 if leaves is None else leaves)
     return [
         make_limit_check(
-            _blame(view),
+            _blame(view, leaves, _TRAVELS),
             "does it stay in the picture?",
             "to the end" if not far else f"until frame {limit:.0f} at least",
             "it does" if leaves is None else f"it leaves it at frame {leaves}",
@@ -364,7 +380,7 @@ def _check_observed(view: View) -> list[Check]:
     unseen = [t for t, place in enumerate(view.report.centroid) if place is None]
     if len(unseen) < _LASTING:
         return []
-    index = _blame(view)
+    index = _blame(view, unseen[0])
     why = f"its place is not known in {len(unseen)} of {view.report.frame_count} frames, first in frame {unseen[0]}"
     return [make_unseen_check(index, view.expectations[index], why, "is it seen throughout?")]
 
@@ -379,7 +395,7 @@ def _check_early(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     value = max(value, _find_lasting(norm(v) for _, v in view.turns(0, begin)) / (100.0 * _EARLY))
     return [
         make_limit_check(
-            _blame(view),
+            _blame(view, begin),
             "does it wait for its time?",
             f"no visible motion before frame {begin}",
             f"it moves {value:.1f} times as much as can pass for stillness",
@@ -392,7 +408,34 @@ def _check_early(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     ]
 
 
-def _blame(view: View) -> int:
-    """The expectation that the checks are filed under: the strongest cause has most to do with it."""
-    strengths = [e.strength if e.kind is not MotionKind.STILL else 0.0 for e in view.expectations]
-    return strengths.index(max(strengths)) if strengths else 0
+def _blame(view: View, begun: int | None = None, kinds: Sequence[MotionKind] = ()) -> int:
+    """The expectation that a check is filed under: the strongest cause has most to do with it.
+
+    Args:
+        view: What is seen and asked.
+        begun: Frame at which it shows; only motions of the last stage that has begun by then are blamed. None = all.
+        kinds: Kinds of motion that cause it; stages with one of them go first.
+    """
+    members = range(len(view.expectations))
+    if begun is not None:
+        stages = [stage for stage in group_stages(view.expectations) if _is_active(stage, view, begun)]
+        causing = [stage for stage in stages if any(view.expectations[i].kind in kinds for i in stage)]
+        members = (causing or stages or [members])[-1]
+    strengths = {i: _get_strength(view.expectations[i]) for i in members}
+    return max(strengths, key=lambda i: strengths[i]) if strengths else 0
+
+
+def _is_active(stage: Sequence[int], view: View, frame: int) -> bool:
+    """Return whether a stage has begun by a frame, and not only by being still."""
+    motions = [view.expectations[i] for i in stage]
+    moves = any(motion.kind is not MotionKind.STILL for motion in motions)
+    return moves and min(view.span(motion)[0] for motion in motions) <= frame
+
+
+def _get_strength(expectation: ExpectedMotion) -> float:
+    return expectation.strength if expectation.kind is not MotionKind.STILL else 0.0
+
+
+def _find_onset(values: Iterable[tuple[int, float]], limit: float) -> int | None:
+    """The first frame at which a value has come half the way to its limit; None if it never does."""
+    return next((frame for frame, value in values if value >= 0.5 * limit), None)

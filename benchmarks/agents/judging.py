@@ -1,0 +1,189 @@
+"""`python -m benchmarks.agents.judging --models NAME=PLACE ...`: motion reports judged by the rules and by models.
+
+The clips, their sentences and labels are those of `benchmarks.verdicts`. Every judge gets the same report; models get
+its text alone, no pictures. The sentence is read by the grammar; one that it refuses is a FAIL without a question.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import random
+import sys
+from collections.abc import Iterable
+from functools import partial
+from pathlib import Path
+from typing import Literal
+
+import tyro
+
+from benchmarks import harness
+from benchmarks.agents.asking import Asked, close_all
+from benchmarks.harness import RAW, Job, Page, Result, Row, Rows, Tables, condense_section, number, table
+from benchmarks.verdicts.catalogue import list_clips
+from benchmarks.verdicts.clip import Clip
+from benchmarks.verdicts.judging import Sight, look, make_brief
+from benchmarks.verdicts.work import do
+from physagent_jax.agents.context import AgentContext, Observation
+from physagent_jax.agents.llm.base import ModelError
+from physagent_jax.agents.llm.planner import judge_with_model
+from physagent_jax.agents.registry import make_agents
+from physagent_jax.agents.schema import Verdict
+from physagent_jax.agents.trace import AgentError, Trace
+from physagent_jax.core.errors import UserError
+from physagent_jax.forces.description import describe_skills
+
+PART = "judging"
+CHUNK = 4  # clips of a job
+
+
+@dataclasses.dataclass(frozen=True)
+class Command(harness.Command):
+    """Judge clips by the rules and by models, or write the tables of an earlier run."""
+
+    json: Path = RAW / "agents-judging.json"
+    """File of the raw rows."""
+    parts: tuple[Literal["judging"], ...] = (PART,)
+    """Parts to measure."""
+    models: tuple[str, ...] = ()
+    """NAME=PLACE each: a GGUF file, a cassette, or URL#MODEL of a server."""
+    sight: Sight = "truth"
+    """Source of the reports: the true trajectories, or what perception sees in pictures."""
+    sample: int = 100
+    """Clips, drawn by the seed; all there are if it is larger."""
+    seed: int = 40
+    """Seed of the sample."""
+    clips: Path = Path("runs/verdicts")
+    """Folder where clips and reports are kept; those that are missing are made."""
+    data: Path | None = None
+    """Folder of captured objects; none of them is needed."""
+    cassettes: Path = Path("runs/agents")
+    """Folder where the models' answers are kept."""
+
+
+class NoPictures:
+    """Key frames of a report that is judged from its text."""
+
+    def pick(self, most: int = 6) -> tuple:
+        """None."""
+        del most
+        return ()
+
+
+def main() -> int:
+    """Run the command line."""
+    command = tyro.cli(Command)
+    models = tuple(Asked(text, command.cassettes) for text in command.models)
+    try:
+        code = harness.main(command, {PART: partial(list_jobs, command, models)}, PAGE)
+    finally:
+        close_all(models)
+    if command.json.is_file():
+        print(PAGE.tables(PAGE.condense(json.loads(command.json.read_text())))[PART])
+    return code
+
+
+def list_jobs(command: Command, models: Iterable[Asked]) -> list[Job]:
+    """A job for every few clips, with all judges in it."""
+    clips = sorted(list_clips(command.data, command.quick), key=lambda clip: clip.name)
+    random.Random(command.seed).shuffle(clips)
+    clips = clips[: 8 if command.quick else command.sample]
+    judges = tuple(models)
+    return [
+        Job(f"clips {start + 1}-{start + len(chunk)}", partial(_judge_all, command, chunk, judges))
+        for start, chunk in ((at, clips[at : at + CHUNK]) for at in range(0, len(clips), CHUNK))
+    ]
+
+
+def _judge_all(command: Command, clips: list[Clip], models: tuple[Asked, ...]) -> list[Row]:
+    return [row for clip in clips for row in judge_clip(command, clip, models)]
+
+
+def judge_clip(command: Command, clip: Clip, models: tuple[Asked, ...]) -> list[Row]:
+    """A row for each judge of a clip; none if it does not move as it is labelled."""
+    checked = do("clips", clip, folder=command.clips, data=command.data, made=False)
+    if checked is None or checked["untrue"]:
+        return []
+    agents = make_agents()
+    context = AgentContext(clip.sentence, make_brief(clip), describe_skills())
+    try:
+        reading = agents.semantic.compile(context).value
+    except UserError:
+        return [_make_row(clip, name, "FAIL") for name in ("rules", *(model.name for model in models))]
+    context = dataclasses.replace(context, reading=reading)
+    windows = tuple(agents.planner.windows(context))
+    report = look(clip, command.sight, windows, command.clips, command.data)
+    seen = Observation(reading.force_field, report, NoPictures())
+    rules = agents.planner.judge(context, seen).value.verdict.value
+    rows = [_make_row(clip, "rules", rules)]
+    for model in models:
+        verdict, trace = _ask(model, context, seen)
+        agreed = "SUCCESS" if (verdict, rules) == ("SUCCESS", "SUCCESS") else "FAIL"
+        cost = {
+            "seconds": round(trace.latency_seconds, 3),
+            "input_tokens": trace.input_tokens,
+            "output_tokens": trace.output_tokens,
+            "unusable": verdict is None,
+        }
+        rows.append(_make_row(clip, model.name, verdict or "FAIL") | cost)
+        rows.append(_make_row(clip, f"rules and {model.name}", rules if verdict is None else agreed) | cost)
+    return rows
+
+
+def _ask(asked: Asked, context: AgentContext, seen: Observation) -> tuple[str | None, Trace]:
+    """The model's verdict; None if no answer of it fits."""
+    try:
+        answer = judge_with_model(asked.open(), context, seen)
+    except AgentError as error:
+        if isinstance(error.__cause__, ModelError):
+            raise  # the server is away: nothing was measured
+        return None, error.trace
+    return Verdict(answer.value.verdict).value, answer.trace
+
+
+def _make_row(clip: Clip, judge: str, verdict: str) -> Row:
+    label = "SUCCESS" if clip.wrong is None else "FAIL"
+    return {"judge": judge, "clip": clip.name, "half": clip.half, "label": label, "verdict": verdict}
+
+
+def condense(result: Result) -> Result:
+    """Counts of verdicts by judge."""
+    return {part: condense_section(section, _count(section["rows"])) for part, section in result.items()}
+
+
+def _count(rows: Rows) -> Rows:
+    judges: dict[str, Rows] = {}
+    for row in rows:
+        judges.setdefault(row["judge"], []).append(row)
+    return [
+        {
+            "judge": judge,
+            "wrong clips": sum(row["label"] == "FAIL" for row in mine),
+            "false SUCCESS": sum((row["label"], row["verdict"]) == ("FAIL", "SUCCESS") for row in mine),
+            "right clips": sum(row["label"] == "SUCCESS" for row in mine),
+            "false FAIL": sum((row["label"], row["verdict"]) == ("SUCCESS", "FAIL") for row in mine),
+            "unusable": sum(row.get("unusable", False) for row in mine),
+            **{
+                name: round(sum(row.get(name, 0) for row in mine) / len(mine), 3)
+                for name in ("seconds", "input_tokens", "output_tokens")
+            },
+        }
+        for judge, mine in judges.items()
+    ]
+
+
+def write_tables(summary: Result) -> Tables:
+    """The table of judges: false verdicts, and the cost of a clip."""
+    names = ("wrong clips", "false SUCCESS", "right clips", "false FAIL", "unusable")
+    rows = [
+        [row["judge"], *(row[name] for name in names)]
+        + [number(row[name]) for name in ("seconds", "input_tokens", "output_tokens")]
+        for row in summary[PART]["rows"]
+    ]
+    return {PART: table(["judge", *names, "s", "tokens in", "tokens out"], rows)}
+
+
+PAGE = Page("agents-judging", "python -m benchmarks.agents.judging", write_tables, condense=condense)
+
+if __name__ == "__main__":
+    sys.exit(main())

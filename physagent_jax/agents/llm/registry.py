@@ -1,0 +1,47 @@
+"""The chat models that a run may choose by name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from physagent_jax.agents.llm.base import ChatModel
+from physagent_jax.core.reading import format_validation_error
+from physagent_jax.core.registry import Choice, Registry
+
+_HERE = "physagent_jax.agents.llm"
+MODELS = Registry(
+    "`--llm`",
+    {
+        "openai": f"{_HERE}.openai_client:OpenAIModel",
+        "transformers": f"{_HERE}.transformers_client:TransformersModel",
+        "llama": f"{_HERE}.llama_client:LlamaModel",
+        "replay": f"{_HERE}.replay:ReplayModel",
+    },
+)
+
+
+def make_model(choice: Choice, *, record: str | Path | None = None) -> ChatModel:
+    """The chat model of a name with options, or of the address of a server.
+
+    Args:
+        choice: A name of `MODELS` or an address like "http://127.0.0.1:8000/v1", with the options.
+        record: Cassette in which its answers are kept; None = they are not.
+
+    Raises:
+        UserError: There is no such model, its package is missing, or an option is wrong.
+    """
+    name, options = (choice, {}) if isinstance(choice, str) else choice
+    if "://" in name:
+        name, options = "openai", {"url": name, **options}
+    try:
+        model = MODELS.make((name, options))
+    except ValidationError as error:
+        do = "Change the options of the model"
+        raise format_validation_error(error, f"`--llm` {name!r}", do=do) from None
+    if record is None:
+        return model
+    from physagent_jax.agents.llm.replay import Recorder
+
+    return Recorder(model, record)

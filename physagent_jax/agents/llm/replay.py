@@ -1,0 +1,193 @@
+"""Recorded exchanges with chat models: a cassette is a JSONL file of requests with their answers.
+
+A request is known by the sha256 of everything that is sent: messages, hashes of pictures, schema and model.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import JsonValue
+
+from physagent_jax.agents.llm.base import (
+    ChatMessage,
+    ChatModel,
+    Generation,
+    ModelError,
+    make_writable,
+)
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.files import explain_write_error, make_folders
+from physagent_jax.core.reading import decode_json, parse_model, read_bytes, shorten
+from physagent_jax.core.strict import Strict
+
+_MOST_BYTES = 2**28  # of a cassette
+_SHOWN = 40  # characters of a difference
+
+
+class SentMessage(Strict):
+    """A message of a request, with the sha256 of its pictures."""
+
+    role: Literal["system", "user", "assistant"]
+    text: str
+    pictures: tuple[str, ...] = ()
+
+
+class Request(Strict):
+    """Everything that a model is sent."""
+
+    model: str
+    has_eyes: bool = False
+    schema_: dict[str, JsonValue] | None = None
+    messages: tuple[SentMessage, ...]
+
+    @property
+    def key(self) -> str:
+        """The sha256 of the request in canonical JSON."""
+        text = json.dumps(self.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
+        return hashlib.sha256(text.encode()).hexdigest()
+
+
+class Entry(Strict):
+    """One line of a cassette."""
+
+    key: str
+    request: Request
+    answer: Generation
+
+
+def read_cassette(path: Path) -> dict[str, Entry]:
+    """The entries of a cassette by their keys.
+
+    Raises:
+        UserError: There is no such file, or a line is no entry or was changed.
+    """
+    entries = {}
+    for number, line in enumerate(read_bytes(path, most=_MOST_BYTES, what="the cassette").splitlines(), 1):
+        origin = f"{shorten(path)}, line {number}"
+        entry = parse_model(decode_json(line, origin), Entry, origin)
+        if entry.key != entry.request.key:
+            raise UserError(f"{origin} was changed: its key is not that of its request", do="Record it again")
+        entries[entry.key] = entry
+    return entries
+
+
+class ReplayModel:
+    """A model that answers only what a cassette holds.
+
+    Args:
+        path: The cassette.
+        model: Name of the recorded model, if the cassette holds several.
+    """
+
+    def __init__(self, path: str | Path, model: str = ""):
+        self._path = Path(path)
+        self._entries = read_cassette(self._path)
+        recorded = {each.request.model: each.request.has_eyes for each in self._entries.values()}
+        if (model and model not in recorded) or (not model and len(recorded) != 1):
+            wrong = "does not hold this model" if model else "does not hold one model"
+            known = f"It holds: {', '.join(recorded) or 'nothing'}"
+            raise UserError(f"the cassette {shorten(path)} {wrong}", got=model or None, do=known)
+        self._model = model or next(iter(recorded))
+        self.name, self.has_eyes = f"replay:{self._model}", recorded[self._model]
+
+    def close(self) -> None:
+        """There is nothing to free."""
+
+    def generate(
+        self, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None = None
+    ) -> Generation:
+        """The recorded answer; see `ChatModel`."""
+        request = _describe(self._model, self.has_eyes, messages, schema)
+        if request.key not in self._entries:
+            what = find_difference(request, (each.request for each in self._entries.values()))
+            do = "Record the exchange again, or ask what was asked then"
+            raise ModelError(f"the cassette {shorten(self._path)} does not hold this request: {what}", do=do)
+        return self._entries[request.key].answer
+
+
+class Recorder:
+    """A model whose answers are kept in a cassette; what is in it already is not asked again.
+
+    Args:
+        model: The model that is asked.
+        path: The cassette; new entries are added to it.
+    """
+
+    def __init__(self, model: ChatModel, path: str | Path):
+        self.name, self.has_eyes = model.name, model.has_eyes
+        self._model, self._path = model, Path(path)
+        self._entries = read_cassette(self._path) if self._path.exists() else {}
+
+    def close(self) -> None:
+        """Close the model."""
+        self._model.close()
+
+    def generate(
+        self, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None = None
+    ) -> Generation:
+        """The recorded answer, or a new one; see `ChatModel`."""
+        request = _describe(self.name, self.has_eyes, messages, schema)
+        if request.key not in self._entries:
+            answer = self._model.generate(messages, schema)
+            self._add(Entry(key=request.key, request=request, answer=answer))
+        return self._entries[request.key].answer
+
+    def _add(self, entry: Entry) -> None:
+        self._entries[entry.key] = entry
+        try:
+            make_folders(self._path.parent)
+            with self._path.open("a", encoding="utf-8") as file:
+                file.write(entry.model_dump_json() + "\n")
+        except OSError as error:
+            raise explain_write_error(self._path, error) from None
+
+
+def find_difference(request: Request, recorded: Iterable[Request]) -> str:
+    """The first thing in which a request differs from the recorded one that is most like it."""
+    parts = _list_parts(request)
+    best: tuple[int, str] = (-1, "it is empty")
+    for other in map(_list_parts, recorded):
+        names = list(dict.fromkeys([*parts, *other]))
+        place = next((i for i, name in enumerate(names) if parts.get(name) != other.get(name)), len(names))
+        if place > best[0] and place < len(names):
+            best = place, _tell_difference(names[place], parts.get(names[place]), other.get(names[place]))
+    return best[1]
+
+
+def _list_parts(request: Request) -> dict[str, str]:
+    """The parts of a request by their names, in the order in which they are compared."""
+    parts = {"the model": request.model, "the schema": json.dumps(request.schema_, sort_keys=True)}
+    for place, message in enumerate(request.messages, 1):
+        parts[f"message {place}, {message.role}"] = message.text
+        parts[f"the pictures of message {place}"] = " ".join(message.pictures)
+    return parts
+
+
+def _tell_difference(name: str, asked: str | None, recorded: str | None) -> str:
+    if asked is None or recorded is None:
+        return f"{name} was {'recorded and is not' if asked is None else 'not recorded and is'} sent"
+    pairs = enumerate(zip(asked, recorded))
+    place = next((i for i, (a, b) in pairs if a != b), min(len(asked), len(recorded)))
+    excerpts = (repr(text[place : place + _SHOWN]) for text in (recorded, asked))
+    return f"{name} differs at character {place + 1}: recorded {', asked '.join(excerpts)}"
+
+
+def _describe(
+    model: str, has_eyes: bool, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None
+) -> Request:
+    sent = tuple(
+        SentMessage(
+            role=each.role,
+            text=make_writable(each.text),
+            pictures=tuple(hashlib.sha256(picture).hexdigest() for picture in each.pictures),
+        )
+        for each in messages
+    )
+    return Request(
+        model=model, has_eyes=has_eyes, schema_=None if schema is None else dict(schema), messages=sent
+    )
