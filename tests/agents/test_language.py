@@ -10,15 +10,10 @@ from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import cosine
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces import calibration
-<<<<<<< HEAD
-from physagent_jax.forces.schema import ConstraintType
-from tests.agents.scenes import brief, read
-=======
 from physagent_jax.forces.schema import ActionType, ConstraintType
 from tests.agents.scenes import read
 from tests.agents.sentences import load_table
 from tests.agents.tellings import NAMES, ground
->>>>>>> compiler
 
 TABLE = load_table("quantities.yaml")
 UP, LEFT, RIGHT = (0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), (1.0, 0.0, 0.0)
@@ -32,67 +27,6 @@ def first(prompt, scene=None):
     return read(prompt, scene or ground()).expectations[0]
 
 
-<<<<<<< HEAD
-@pytest.mark.parametrize(
-    ("words", "unit", "value"),
-    [
-        ("90 degrees", "degrees", 90), ("180°", "degrees", 180), ("half a turn", "degrees", 180),
-        ("a quarter turn", "degrees", 90), ("one and a half turns", "degrees", 540), ("a full turn", "degrees", 360),
-        ("three times around", "degrees", 1080), ("forty five degrees", "degrees", 45),
-        ("2 meters", "metres", 2), ("30 cm", "metres", 0.3), ("half a metre", "metres", 0.5),
-        ("half a body length", "lengths", 0.5), ("two body lengths", "lengths", 2),
-        ("a third of a length", "lengths", 1 / 3), ("a fifth of a length", "lengths", 0.2),
-        ("four tenths of its height", "share", 0.4), ("an eighth of its length", "share", 0.125),
-        ("twice its length", "share", 2), ("1.3 times its length", "share", 1.3),
-        ("half its own height", "share", 0.5),
-        ("70 % of its height", "share", 0.7), ("threefold", "share", 3), ("twice as tall", "share", 2),
-        ("5 newtons", "other", 5), ("3 m/s", "other", 3), ("60 rpm", "other", 60),
-    ],
-)  # fmt: skip
-def test_quantities_with_units(words, unit, value):
-    """Numbers in digits, words and fractions, in the unit that they stand in."""
-    tokens = tokenise(words)
-    found = match_quantity(Words(tokens), 0)
-    assert found is not None and found[1] == len(tokens)
-    assert found[0].unit == unit and found[0].value == pytest.approx(value)
-
-
-@pytest.mark.parametrize(
-    "words", ["half a second", "two seconds", "the upper half", "a kick", "a turn", "two kicks"]
-)
-def test_what_is_no_quantity(words):
-    """Times, parts and counts are other things' business."""
-    assert match_quantity(Words(tokenise(words)), 0) is None
-
-
-@pytest.mark.parametrize(
-    ("prompt", "kind", "unit", "value"),
-    [
-        ("rotate the robot by 90 degrees", "rotate", "degrees", 90),
-        ("spin it half a turn", "rotate", "degrees", 180),
-        ("spin twice", "rotate", "degrees", 720),
-        ("stretch it to twice its length", "stretch", "factor", 2),
-        ("squash it to half its height", "squeeze", "factor", 0.5),
-        ("compress it by 30 percent", "squeeze", "factor", 0.7),
-        ("lengthen it by half", "stretch", "factor", 1.5),
-        ("make it twice as tall", "stretch", "factor", 2),
-        ("make it 30% shorter", "squeeze", "factor", 0.7),
-        ("stretch it 1.5 times", "stretch", "factor", 1.5),
-        ("push it half a body length to the left", "move", "lengths", 0.5),
-        ("push it 2 meters to the left", "move", "metres", 2),
-    ],
-)  # fmt: skip
-def test_quantities_are_targets(prompt, kind, unit, value):
-    """A quantity is the expectation's amount, and happens once."""
-    reply = read(prompt, ground())
-    (seen,) = reply.expectations
-    assert (seen.kind.value, seen.repeats) == (kind, 1)
-    assert seen.amount is not None and (seen.amount.unit, seen.amount.value) == (unit, pytest.approx(value))
-    assert not reply.unsure
-
-
-=======
->>>>>>> compiler
 def travel(actions, frame_dt=0.04):
     """Displacement that pushes along x give a free body [lengths]: M = 1 is 2 L / T^2 with T = 2 s."""
     speed = place = at = 0.0
@@ -251,43 +185,6 @@ def test_counted_blows_with_an_adjective():
 
 
 @pytest.mark.parametrize(
-<<<<<<< HEAD
-    "prompt",
-    [
-        "push the red part to the left", "pull the handle up", "push it with 5 newtons to the left",
-        "like a whisper push it left",
-        "push it to the left at 3 m/s", "the third branch bends down",
-        "push the robot in a zigzag",
-        "stretch it to half its length", "push it left melodiously",
-        "rotate it by 3 metres", "push the robot the way a child would",
-        "push it the other way",
-        "the stem stays still while the head moves left", "a wall stands to the left; throw it there",
-        "pull its corners outwards", "kick it at the start and again at the end",
-        "hold the top of the plant to the left", "it is squeezed and released twice",
-    ],
-)  # fmt: skip
-def test_what_is_beyond_the_grammar_is_said(prompt):
-    """A plain sentence in ``unsure`` for each."""
-    unsure = read(prompt, ground()).unsure
-    assert unsure and all(text.endswith(".") for text in unsure)
-
-
-@pytest.mark.parametrize(
-    "prompt",
-    [
-        "the old robot is pushed to the left", "the robot is lifted by a crane", "a heavy weight squashes the robot",
-        "I would like it to be pushed to the left", "the robot is hit by a hammer from the left",
-        "push it alternately to the left and to the right", "shake it as in an earthquake",
-    ],
-)  # fmt: skip
-def test_decoration_is_no_doubt(prompt):
-    """Adjectives of the object and whoever acts change nothing."""
-    assert read(prompt, ground()).unsure == ()
-
-
-@pytest.mark.parametrize(
-=======
->>>>>>> compiler
     "prompt", ["der Roboter rollt left in die Ecke hinein", "lorem ipsum dolor sit amet left consectetur"]
 )
 def test_mostly_unknown_words_are_refused(prompt):
@@ -343,25 +240,6 @@ def test_floating_is_where_it_is_and_not_what_has_to_be_still(sentence):
     assert [each.kind.value for each in read("the robot floats in space").expectations] == ["still"]
 
 
-<<<<<<< HEAD
-@pytest.mark.parametrize(
-    "prompt",
-    [
-        "spin it 3 times per second",
-        "it rises: it gets 25% taller",
-        "push it clockwise",
-        "drop it three times",
-        "push the cup and the saucer left",
-        "move it left by the same amount",
-    ],
-)
-def test_a_construction_without_a_reading_is_no_guess(prompt):
-    """Words that are known one by one say nothing in these, and the reply says so."""
-    assert read(prompt, ground()).unsure
-
-
-=======
->>>>>>> compiler
 def test_what_stays_put_is_held_and_a_pause_is_still():
     """A held end is no motion of its own; holding for a time, before something else, is stillness."""
     reply = read("twist the top while the bottom stays put", ground())
@@ -372,38 +250,6 @@ def test_what_stays_put_is_held_and_a_pause_is_still():
     assert together[0].window == together[1].window
 
 
-<<<<<<< HEAD
-def test_a_share_says_by_how_much_or_to_what():
-    """Parts of a size after "by" are taken off; "three times taller" is a size, not a count."""
-    assert first("press it down by a third of its height").amount.value == pytest.approx(2 / 3)
-    assert first("press it down to a third of its height").amount.value == pytest.approx(1 / 3)
-    assert first("make it three times taller").amount.value == 3
-    assert first("turn it upside down").amount.value == 180
-
-
-@pytest.mark.parametrize(
-    ("prompt", "kinds", "direction"),
-    [
-        ("with great force, it is thrown to the right", ["move"], RIGHT),
-        ("it is carried away to the right", ["move"], RIGHT),
-        ("push it right, spinning it", ["move", "rotate"], RIGHT),
-        ("move it left and then back to where it was", ["move", "move"], LEFT),
-        ("it grows taller", ["stretch"], UP),
-        ("it never stops spinning", ["rotate"], UP),
-        ("wave to us three times", ["sway"], LEFT),
-        ("push it left slowly over 3 seconds", ["move"], LEFT),
-        ("pull it out of the ground", ["move"], UP),
-    ],
-)
-def test_what_stands_beside_a_verb_goes_with_it(prompt, kinds, direction):
-    """Causes before a comma, participles, particles and adjectives of result."""
-    reply = read(prompt, ground())
-    assert [motion.kind.value for motion in reply.expectations] == kinds and not reply.unsure
-    assert cosine(reply.expectations[0].direction, direction) > 0.99
-
-
-=======
->>>>>>> compiler
 def test_a_word_for_strength_outweighs_the_verbs_own():
     """Whatever flutters strongly is seen to be strong."""
     assert first("it flutters strongly").strength >= 1.2

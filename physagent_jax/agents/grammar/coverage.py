@@ -47,7 +47,7 @@ class _Spot:
         index: Index of the word.
         begin, end: What stands between the connectives around it.
         motion: The last motion before it.
-        moves: Whether the sentence names any motion.
+        captions: Whether it is a caption: a motion among words of looks.
     """
 
     mentions: list[Mention]
@@ -56,7 +56,7 @@ class _Spot:
     begin: int
     end: int
     motion: Motion | None
-    moves: bool
+    captions: bool
 
     @property
     def word(self) -> str:
@@ -115,13 +115,17 @@ def _list_spots(mentions: list[Mention], names: frozenset[str]) -> Iterator[_Spo
     """The places of words that are not understood."""
     motion: Motion | None = None
     moves = any(mention.kind in MOTIONS for mention in mentions)
+    captions = moves and any(m.kind is MentionKind.UNKNOWN and is_look(m.phrase) for m in mentions)
     for begin, end in list_segments(mentions):
         for index in range(begin, end):
             mention = mentions[index]
             motion = mention.motion or motion
-            if mention.kind in (MentionKind.UNKNOWN, MentionKind.IGNORED) and mention.phrase not in names:
+            strange = (
+                mention.kind in (MentionKind.UNKNOWN, MentionKind.IGNORED) and mention.phrase not in names
+            )
+            if strange or mention.kind is MentionKind.FUNCTION and mention.phrase in get_set("particles"):
                 reach = max(begin, index - _REACH), min(end, index + _REACH)
-                yield _Spot(mentions, names, index, *reach, motion, moves)
+                yield _Spot(mentions, names, index, *reach, motion, captions)
 
 
 def is_mostly_unknown(mentions: list[Mention], coverage: Coverage) -> bool:
@@ -144,6 +148,11 @@ def _is_named_here(spot: _Spot, named: bool, taken: list[str]) -> bool:
     """Whether a noun is the object of a sentence that does not name it otherwise: "the castle", "the sand castle"."""
     done_to = spot.get(-1) in get_set("determiners") and spot.get(-2) not in get_set("prepositions")
     return spot.get(-1) in taken or not named and not taken and done_to
+
+
+def _is_a_particle(spot: _Spot) -> bool:
+    """A particle that tells where a motion goes or ends, in no known phrase: "slides off the table", "jumps onto it"."""
+    return spot.word in get_set("particles")
 
 
 def _is_heading(spot: _Spot) -> bool:
@@ -217,13 +226,16 @@ def _is_placed(spot: _Spot) -> bool:
 
 
 def _is_in_a_fragment(spot: _Spot) -> bool:
-    """A segment without motion, way, number or subject beside one with a motion: ", soft focus, volumetric,"."""
+    """A segment of nouns without motion, way, number or subject beside one with a motion: ", soft focus, volumetric,"."""
     inside = spot.mentions[spot.begin : spot.end]
     around = (*spot.mentions[spot.begin - 1 : spot.begin], *spot.mentions[spot.end : spot.end + 1])
-    subjects = spot.names | get_set("pronouns") | get_set("repeating")
     told = {m.kind for m in inside} - {MentionKind.FUNCTION, *_LOOSE}
     apart = all(not m.words.isalnum() for m in around)
-    return spot.moves and apart and not told and not any(m.phrase in subjects for m in inside)
+    linked = spot.names | get_set("pronouns") | get_set("repeating") | get_set("linking")
+    nouns = not any(
+        m.phrase in linked or m.phrase.endswith(("ly", "ing", "ed", "wise", "ways")) for m in inside
+    )
+    return spot.captions and apart and not told and nouns
 
 
 def _is_describing(spot: _Spot) -> bool:
@@ -257,6 +269,7 @@ def _is_acting(spot: _Spot) -> bool:
 
 # In their order: the first that holds decides whether the word is ignored; what none holds for is doubtful.
 _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
+    (_is_a_particle, False),
     (_is_a_path, False),
     (_is_heading, True),
     (_is_in_a_fragment, True),
