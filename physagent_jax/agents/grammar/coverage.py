@@ -105,7 +105,8 @@ def sort_words(mentions: list[Mention], names: frozenset[str], brief: SceneBrief
         else:
             ignored = next((ignored for rule, ignored in _RULES if rule(spot)), False)
             kind = "ignored" if ignored else "doubtful"
-        if spot.word not in seen:
+        known = mentions[spot.index].kind is MentionKind.FUNCTION
+        if spot.word not in seen and not (known and kind == "ignored"):
             found[kind].append(spot.word)
             seen.add(spot.word)
     return Coverage(*(tuple(found[kind]) for kind in ("ignored", "doubtful", "taken")))
@@ -151,8 +152,14 @@ def _is_named_here(spot: _Spot, named: bool, taken: list[str]) -> bool:
 
 
 def _is_a_particle(spot: _Spot) -> bool:
-    """A particle that tells where a motion goes or ends, in no known phrase: "slides off the table", "jumps onto it"."""
-    return spot.word in get_set("particles")
+    """A particle that tells where a motion ends, in no known phrase: "slides off the table"; a fall ends on the ground."""
+    falls = spot.motion is not None and spot.motion.effect in (Effect.FALL, Effect.TOPPLE)
+    wall = any(m.kind is MentionKind.SOLID for m in spot.mentions[spot.index : spot.index + 4])
+    return spot.word in get_set("particles") and not falls and not wall
+
+
+def _is_a_known_word(spot: _Spot) -> bool:
+    return spot.mentions[spot.index].kind is MentionKind.FUNCTION
 
 
 def _is_heading(spot: _Spot) -> bool:
@@ -232,9 +239,7 @@ def _is_in_a_fragment(spot: _Spot) -> bool:
     told = {m.kind for m in inside} - {MentionKind.FUNCTION, *_LOOSE}
     apart = all(not m.words.isalnum() for m in around)
     linked = spot.names | get_set("pronouns") | get_set("repeating") | get_set("linking")
-    nouns = not any(
-        m.phrase in linked or m.phrase.endswith(("ly", "ing", "ed", "wise", "ways")) for m in inside
-    )
+    nouns = not any(m.phrase in linked or m.phrase.endswith(("ly", "wise", "ways")) for m in inside)
     return spot.captions and apart and not told and nouns
 
 
@@ -270,6 +275,7 @@ def _is_acting(spot: _Spot) -> bool:
 # In their order: the first that holds decides whether the word is ignored; what none holds for is doubtful.
 _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
     (_is_a_particle, False),
+    (_is_a_known_word, True),
     (_is_a_path, False),
     (_is_heading, True),
     (_is_in_a_fragment, True),
