@@ -10,7 +10,7 @@ from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import cosine
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces import calibration
-from physagent_jax.forces.schema import ActionType, ConstraintType
+from physagent_jax.forces.schema import ConstraintType
 from tests.agents.scenes import read
 from tests.agents.sentences import load_table
 from tests.agents.tellings import NAMES, ground

@@ -76,7 +76,7 @@ class Clause:
         return [mention for mention in self.modifiers if mention.kind in kinds]
 
     def has(self, *effects: Effect) -> bool:
-        """Whether what it does is one of these."""
+        """Return whether what it does is one of these."""
         return self.head is not None and get_verb(self.head).effect in effects
 
     @property
@@ -110,7 +110,7 @@ def get_verb(mention: Mention | None) -> Motion:
 
 
 def is_turn(mention: Mention) -> bool:
-    """Whether a quantity is a turn in so many words: "a quick half turn"."""
+    """Return whether a quantity is a turn in so many words: "a quick half turn"."""
     words = mention.words.lower()
     degrees = isinstance(mention.value, Quantity) and mention.value.unit == "degrees"
     return degrees and any(noun in words for noun in ("turn", "rotation", "revolution"))
@@ -131,7 +131,7 @@ def group_mentions(mentions: list[Mention]) -> list[Clause]:
 
 
 def split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]:
-    """What stands between connectives, each with the connective before it."""
+    """The segments between connectives, each with the connective before it."""
     segments: list[tuple[Join, list[Mention]]] = [(Join.THEN, [])]
     for index, mention in enumerate(mentions):
         join, inside = segments[-1]
@@ -167,13 +167,13 @@ def _part_list(segments: list[tuple[Join, list[Mention]]]) -> list[tuple[Join, l
 
 
 def _is_trailing(mentions: list[Mention], index: int) -> bool:
-    """Whether a word for what comes later ends its segment, and so belongs to what stands before it."""
+    """Return whether a word for what comes later ends its segment, and so belongs to what stands before it."""
     ends = index + 1 == len(mentions) or mentions[index + 1].kind is MentionKind.JOIN
     return ends and mentions[index].phrase in get_set("later") | get_set("meanwhile")
 
 
 def _begins_main_clause(mentions: list[Mention], before: list[Mention]) -> bool:
-    """Whether a subject with its verb stands behind the one that only told the time."""
+    """Return whether a subject with its verb stands behind the one that only told the time."""
     if mentions[0].form not in get_set("pronouns") or not any(m.kind in MOTIONS for m in before):
         return False
     follows = next((m for m in mentions[1:] if m.kind is not MentionKind.INTENSITY), None)
@@ -224,7 +224,7 @@ def apply_negations(mentions: list[Mention]) -> list[Mention]:
 
 
 def _is_manner_denied(behind: list[Mention]) -> bool:
-    """Whether only how strongly it is done is denied: "do not push it too hard"; ``behind`` follows the verb."""
+    """Return whether only how strongly it is done is denied: "do not push it too hard"; ``behind`` follows the verb."""
     hard = any(m.kind is MentionKind.INTENSITY and isinstance(m.value, float) and m.value > 1 for m in behind)
     return hard and not any(m.kind is MentionKind.VERB for m in behind)
 
@@ -297,7 +297,7 @@ def _open_clause(clauses: list[Clause], join: Join, has_verb: bool, mentions: li
 
 
 def _is_continuing(clauses: list[Clause], join: Join, has_verb: bool, mentions: list[Mention]) -> bool:
-    """Whether a segment goes on with the last clause."""
+    """Return whether a segment goes on with the last clause."""
     last = clauses[-1]
     if any(mention.kind is MentionKind.ORDINAL for mention in mentions):
         return False
@@ -322,14 +322,14 @@ def _is_continuing(clauses: list[Clause], join: Join, has_verb: bool, mentions: 
 
 
 def _is_other_place(last: Clause, mentions: list[Mention]) -> bool:
-    """Whether a segment sends another part elsewhere: "the top to the left and the bottom to the right"."""
+    """Return whether a segment sends another part elsewhere: "the top to the left and the bottom to the right"."""
     kinds = {mention.kind for mention in mentions}
     sent = MentionKind.PLACE in kinds and bool(kinds & {*WAYS, MentionKind.SENSE})
     return sent and bool(last.select(MentionKind.PLACE))
 
 
 def _is_turning_back(clauses: list[Clause], join: Join, mentions: list[Mention]) -> bool:
-    """Whether a list goes the other way now: "push it left, right, and left again"."""
+    """Return whether a list goes the other way now: "push it left, right, and left again"."""
     last = clauses[-1]
     measured = any(m.kind in _MEASURES for m in mentions) and not last.has(
         Effect.SWAY, Effect.SCALE, Effect.SWELL
@@ -344,7 +344,7 @@ def _is_turning_back(clauses: list[Clause], join: Join, mentions: list[Mention])
 
 
 def _is_absorbed(clause: Clause, mention: Mention) -> bool:
-    """Whether a second verb adds nothing: "stops moving", "a kick sends it flying"."""
+    """Return whether a second verb adds nothing: "stops moving", "a kick sends it flying"."""
     if clause.verb is None:
         return False
     first, second = get_verb(clause.verb), get_verb(mention)
@@ -355,10 +355,10 @@ def _is_absorbed(clause: Clause, mention: Mention) -> bool:
 
 
 def _is_announcing(first: Mention, second: Mention) -> bool:
-    """Whether a verb only announces the next one: "goes spinning", "stands swaying", "grows taller"."""
+    """Return whether a verb only announces the next one: "goes spinning", "stands swaying", "grows taller"."""
     return get_verb(first).generic or _is_becoming(get_verb(first), get_verb(second))
 
 
 def _is_becoming(first: Motion, second: Motion) -> bool:
-    """Whether an adjective tells how it grows."""
+    """Return whether an adjective tells how it grows."""
     return first.effect is Effect.SWELL and second.effect is Effect.SCALE and second.generic
