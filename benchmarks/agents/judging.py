@@ -1,4 +1,4 @@
-"""`python -m benchmarks.agents.judging --models NAME=PLACE ...`: motion reports judged by the rules and by models.
+"""Motion reports judged by the rules and by models.
 
 The clips, their sentences and labels are those of `benchmarks.verdicts`. Every judge gets the same report; models get
 its text alone, no pictures. The sentence is read by the grammar; one that it refuses is a FAIL without a question.
@@ -7,19 +7,13 @@ its text alone, no pictures. The sentence is read by the grammar; one that it re
 from __future__ import annotations
 
 import dataclasses
-import json
 import random
-import sys
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
-from typing import Literal
 
-import tyro
-
-from benchmarks import harness
-from benchmarks.agents.asking import Asked, close_all
-from benchmarks.harness import RAW, Job, Page, Result, Row, Rows, Tables, condense_section, number, table
+from benchmarks.agents.asking import Asked
+from benchmarks.harness import Job, Row, Rows, number, table
 from benchmarks.verdicts.catalogue import list_clips
 from benchmarks.verdicts.clip import Clip
 from benchmarks.verdicts.judging import Sight, look, make_brief
@@ -38,27 +32,18 @@ CHUNK = 4  # clips of a job
 
 
 @dataclasses.dataclass(frozen=True)
-class Command(harness.Command):
-    """Judge clips by the rules and by models, or write the tables of an earlier run."""
+class Source:
+    """The clips that are judged.
 
-    json: Path = RAW / "agents-judging.json"
-    """File of the raw rows."""
-    parts: tuple[Literal["judging"], ...] = (PART,)
-    """Parts to measure."""
-    models: tuple[str, ...] = ()
-    """NAME=PLACE each: a GGUF file, a cassette, or URL#MODEL of a server."""
-    sight: Sight = "truth"
-    """Source of the reports: the true trajectories, or what perception sees in pictures."""
-    sample: int = 100
-    """Clips, drawn by the seed; all there are if it is larger."""
-    seed: int = 40
-    """Seed of the sample."""
-    clips: Path = Path("runs/verdicts")
-    """Folder where clips and reports are kept; those that are missing are made."""
-    data: Path | None = None
-    """Folder of captured objects; none of them is needed."""
-    cassettes: Path = Path("runs/agents")
-    """Folder where the models' answers are kept."""
+    Attributes:
+        sight: Source of the reports: the true trajectories, or what perception sees in pictures.
+        clips: Folder where clips and reports are kept; those that are missing are made.
+        data: Folder of captured objects; None: none of them is needed.
+    """
+
+    sight: Sight
+    clips: Path
+    data: Path | None
 
 
 class NoPictures:
@@ -70,38 +55,24 @@ class NoPictures:
         return ()
 
 
-def main() -> int:
-    """Run the command line."""
-    command = tyro.cli(Command)
-    models = tuple(Asked(text, command.cassettes) for text in command.models)
-    try:
-        code = harness.main(command, {PART: partial(list_jobs, command, models)}, PAGE)
-    finally:
-        close_all(models)
-    if command.json.is_file():
-        print(PAGE.tables(PAGE.condense(json.loads(command.json.read_text())))[PART])
-    return code
-
-
-def list_jobs(command: Command, models: Iterable[Asked]) -> list[Job]:
-    """A job for every few clips, with all judges in it."""
-    clips = sorted(list_clips(command.data, command.quick), key=lambda clip: clip.name)
-    random.Random(command.seed).shuffle(clips)
-    clips = clips[: 8 if command.quick else command.sample]
-    judges = tuple(models)
+def list_jobs(source: Source, models: Iterable[Asked], sample: int, seed: int) -> list[Job]:
+    """A job for every few clips, with all judges in it; ``sample`` clips are drawn by the seed."""
+    clips = sorted(list_clips(source.data, False), key=lambda clip: clip.name)
+    random.Random(seed).shuffle(clips)
+    clips, judges = clips[:sample], tuple(models)
     return [
-        Job(f"clips {start + 1}-{start + len(chunk)}", partial(_judge_all, command, chunk, judges))
+        Job(f"clips {start + 1}-{start + len(chunk)}", partial(_judge_all, source, chunk, judges))
         for start, chunk in ((at, clips[at : at + CHUNK]) for at in range(0, len(clips), CHUNK))
     ]
 
 
-def _judge_all(command: Command, clips: list[Clip], models: tuple[Asked, ...]) -> list[Row]:
-    return [row for clip in clips for row in judge_clip(command, clip, models)]
+def _judge_all(source: Source, clips: list[Clip], models: tuple[Asked, ...]) -> list[Row]:
+    return [row for clip in clips for row in judge_clip(source, clip, models)]
 
 
-def judge_clip(command: Command, clip: Clip, models: tuple[Asked, ...]) -> list[Row]:
+def judge_clip(source: Source, clip: Clip, models: tuple[Asked, ...]) -> list[Row]:
     """A row for each judge of a clip; none if it does not move as it is labelled."""
-    checked = do("clips", clip, folder=command.clips, data=command.data, made=False)
+    checked = do("clips", clip, folder=source.clips, data=source.data, made=False)
     if checked is None or checked["untrue"]:
         return []
     agents = make_agents()
@@ -112,7 +83,7 @@ def judge_clip(command: Command, clip: Clip, models: tuple[Asked, ...]) -> list[
         return [_make_row(clip, name, "FAIL") for name in ("rules", *(model.name for model in models))]
     context = dataclasses.replace(context, reading=reading)
     windows = tuple(agents.planner.windows(context))
-    report = look(clip, command.sight, windows, command.clips, command.data)
+    report = look(clip, source.sight, windows, source.clips, source.data)
     seen = Observation(reading.force_field, report, NoPictures())
     rules = agents.planner.judge(context, seen).value.verdict.value
     rows = [_make_row(clip, "rules", rules)]
@@ -146,12 +117,8 @@ def _make_row(clip: Clip, judge: str, verdict: str) -> Row:
     return {"judge": judge, "clip": clip.name, "half": clip.half, "label": label, "verdict": verdict}
 
 
-def condense(result: Result) -> Result:
+def condense_judging(rows: Rows) -> Rows:
     """Counts of verdicts by judge."""
-    return {part: condense_section(section, _count(section["rows"])) for part, section in result.items()}
-
-
-def _count(rows: Rows) -> Rows:
     judges: dict[str, Rows] = {}
     for row in rows:
         judges.setdefault(row["judge"], []).append(row)
@@ -172,18 +139,12 @@ def _count(rows: Rows) -> Rows:
     ]
 
 
-def write_tables(summary: Result) -> Tables:
+def write_judging(counts: Rows) -> str:
     """The table of judges: false verdicts, and the cost of a clip."""
     names = ("wrong clips", "false SUCCESS", "right clips", "false FAIL", "unusable")
     rows = [
         [row["judge"], *(row[name] for name in names)]
         + [number(row[name]) for name in ("seconds", "input_tokens", "output_tokens")]
-        for row in summary[PART]["rows"]
+        for row in counts
     ]
-    return {PART: table(["judge", *names, "s", "tokens in", "tokens out"], rows)}
-
-
-PAGE = Page("agents-judging", "python -m benchmarks.agents.judging", write_tables, condense=condense)
-
-if __name__ == "__main__":
-    sys.exit(main())
+    return table(["judge", *names, "s", "tokens in", "tokens out"], rows)

@@ -1,4 +1,4 @@
-"""`python -m benchmarks.agents.reading --models NAME=PLACE ...`: sentences read by the grammar and by models.
+"""Sentences read by the grammar and by models.
 
 Each model reads each sentence of a sample in each form; a row says what became of it, in the words of
 `benchmarks.language`. Rows of held-back sentences hold a hash in place of the sentence, and only totals are printed.
@@ -8,21 +8,13 @@ the doubts that the model's reading adds.
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
-import json
 import random
-import sys
 from collections.abc import Iterable
 from functools import partial
-from pathlib import Path
-from typing import Literal
 
-import tyro
-
-from benchmarks import harness
-from benchmarks.agents.asking import Asked, close_all
-from benchmarks.harness import RAW, Job, Page, Result, Row, Rows, Tables, condense_section, number, table
+from benchmarks.agents.asking import Asked
+from benchmarks.harness import Job, Row, Rows, number, table
 from benchmarks.language.notation import Sentence, read_split
 from benchmarks.language.score import get_answer, make_scene, score
 from benchmarks.language.totals import OUTCOMES, count_outcomes
@@ -37,42 +29,6 @@ from physagent_jax.forces.description import describe_skills
 
 CHUNK = 4  # sentences of a job
 PART = "reading"
-
-
-@dataclasses.dataclass(frozen=True)
-class Command(harness.Command):
-    """Read sentences with the grammar and with models, or write the tables of an earlier run."""
-
-    json: Path = RAW / "agents-reading.json"
-    """File of the raw rows."""
-    parts: tuple[Literal["reading"], ...] = (PART,)
-    """Parts to measure."""
-    models: tuple[str, ...] = ()
-    """NAME=PLACE each: a GGUF file, a cassette, or URL#MODEL of a server."""
-    forms: tuple[Form, ...] = FORMS
-    """Forms that the models fill in."""
-    split: str = "test"
-    """Split of the corpus."""
-    sample: int = 60
-    """Sentences, drawn by the seed; all there are if it is larger."""
-    seed: int = 40
-    """Seed of the sample."""
-    cassettes: Path = Path("runs/agents")
-    """Folder where the models' answers are kept."""
-
-
-def main() -> int:
-    """Run the command line."""
-    command = tyro.cli(Command)
-    models = tuple(Asked(text, command.cassettes) for text in command.models)
-    sentences = draw_sample(command.split, 12 if command.quick else command.sample, command.seed)
-    try:
-        code = harness.main(command, {PART: partial(list_jobs, sentences, models, command.forms)}, PAGE)
-    finally:
-        close_all(models)
-    if command.json.is_file():
-        print(PAGE.tables(PAGE.condense(json.loads(command.json.read_text())))[PART])
-    return code
 
 
 def draw_sample(split: str, size: int, seed: int) -> list[Sentence]:
@@ -171,12 +127,8 @@ def _is_motion_right(fields: list[tuple[str, bool]]) -> bool:
     return all(named) if named else all(right for _, right in fields)
 
 
-def condense(result: Result) -> Result:
+def condense_reading(rows: Rows) -> Rows:
     """Counts by reader, form and split."""
-    return {part: condense_section(section, _count(section["rows"])) for part, section in result.items()}
-
-
-def _count(rows: Rows) -> Rows:
     groups: dict[tuple[str, str, str], Rows] = {}
     for row in rows:
         groups.setdefault((row["reader"], row["form"], row["split"]), []).append(row)
@@ -198,19 +150,13 @@ def _count(rows: Rows) -> Rows:
     ]
 
 
-def write_tables(summary: Result) -> Tables:
+def write_reading(counts: Rows) -> str:
     """The table of readers: shares of outcomes, and the cost of a sentence."""
     shown, costs = ("motion right", *OUTCOMES, "unusable"), ("seconds", "input_tokens", "output_tokens")
     head = ["reader", "form", "split", "sentences", *shown, "s", "tokens in", "tokens out"]
     rows = []
-    for row in summary[PART]["rows"]:
+    for row in counts:
         shares = [f"{100 * row.get(name, 0) / row['sentences']:.0f} %" for name in shown]
         cost = [number(row[name]) for name in costs]
         rows.append([row["reader"], row["form"], row["split"], str(row["sentences"]), *shares, *cost])
-    return {"reading": table(head, rows)}
-
-
-PAGE = Page("agents-reading", "python -m benchmarks.agents.reading", write_tables, condense=condense)
-
-if __name__ == "__main__":
-    sys.exit(main())
+    return table(head, rows)

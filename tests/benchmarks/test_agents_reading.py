@@ -1,6 +1,6 @@
 """Readers and judges that ask a model, measured: samples, rows and counts."""
 
-from benchmarks.agents import judging, reading
+from benchmarks.agents import markdown, reading
 from benchmarks.agents.asking import Asked
 from benchmarks.language.notation import read_split
 from tests.agents.llm.scripted import ScriptedModel
@@ -29,9 +29,9 @@ def test_rows_of_a_model_and_their_counts(monkeypatch):
     text = str(rows)
     assert not any(sentence.text in text for sentence in sentences)
     section = {"rows": [{"run": 0} | row for row in rows], "runs": [{"quick": False}], "complete": True}
-    counted = reading.condense({"reading": section})["reading"]["rows"]
+    counted = markdown.condense({"reading": section})["reading"]["rows"]
     assert [row["sentences"] for row in counted] == [2, 2, 2] and counted[1]["unusable"] == 1
-    assert "tiny" in reading.write_tables({"reading": {"rows": counted}})["reading"]
+    assert "tiny" in reading.write_reading(counted)
 
 
 def test_models_are_named_on_the_command_line():
@@ -45,5 +45,5 @@ def test_counts_of_verdicts():
     verdicts = [("SUCCESS", "SUCCESS"), ("SUCCESS", "FAIL"), ("FAIL", "SUCCESS"), ("FAIL", "FAIL")]
     rows = [{"judge": "rules", "label": label, "verdict": verdict, "run": 0} for label, verdict in verdicts]
     section = {"rows": rows, "runs": [{"quick": False}], "complete": True}
-    (row,) = judging.condense({"judging": section})["judging"]["rows"]
+    (row,) = markdown.condense({"judging": section})["judging"]["rows"]
     assert (row["false SUCCESS"], row["wrong clips"], row["false FAIL"], row["right clips"]) == (1, 2, 1, 2)
