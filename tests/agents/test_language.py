@@ -10,7 +10,7 @@ from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import cosine
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces import calibration
-from physagent_jax.forces.schema import ActionType, ConstraintType
+from physagent_jax.forces.schema import ConstraintType
 from tests.agents.scenes import read
 from tests.agents.sentences import load_table
 from tests.agents.tellings import NAMES, ground
@@ -182,13 +182,6 @@ def test_the_other_way():
 def test_counted_blows_with_an_adjective():
     """The number stands before its adjective."""
     assert first("the robot makes two small jumps").repeats == 2
-
-
-def test_a_wind_that_turns_is_no_torque():
-    """It blows one way, then the other."""
-    reply = read("the wind turns from left to right", plant())
-    assert {a.action_type for a in reply.force_field.actions} == {ActionType.TRANSLATION}
-    assert [e.direction for e in reply.expectations] == [LEFT, RIGHT]
 
 
 @pytest.mark.parametrize(

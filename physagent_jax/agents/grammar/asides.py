@@ -85,7 +85,7 @@ def drop_others(mentions: list[Mention], names: frozenset[str]) -> list[Mention]
 
 
 def _is_filmed(segment: list[Mention], names: frozenset[str]) -> bool:
-    """Whether a segment tells what the camera does."""
+    """Return whether a segment tells what the camera does."""
     first = next((i for i, m in enumerate(segment) if m.kind in MOTIONS), len(segment))
     camera = any(m.phrase in get_set("cameras") for m in segment[:first])
     films = any(m.form in get_set("camera_verbs") for m in segment[: first + 1])
@@ -101,7 +101,7 @@ def _is_filmed(segment: list[Mention], names: frozenset[str]) -> bool:
 
 
 def _is_done_by_another(segment: list[Mention], names: frozenset[str]) -> bool:
-    """Whether the subject is another thing, and nothing is done to the object: "the door slams on the left"."""
+    """Return whether the subject is another thing, and nothing is done to the object: "the door slams on the left"."""
     at = next((i for i, m in enumerate(segment) if m.kind is MentionKind.VERB), None)
     if at is None or any(m.kind is MentionKind.CAUSE for m in segment) or not segment[at].form.endswith("s"):
         return False
@@ -178,7 +178,9 @@ def read_corrections(mentions: list[Mention], _names: frozenset[str]) -> list[Me
                 i for i in range(max(begin - _REACH, 0), begin) if result[i].kind in _REPLACED[mention.kind]
             ][-1:]:
                 result[place] = empty(result[place])
-        first = begin - (mentions[begin - 1].kind is MentionKind.JOIN)
+        first = begin
+        while first > 0 and mentions[first - 1].kind is MentionKind.JOIN:
+            first -= 1
         result[first : begin + size] = [empty(m) for m in result[first : begin + size]]
     return result
 
@@ -229,7 +231,7 @@ def _find_model(mentions: list[Mention]) -> str | None:
 
 
 def _is_telling(verb: Motion) -> bool:
-    """Whether a verb says what form its motion has; which way a stretch goes, a comparison may tell."""
+    """Return whether a verb says what form its motion has; which way a stretch goes, a comparison may tell."""
     return not verb.generic and verb.effect in _SHAPED and not (verb.effect is Effect.SCALE and verb.sign > 0)
 
 

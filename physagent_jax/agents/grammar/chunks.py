@@ -93,7 +93,7 @@ def match_words(reader: Reader, words: tuple[str, ...], at: int) -> list[int]:
 
 
 def begins_longer_phrase(reader: Reader, at: int) -> bool:
-    """Whether a fixed phrase of several words begins at a token: "back and forth" is not the back."""
+    """Return whether a fixed phrase of several words begins at a token: "back and forth" is not the back."""
     return any(
         len(words) > 1 and GAP not in words and match_words(reader, words, at)
         for words, _, _ in PHRASES.get(reader.get_text(at), ())
@@ -118,7 +118,7 @@ def _skip_gap(reader: Reader, position: int, until: str) -> int:
 
 
 def _is_in_noun_phrase(reader: Reader, at: int) -> bool:
-    """Whether a word can stand between a verb and its particle: in "push it until it tips over" one cannot."""
+    """Return whether a word can stand between a verb and its particle: in "push it until it tips over" one cannot."""
     token = reader.tokens[at]
     joins = LEXICON.joins.get(token.text, Join.AND) is not Join.AND
     if not token.is_word or joins or token.text in get_set("finite"):
@@ -128,7 +128,7 @@ def _is_in_noun_phrase(reader: Reader, at: int) -> bool:
 
 
 def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
-    """Whether this reading is wrong because the word stands as a noun, or is the object or an agent."""
+    """Return whether this reading is wrong because the word stands as a noun, or is the object or an agent."""
     words, kind, value = entry
     at = used[0]
     before, text = reader.get_text(at - 1), reader.tokens[at].text
@@ -140,6 +140,9 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
             return True  # "wobble it on its base"
         another = before in ("a", "an") and not set(words) & LEXICON.one_of_many
         return (text in LEXICON.agents and not owned) or another and reader.get_text(at + 1) != "of"
+    if kind is MentionKind.ANCHOR and value == "none":  # "the free end"
+        behind = reader.get_text(used[-1] + 1)
+        return behind in LEXICON.part_adjectives or behind in LEXICON.part_nouns
     if kind is not MentionKind.VERB:
         return False
     if len(words) > 1:  # "push it over and over" does not push it over, "push it over the edge" neither
@@ -167,11 +170,11 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
     plural = text.endswith("s") and text != reader.tokens[at].lemma
     if plural and before in get_set("before_nouns"):
         return True  # "on waves"
-    return words[0] in LEXICON.nouns and (described and article or before in ("the", "its", "a"))
+    return " ".join(words) in LEXICON.nouns and (described and article or before in ("the", "its", "a"))
 
 
 def _is_standing(reader: Reader, at: int) -> bool:
-    """Whether what is done last is done on the spot: what it stands on is no part that is moved."""
+    """Return whether what is done last is done on the spot: what it stands on is no part that is moved."""
     motion = get_last_motion(reader.mentions)
     spot = motion is not None and motion.effect in (Effect.SWAY, Effect.TURN, Effect.JUMP, Effect.STILL)
     return spot and reader.get_preposition(at) == "on"
@@ -183,7 +186,7 @@ def _is_past(reader: Reader, at: int) -> bool:
 
 
 def _is_means(reader: Reader, motion: Motion, at: int) -> bool:
-    """Whether a push or a blow tells how it is done: "with a sudden jerk it is lifted"."""
+    """Return whether a push or a blow tells how it is done: "with a sudden jerk it is lifted"."""
     before = at - 1
     while reader.get_text(before) in LEXICON.intensities or reader.get_text(before) in LEXICON.moments:
         before -= 1
@@ -196,13 +199,13 @@ def _is_way_told_behind(reader: Reader, at: int) -> bool:
 
 
 def _is_crossing(reader: Reader, at: int) -> bool:
-    """Whether it goes "left to right": from there to the other side."""
+    """Return whether it goes "left to right": from there to the other side."""
     pair = (reader.get_text(at), reader.get_text(at + 2))
     return reader.get_text(at + 1) == "to" and pair in (("left", "right"), ("right", "left"))
 
 
 def _is_locating_cause(reader: Reader, words: tuple[str, ...]) -> bool:
-    """Whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""
+    """Return whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""
     return (
         words[0] in LEXICON.locations
         and bool(reader.mentions)
@@ -211,13 +214,13 @@ def _is_locating_cause(reader: Reader, words: tuple[str, ...]) -> bool:
 
 
 def _is_describing_object(reader: Reader, at: int, size: int) -> bool:
-    """Whether an adjective belongs to the object ("the heavy robot") rather than to a motion ("a heavy blow")."""
+    """Return whether an adjective belongs to the object, as in "the heavy robot", not to a motion."""
     behind = [reader.get_text(at + size + step) for step in range(LONGEST_GAP)]
     noun = next((word for word in behind if word not in LEXICON.intensities), "")
     return reader.is_after_determiner(at) and noun in reader.names
 
 
 def _is_asked(reader: Reader, at: int) -> bool:
-    """Whether a verb stands in its plain form at the beginning of a clause, or behind "please"."""
+    """Return whether a verb stands in its plain form at the beginning of a clause, or behind "please"."""
     before = reader.get_text(at - 1)
     return not before.isalnum() or before in get_set("asking")

@@ -38,6 +38,7 @@ OPPOSITE_GRAVITY = {"down": "none", "none": "down", "up": "down"}
 _RANK = (Join.COMMA, Join.AND, Join.RESULT, Join.WHILE, Join.BUT, Join.THEN, Join.AFTER, Join.BEFORE)
 _TIMED = (Join.WHILE, Join.AFTER, Join.BEFORE)
 _STRENGTHS = (MentionKind.INTENSITY, MentionKind.COMPARATIVE)
+_MEASURES = (*_STRENGTHS, MentionKind.QUANTITY, MentionKind.TIME)
 _NEGATABLE = (*WHERE, *MOTIONS, *_STRENGTHS, MentionKind.DEGREE, MentionKind.GRAVITY, MentionKind.ANCHOR)
 _EMPTY = (MentionKind.FUNCTION, MentionKind.UNKNOWN, MentionKind.IGNORED)
 _REACH = 12  # words behind a verb that may tell how it is done
@@ -75,7 +76,7 @@ class Clause:
         return [mention for mention in self.modifiers if mention.kind in kinds]
 
     def has(self, *effects: Effect) -> bool:
-        """Whether what it does is one of these."""
+        """Return whether what it does is one of these."""
         return self.head is not None and get_verb(self.head).effect in effects
 
     @property
@@ -109,7 +110,7 @@ def get_verb(mention: Mention | None) -> Motion:
 
 
 def is_turn(mention: Mention) -> bool:
-    """Whether a quantity is a turn in so many words: "a quick half turn"."""
+    """Return whether a quantity is a turn in so many words: "a quick half turn"."""
     words = mention.words.lower()
     degrees = isinstance(mention.value, Quantity) and mention.value.unit == "degrees"
     return degrees and any(noun in words for noun in ("turn", "rotation", "revolution"))
@@ -124,13 +125,13 @@ def find_repeats(clause: Clause) -> list[Repeat]:
 def group_mentions(mentions: list[Mention]) -> list[Clause]:
     """The clauses of a sentence in the order of its words; some have no verb yet."""
     clauses: list[Clause] = []
-    for join, segment in split_segments(mentions):
+    for join, segment in _part_list(split_segments(mentions)):
         _add_segment(clauses, join, apply_negations(segment))
     return clauses
 
 
 def split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]:
-    """What stands between connectives, each with the connective before it."""
+    """The segments between connectives, each with the connective before it."""
     segments: list[tuple[Join, list[Mention]]] = [(Join.THEN, [])]
     for index, mention in enumerate(mentions):
         join, inside = segments[-1]
@@ -149,14 +150,30 @@ def split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]:
     return [segment for segment in segments if segment[1]]
 
 
+def _part_list(segments: list[tuple[Join, list[Mention]]]) -> list[tuple[Join, list[Mention]]]:
+    """Makes steps of a list of three ways or more: "it goes left, up, right"; two go together: "left, up"."""
+    parted = list(segments)
+    bare = {MentionKind.DIRECTION, MentionKind.INTENSITY, MentionKind.FUNCTION}
+    begin = 0
+    for end in range(1, len(segments) + 1):
+        kinds = {m.kind for m in segments[end][1]} if end < len(segments) else set()
+        if end < len(segments) and segments[end][0] in (Join.COMMA, Join.THEN) and kinds <= bare:
+            continue
+        led = any(m.kind is MentionKind.DIRECTION for m in segments[begin][1])
+        if led and end - begin > 2:
+            parted[begin + 1 : end] = [(Join.THEN, segment) for _, segment in segments[begin + 1 : end]]
+        begin = end
+    return parted
+
+
 def _is_trailing(mentions: list[Mention], index: int) -> bool:
-    """Whether a word for what comes later ends its segment, and so belongs to what stands before it."""
+    """Return whether a word for what comes later ends its segment, and so belongs to what stands before it."""
     ends = index + 1 == len(mentions) or mentions[index + 1].kind is MentionKind.JOIN
     return ends and mentions[index].phrase in get_set("later") | get_set("meanwhile")
 
 
 def _begins_main_clause(mentions: list[Mention], before: list[Mention]) -> bool:
-    """Whether a subject with its verb stands behind the one that only told the time."""
+    """Return whether a subject with its verb stands behind the one that only told the time."""
     if mentions[0].form not in get_set("pronouns") or not any(m.kind in MOTIONS for m in before):
         return False
     follows = next((m for m in mentions[1:] if m.kind is not MentionKind.INTENSITY), None)
@@ -195,7 +212,7 @@ def apply_negations(mentions: list[Mention]) -> list[Mention]:
             pending = mention
         elif pending is not None and (mention.kind is MentionKind.SOLID or ground):
             pending = None  # "no wall, just push it", "without a floor it falls"
-            result += [mention] if ground else []
+            result += [mention] if mention.kind is not MentionKind.SOLID else []
         elif pending is None or mention.kind not in _NEGATABLE:
             result.append(mention)
         elif mention.kind is MentionKind.VERB and _is_manner_denied(mentions[index + 1 : index + _REACH]):
@@ -207,7 +224,7 @@ def apply_negations(mentions: list[Mention]) -> list[Mention]:
 
 
 def _is_manner_denied(behind: list[Mention]) -> bool:
-    """Whether only how strongly it is done is denied: "do not push it too hard"; ``behind`` follows the verb."""
+    """Return whether only how strongly it is done is denied: "do not push it too hard"; ``behind`` follows the verb."""
     hard = any(m.kind is MentionKind.INTENSITY and isinstance(m.value, float) and m.value > 1 for m in behind)
     return hard and not any(m.kind is MentionKind.VERB for m in behind)
 
@@ -280,7 +297,7 @@ def _open_clause(clauses: list[Clause], join: Join, has_verb: bool, mentions: li
 
 
 def _is_continuing(clauses: list[Clause], join: Join, has_verb: bool, mentions: list[Mention]) -> bool:
-    """Whether a segment goes on with the last clause."""
+    """Return whether a segment goes on with the last clause."""
     last = clauses[-1]
     if any(mention.kind is MentionKind.ORDINAL for mention in mentions):
         return False
@@ -305,16 +322,16 @@ def _is_continuing(clauses: list[Clause], join: Join, has_verb: bool, mentions: 
 
 
 def _is_other_place(last: Clause, mentions: list[Mention]) -> bool:
-    """Whether a segment sends another part elsewhere: "the top to the left and the bottom to the right"."""
+    """Return whether a segment sends another part elsewhere: "the top to the left and the bottom to the right"."""
     kinds = {mention.kind for mention in mentions}
     sent = MentionKind.PLACE in kinds and bool(kinds & {*WAYS, MentionKind.SENSE})
     return sent and bool(last.select(MentionKind.PLACE))
 
 
 def _is_turning_back(clauses: list[Clause], join: Join, mentions: list[Mention]) -> bool:
-    """Whether a list goes the other way now: "push it left, right, and left again"."""
+    """Return whether a list goes the other way now: "push it left, right, and left again"."""
     last = clauses[-1]
-    measured = any(m.kind in (*_STRENGTHS, MentionKind.QUANTITY) for m in mentions) and not last.has(
+    measured = any(m.kind in _MEASURES for m in mentions) and not last.has(
         Effect.SWAY, Effect.SCALE, Effect.SWELL
     )
     listed = len(clauses) > 1 and last.head is None or measured  # "gently to the left and hard to the right"
@@ -327,7 +344,7 @@ def _is_turning_back(clauses: list[Clause], join: Join, mentions: list[Mention])
 
 
 def _is_absorbed(clause: Clause, mention: Mention) -> bool:
-    """Whether a second verb adds nothing: "stops moving", "a kick sends it flying"."""
+    """Return whether a second verb adds nothing: "stops moving", "a kick sends it flying"."""
     if clause.verb is None:
         return False
     first, second = get_verb(clause.verb), get_verb(mention)
@@ -338,10 +355,10 @@ def _is_absorbed(clause: Clause, mention: Mention) -> bool:
 
 
 def _is_announcing(first: Mention, second: Mention) -> bool:
-    """Whether a verb only announces the next one: "goes spinning", "stands swaying", "grows taller"."""
+    """Return whether a verb only announces the next one: "goes spinning", "stands swaying", "grows taller"."""
     return get_verb(first).generic or _is_becoming(get_verb(first), get_verb(second))
 
 
 def _is_becoming(first: Motion, second: Motion) -> bool:
-    """Whether an adjective tells how it grows."""
+    """Return whether an adjective tells how it grows."""
     return first.effect is Effect.SWELL and second.effect is Effect.SCALE and second.generic

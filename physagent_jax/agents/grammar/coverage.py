@@ -47,7 +47,7 @@ class _Spot:
         index: Index of the word.
         begin, end: What stands between the connectives around it.
         motion: The last motion before it.
-        moves: Whether the sentence names any motion.
+        captions: Whether it is a caption: a motion among words of looks.
     """
 
     mentions: list[Mention]
@@ -56,7 +56,7 @@ class _Spot:
     begin: int
     end: int
     motion: Motion | None
-    moves: bool
+    captions: bool
 
     @property
     def word(self) -> str:
@@ -97,19 +97,16 @@ def sort_words(mentions: list[Mention], names: frozenset[str], brief: SceneBrief
     found: dict[str, list[str]] = {"ignored": [], "doubtful": [], "taken": []}
     seen: set[str] = set()
     for spot in _list_spots(mentions, names):
-        if (
-            spot.mentions[spot.index].kind is MentionKind.IGNORED
-            or is_look(spot.word)
-            and not _is_telling_a_part(spot)
-        ):
-            kind = "ignored"
-        elif nameless and spot.word.isalpha() and _is_named_here(spot, named, found["taken"]):
+        look = is_look(spot.word) and not _is_telling_a_part(spot)
+        if nameless and spot.word.isalpha() and _is_named_here(spot, named, found["taken"]):
             kind = "taken"
+        elif look or mentions[spot.index].kind is MentionKind.IGNORED:
+            kind = "ignored"
         else:
-            kind = (
-                "ignored" if next((ignored for rule, ignored in _RULES if rule(spot)), False) else "doubtful"
-            )
-        if spot.word not in seen:
+            ignored = next((ignored for rule, ignored in _RULES if rule(spot)), False)
+            kind = "ignored" if ignored else "doubtful"
+        known = mentions[spot.index].kind is MentionKind.FUNCTION
+        if spot.word not in seen and not (known and kind == "ignored"):
             found[kind].append(spot.word)
             seen.add(spot.word)
     return Coverage(*(tuple(found[kind]) for kind in ("ignored", "doubtful", "taken")))
@@ -119,17 +116,21 @@ def _list_spots(mentions: list[Mention], names: frozenset[str]) -> Iterator[_Spo
     """The places of words that are not understood."""
     motion: Motion | None = None
     moves = any(mention.kind in MOTIONS for mention in mentions)
+    captions = moves and any(m.kind is MentionKind.UNKNOWN and is_look(m.phrase) for m in mentions)
     for begin, end in list_segments(mentions):
         for index in range(begin, end):
             mention = mentions[index]
             motion = mention.motion or motion
-            if mention.kind in (MentionKind.UNKNOWN, MentionKind.IGNORED) and mention.phrase not in names:
+            strange = (
+                mention.kind in (MentionKind.UNKNOWN, MentionKind.IGNORED) and mention.phrase not in names
+            )
+            if strange or mention.kind is MentionKind.FUNCTION and mention.phrase in get_set("particles"):
                 reach = max(begin, index - _REACH), min(end, index + _REACH)
-                yield _Spot(mentions, names, index, *reach, motion, moves)
+                yield _Spot(mentions, names, index, *reach, motion, captions)
 
 
 def is_mostly_unknown(mentions: list[Mention], coverage: Coverage) -> bool:
-    """Whether so little was understood that what was is probably misunderstood: another language, say."""
+    """Return whether so little was understood that what was is probably misunderstood: another language, say."""
     words = [m for m in mentions if m.kind is not MentionKind.JOIN or m.words.isalpha()]
     strange = set(coverage.doubtful) | {word for word in coverage.ignored if not is_look(word)}
     unknown = sum(m.kind is MentionKind.UNKNOWN and m.phrase in strange for m in mentions)
@@ -137,7 +138,7 @@ def is_mostly_unknown(mentions: list[Mention], coverage: Coverage) -> bool:
 
 
 def is_look(word: str) -> bool:
-    """Whether a word tells a look, a mood, a light, a camera or the like: "merrily", "naughty", "cinematic"."""
+    """Return whether a word tells a look, a mood, a light, a camera or the like: "merrily", "naughty", "cinematic"."""
     stem = word.removesuffix("ly")
     return not _LOOKS.isdisjoint(
         (word, *((stem, stem.removesuffix("i") + "y", stem + "le") if stem != word else ()))
@@ -145,9 +146,20 @@ def is_look(word: str) -> bool:
 
 
 def _is_named_here(spot: _Spot, named: bool, taken: list[str]) -> bool:
-    """Whether a noun is the object of a sentence that does not name it otherwise: "the castle", "the sand castle"."""
+    """Return whether a noun is the object of a sentence that does not name it otherwise."""
     done_to = spot.get(-1) in get_set("determiners") and spot.get(-2) not in get_set("prepositions")
     return spot.get(-1) in taken or not named and not taken and done_to
+
+
+def _is_a_particle(spot: _Spot) -> bool:
+    """A particle that tells where a motion ends, in no known phrase ("slides off the table"); a fall ends below."""
+    falls = spot.motion is not None and spot.motion.effect in (Effect.FALL, Effect.TOPPLE)
+    wall = any(m.kind is MentionKind.SOLID for m in spot.mentions[spot.index : spot.index + 4])
+    return spot.word in get_set("particles") and not falls and not wall
+
+
+def _is_a_known_word(spot: _Spot) -> bool:
+    return spot.mentions[spot.index].kind is MentionKind.FUNCTION
 
 
 def _is_heading(spot: _Spot) -> bool:
@@ -160,7 +172,7 @@ def _is_number(spot: _Spot) -> bool:
 
 
 def _is_measured(spot: _Spot) -> bool:
-    """Behind a quantity that says it all: "a third of its length farther to the right"."""
+    """A word behind a quantity that says it all: "a third of its length farther to the right"."""
     return spot.index > 0 and spot.mentions[spot.index - 1].kind is MentionKind.QUANTITY
 
 
@@ -173,13 +185,13 @@ def _is_asking(spot: _Spot) -> bool:
 
 
 def _is_described(spot: _Spot) -> bool:
-    """How something is: "she is fragile", "until he was dizzy"."""
+    """A state of something: "she is fragile", "until he was dizzy"."""
     before = spot.skip(-1)
     return before is not None and before.form in get_set("copulas") and not spot.word.endswith(("ing", "ed"))
 
 
 def _is_reaching(spot: _Spot) -> bool:
-    """What a wind does to what it meets: "a gust catches the sign"."""
+    """The verb of a wind that meets something: "a gust catches the sign"."""
     heads = [m for m in spot.mentions[spot.begin : spot.index] if m.kind in MOTIONS]
     return [m.kind for m in heads] == [MentionKind.CAUSE] and spot.motion is not None and spot.motion.wind
 
@@ -191,7 +203,7 @@ def _is_a_part(spot: _Spot) -> bool:
 
 
 def _is_telling_a_part(spot: _Spot) -> bool:
-    """Which part: "the red part", "the blue corner"; an object has one head."""
+    """The adjective of a part: "the red part", "the blue corner"; an object has one head."""
     after = spot.mentions[spot.index + 1] if spot.index + 1 < len(spot.mentions) else None
     if after is None or spot.get(-1) not in get_set("owners_of_parts"):
         return False
@@ -205,13 +217,13 @@ def _is_a_path(spot: _Spot) -> bool:
 
 
 def _is_struck(spot: _Spot) -> bool:
-    """Where a blow or a pull acts: "tap it on the forehead", "tug at the collar"."""
+    """The place where a blow or a pull acts: "tap it on the forehead", "tug at the collar"."""
     acts = spot.motion is not None and (spot.motion.effect is Effect.STRIKE or spot.motion.pulls)
     return acts and spot.preposition in ("at", "on", "against")
 
 
 def _is_result(spot: _Spot) -> bool:
-    """Into what it is made: "bend it into a knot"; or a way: "toward the north"."""
+    """A result: "bend it into a knot"; or a way: "toward the north"."""
     return spot.preposition in ("into", "toward", "towards", "like")
 
 
@@ -221,13 +233,14 @@ def _is_placed(spot: _Spot) -> bool:
 
 
 def _is_in_a_fragment(spot: _Spot) -> bool:
-    """A segment without motion, way, number or subject beside one with a motion: ", soft focus, volumetric,"."""
+    """A segment of nouns alone beside a motion, in a caption: ", soft focus, volumetric,"."""
     inside = spot.mentions[spot.begin : spot.end]
     around = (*spot.mentions[spot.begin - 1 : spot.begin], *spot.mentions[spot.end : spot.end + 1])
-    subjects = spot.names | get_set("pronouns") | get_set("repeating")
     told = {m.kind for m in inside} - {MentionKind.FUNCTION, *_LOOSE}
     apart = all(not m.words.isalnum() for m in around)
-    return spot.moves and apart and not told and not any(m.phrase in subjects for m in inside)
+    linked = spot.names | get_set("pronouns") | get_set("repeating") | get_set("linking")
+    nouns = not any(m.phrase in linked or m.phrase.endswith(("ly", "wise", "ways")) for m in inside)
+    return spot.captions and apart and not told and nouns
 
 
 def _is_describing(spot: _Spot) -> bool:
@@ -240,7 +253,7 @@ def _is_describing(spot: _Spot) -> bool:
 
 
 def _is_predicate(spot: _Spot) -> bool:
-    """Where a verb would stand: behind the object as its subject, or before it as its object."""
+    """The place of a verb: behind the object as its subject, or before it as its object."""
     subject = spot.skip(-1, get_set("auxiliaries"))
     behind = spot.get(2) if spot.get(1) in get_set("determiners") else spot.get(1)
     after_subject = subject is not None and subject.phrase in spot.names | get_set("pronouns")
@@ -250,7 +263,7 @@ def _is_predicate(spot: _Spot) -> bool:
 
 
 def _is_acting(spot: _Spot) -> bool:
-    """Whoever does it: "the baker presses the bread", "Alice nudges it"."""
+    """The agent of a motion: "the baker presses the bread", "Alice nudges it"."""
     verb = spot.skip(1, get_set("auxiliaries"))
     if verb is None or verb.kind not in MOTIONS:
         return False
@@ -261,6 +274,9 @@ def _is_acting(spot: _Spot) -> bool:
 
 # In their order: the first that holds decides whether the word is ignored; what none holds for is doubtful.
 _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
+    (_is_a_particle, False),
+    (_is_a_known_word, True),
+    (_is_a_path, False),
     (_is_heading, True),
     (_is_in_a_fragment, True),
     (_is_number, False),
@@ -270,7 +286,6 @@ _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
     (_is_reaching, True),
     (_is_a_part, False),
     (_is_telling_a_part, False),
-    (_is_a_path, False),
     (_is_struck, False),
     (_is_result, False),
     (_is_placed, True),

@@ -138,7 +138,7 @@ def _list_parts(clause: Clause) -> tuple[intent.Part, ...]:
 
 
 def _is_landed_on(mention: Mention, clause: Clause) -> bool:
-    """Whether it falls on that part: "lands on its feet", but not "its feet fall"."""
+    """Return whether it falls on that part: "lands on its feet", but not "its feet fall"."""
     falls = clause.verb is not None and clause.has(Effect.FALL) and mention.first > clause.verb.first
     return falls and isinstance(mention.value, Place) and mention.value.names == ("down",)
 
@@ -169,7 +169,7 @@ def _list_quantities(clause: Clause) -> tuple[intent.Quantity, ...]:
 
 
 def _find_timing(clause: Clause) -> intent.Timing:
-    """What all phrases of time say together."""
+    """The sum of all phrases of time."""
     timing = intent.Timing()
     for mention in clause.select(MentionKind.TIME):
         told = mention.value
@@ -207,7 +207,7 @@ def _make_solid(mention: Mention) -> intent.Solid:
 
 
 def _list_doubts(clause: Clause) -> list[str]:
-    """What a clause says twice."""
+    """Doubts about what a clause says twice."""
     times = [(m, m.value) for m in clause.select(MentionKind.TIME) if isinstance(m.value, intent.Timing)]
     starts = [m.words for m, told in times if told.starts or m.words.lower().startswith("at the ")]
     lengths = [m.words for m, told in times if told.lasts]
@@ -249,7 +249,7 @@ def _describe_surroundings(clauses: list[Clause], mentions: list[Mention]) -> in
 
 
 def _is_holding_an_end(clause: Clause, clauses: list[Clause]) -> bool:
-    """Whether a clause says of an end that it does not move while the rest does."""
+    """Return whether a clause says of an end that it does not move while the rest does."""
     places = [m for m in clause.select(MentionKind.PLACE) if isinstance(m.value, Place)]
     if not places or clause.head is None or clause is not clauses[0] and clause.join is Join.THEN:
         return False

@@ -155,17 +155,18 @@ def _make_quantity(
         return None
     scales = [_TABLES[name][groups[name]] for name in ("factors", "angles", "metres") if groups.get(name)]
     named = [_TABLES[name][groups[name]] for name in ("dimensions", "adjectives") if groups.get(name)]
-    relations = ("is", "acts"), ("to", "goal"), ("by", "relative")
+    told = {name: holds[row.get(name, "")] for name in ("acts", "goal", "relative")}
     return Quantity(
         value=min(value * float(row.get("scale", 1.0)) * math.prod(map(float, scales)), _MOST),
         unit=row["unit"],
         dimension=named[0] if named else row.get("dimension", ""),
-        relation=next((relation for relation, name in relations if holds[row.get(name, "")]), ""),
+        relation="is" if told["acts"] else "to" if told["goal"] else "by" if told["relative"] else "",
     )
 
 
 def _begins_number(word: str) -> bool:
-    return word[:1].isdigit() and word.isascii() or word in NUMBERS or word in _SCALES or word in _VAGUE
+    known = word in NUMBERS or word in _SCALES or word in _VAGUE or word.removesuffix("fold") in NUMBERS
+    return known or word[:1].isdigit() and word.isascii()
 
 
 # A length of time, and moments.
@@ -180,10 +181,15 @@ def _duration(name: str) -> str:
 _LENGTH = _duration("d")
 _NAMED = rf"(?:t |time )?(?P<named>frames?|second) (?P<named_n>{_NUMBER})"
 _MOMENT = rf"(?:{_NAMED}|(?:t |time )?{_LENGTH})"
-_PART = rf"(?P<order>first|second|third|last|final)(?: (?P<part_n>{_NUMBER}))? (?P<noun>{_either(LEXICON.clip_parts)}|{_UNIT})"
+_CLIP_PARTS = _either(LEXICON.clip_parts)
+_PART = (
+    rf"(?P<order>first|second|third|last|final)(?: (?P<part_n>{_NUMBER}))? (?P<noun>{_CLIP_PARTS}|{_UNIT})"
+)
 _SPAN = (
-    rf"(?:from|between) (?:t |time )?(?:(?P<first_named>frames?|second) )?(?P<first>{_NUMBER})(?: (?P<first_unit>{_UNIT}))?"
-    rf"(?: (?P<on>on|onwards?)| (?:to|and|until|till) (?:t |time )?(?:frame |second )?(?P<last>{_NUMBER})(?: (?P<unit>{_UNIT}))?)"
+    r"(?:from|between) (?:t |time )?(?:(?P<first_named>frames?|second) )?"
+    rf"(?P<first>{_NUMBER})(?: (?P<first_unit>{_UNIT}))?"
+    r"(?: (?P<on>on|onwards?)| (?:to|and|until|till) (?:t |time )?(?:frame |second )?"
+    rf"(?P<last>{_NUMBER})(?: (?P<unit>{_UNIT}))?)"
 )
 
 
@@ -239,25 +245,26 @@ def _make_interval(match: re.Match[str]) -> Timing | None:
     return _make_span(first, last - first, unit) if unit and last > first else None
 
 
+def _make_start(match: re.Match[str]) -> Timing:
+    return Timing(starts=_make_duration(match))
+
+
+def _make_length(match: re.Match[str]) -> Timing:
+    return Timing(lasts=_make_duration(match), within=match.group().startswith(("within", "in ", "over")))
+
+
+_INTO = f"into the (?:{_of('films')})"
+# Patterns of times in the order in which they are tried, each with its condition.
 _TIMES: tuple[tuple[str, re.Pattern[str], Callable[[re.Match[str]], Timing | None]], ...] = tuple(
     (condition, re.compile(pattern + "(?= )"), make)
     for condition, pattern, make in (
         ("", rf"(?:for|in|over|during|throughout) (?:the )?{_PART}", _make_part),
-        ("", rf"(?:for|lasting) {_LENGTH}", lambda m: Timing(lasts=_make_duration(m))),
-        ("", rf"within {_LENGTH}", lambda m: Timing(lasts=_make_duration(m), within=True)),
-        ("measured", rf"(?:in|over) {_LENGTH}", lambda m: Timing(lasts=_make_duration(m), within=True)),
+        ("", rf"(?:for|lasting|within) {_LENGTH}", _make_length),
+        ("measured", rf"(?:in|over) {_LENGTH}", _make_length),
         ("", _SPAN, _make_interval),
         ("", rf"(?:after|at) {_MOMENT}", _make_moment),
-        (
-            "counted",
-            rf"{_LENGTH} (?:in(?= (?:[^\w\s]|$))|into the (?:{_of('films')}))",
-            lambda m: Timing(starts=_make_duration(m)),
-        ),
-        (
-            "counted",
-            rf"{_LENGTH}(?! (?:later|after|in |into) )",
-            lambda m: Timing(lasts=_make_duration(m)) if m["d_n"] else None,
-        ),
+        ("counted", rf"{_LENGTH} (?:in(?= (?:[^\w\s]|$))|{_INTO})", _make_start),
+        ("counted", rf"(?!half of|half the|half clip){_LENGTH}(?! (?:later|after|in |into) )", _make_length),
     )
 )
 _REST_OF_CLIP = re.compile(r"(?:in|during|over) the (?P<order>second|third|last) (?:[^\w\s]|$)")

@@ -90,7 +90,7 @@ def get_last_motion(mentions: list[Mention]) -> Motion | None:
 
 
 def has_motion(mentions: list[Mention]) -> bool:
-    """Whether something is done in them."""
+    """Return whether something is done in them."""
     return any(mention.kind in MOTIONS for mention in mentions)
 
 
@@ -128,7 +128,7 @@ class Reader:
         return self.words.get(at)
 
     def is_after_determiner(self, at: int) -> bool:
-        """Whether an article or the like stands before it."""
+        """Return whether an article or the like stands before it."""
         return self.get_text(at - 1) in get_set("determiners")
 
     def get_preposition(self, at: int) -> str:
@@ -136,6 +136,6 @@ class Reader:
         return self.get_text(at - 2 if self.is_after_determiner(at) else at - 1)
 
     def is_striking(self) -> bool:
-        """Whether the last motion is a blow."""
+        """Return whether the last motion is a blow."""
         motion = get_last_motion(self.mentions)
         return motion is not None and motion.effect is Effect.STRIKE

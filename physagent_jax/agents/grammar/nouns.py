@@ -40,7 +40,7 @@ def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
 
 
 def is_telling(name: str) -> bool:
-    """Whether a name says what the object is; a noun that is not its own is then hardly the object."""
+    """Return whether a name says what the object is; a noun that is not its own is then hardly the object."""
     return any(len(word) > 2 and word not in get_set("names_of_files") for word in _split(name))
 
 
@@ -97,7 +97,7 @@ def _read_side(reader: Reader, at: int, size: int, phrase: str, names: Names) ->
 
 
 def _is_way(reader: Reader, at: int) -> bool:
-    """Whether a way is told within two words."""
+    """Return whether a way is told within two words."""
     told = LEXICON.directions.keys() | LEXICON.ends.keys() | get_set("speakers")
     return any(reader.get_text(i) in told for i in (at, at + 1))
 
@@ -108,7 +108,7 @@ def _make_direction(reader: Reader, names: Names, phrase: str, used: list[int]) 
 
 
 def _is_part_with_name(reader: Reader, at: int, noun: str) -> bool:
-    """Whether a side stands before a noun that the lexicon lacks: "the upper shelves", "its left sleeve"."""
+    """Return whether a side stands before a noun that the lexicon lacks: "the upper shelves", "its left sleeve"."""
     side = reader.get_text(at) in get_set("sides_of_parts")
     owners = get_set("pronouns_of_owners") if side else get_set("owners_of_parts")
     if reader.get_text(at - 1) not in owners or not noun.isalpha() or noun in reader.names:
@@ -125,13 +125,15 @@ def _is_part_with_name(reader: Reader, at: int, noun: str) -> bool:
 _SIDE = "left|right|front|back|rear"
 _NOUN = "|".join(sorted(LEXICON.obstacles, key=len, reverse=True))
 _OF_IT = r"(?: (?:of )?(?:it|him|her|(?:the )(?P<owner>\S+)))?"
+_PLACES = "|".join(read_sections()["places_of_walls"])
 _WALL = re.compile(
-    rf"(?:(?P<side>{_SIDE}) )?(?:(?:{_NOUN}) )?(?P<noun>{_NOUN})(?P<where> (?:"
-    rf"(?P<place>{'|'.join(read_sections()['places_of_walls'])}|in front){_OF_IT}"
-    rf"|(?P<to>on|at|to) (?:the |its |his |our )?(?P<beside>{_SIDE})(?: side| hand)?(?P<of> of (?:it|him|her|the \S+))?))?(?= )"
+    rf"(?:(?P<side>{_SIDE}) )?(?:(?:{_NOUN}) )?(?P<noun>{_NOUN})(?P<where> (?:(?P<place>{_PLACES}|in front){_OF_IT}"
+    rf"|(?P<to>on|at|to) (?:the |its |his |our )?(?P<beside>{_SIDE})(?: side| hand)?"
+    r"(?P<of> of (?:it|him|her|the \S+))?))?(?= )"
 )
 _PAIR = re.compile(
-    r"walls (?:(?:on )?(?:the |its )?left and (?:on )?(?:the |its )?right|on (?:both|either) (?:its )?sides?)(?: of (?:it|the \S+))?(?= )"
+    r"walls (?:(?:on )?(?:the |its )?left and (?:on )?(?:the |its )?right|on (?:both|either) (?:its )?sides?)"
+    r"(?: of (?:it|the \S+))?(?= )"
 )
 
 
@@ -169,7 +171,7 @@ def read_solid(reader: Reader, at: int) -> Mention | None:
 
 
 def _find_where(reader: Reader, at: int, match: re.Match[str]) -> tuple[str, int]:
-    """Where a wall is, and the index behind; "against the wall to the left" tells the way instead."""
+    """The side of a wall, and the index behind; "against the wall to the left" tells the way instead."""
     places = {**read_sections()["places_of_walls"], "in front": "toward"}
     name = match["place"] and places[match["place"]]
     beside = None if match["to"] == "to" and not match["of"] else match["beside"]

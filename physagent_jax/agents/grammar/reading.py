@@ -123,7 +123,7 @@ def _read_time(reader: Reader, at: int) -> Mention | None:
 
 
 def _is_measured(reader: Reader, at: int) -> bool:
-    """Whether it was said how much: "by half its length in a second"; "in a second push it" tells a start.
+    """Return whether it was said how much: "by half its length in a second"; "in a second push it" tells a start.
 
     Behind a colon the measure may follow: "hit it: in a second it goes by half its length".
     """

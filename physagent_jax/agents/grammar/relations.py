@@ -99,7 +99,9 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
             clause.join = _find_comma(merged, clause)
         if clause.join is Join.RESULT and before.has(Effect.STILL):
             clause.join = Join.THEN  # "nothing happens until it is hit"
-        if _is_falling_over(before, clause):
+        if clause.stays and not clause.modifiers and before.has(get_verb(clause.verb).effect):
+            before.stays = True  # "compress it and keep it compressed"
+        elif _is_falling_over(before, clause):
             _absorb(before, clause)
         elif (
             clause.join is Join.RESULT or _is_carried_off(before, clause) or _is_moved_by_wind(before, clause)
@@ -111,7 +113,7 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
 
 
 def _find_comma(merged: list[Clause], clause: Clause) -> Join:
-    """What a comma means before a verb: another motion at the same time, what comes of it, or the next one."""
+    """The meaning of a comma before a verb: another motion at the same time, what comes of it, or the next one."""
     before = merged[-1]
     verb, head = clause.verb, before.head
     assert verb is not None and head is not None
@@ -126,7 +128,7 @@ def _find_comma(merged: list[Clause], clause: Clause) -> Join:
 
 
 def _is_moving_beside(before: Clause, clause: Clause) -> bool:
-    """Whether a participle tells a motion of its own: "it falls, spinning", "push it right, spinning it"."""
+    """Return whether a participle tells a motion of its own: "it falls, spinning", "push it right, spinning it"."""
     if before.cause is not None:
         return False
     first, second = get_verb(before.head), get_verb(clause.verb)
@@ -178,7 +180,7 @@ def _absorb(cause: Clause, effect: Clause, generic: bool = True) -> None:
 
 
 def _is_carried_off(before: Clause, clause: Clause) -> bool:
-    """Whether a travel is the work of a blow or a push: "kicked from the left and flies away", "pushed, and moved"."""
+    """Return whether a travel is the work of a blow or a push: "kicked from the left and flies away"."""
     verb = get_verb(clause.verb)
     if clause.join not in (Join.AND, Join.COMMA) or not (verb.generic and verb.effect is Effect.PUSH):
         return False
@@ -192,14 +194,14 @@ def _is_carried_off(before: Clause, clause: Clause) -> bool:
 
 
 def _is_moved_by_wind(wind: Clause, clause: Clause) -> bool:
-    """Whether a swaying is the wind's work and goes its way: "wind blows from the left and the plant sways"."""
+    """Return whether a swaying is the wind's work and goes its way: "wind blows from the left and the plant sways"."""
     if not get_verb(wind.head).wind or clause.join is Join.THEN:
         return False
     return clause.has(Effect.LEAN) or clause.has(Effect.SWAY) and not clause.select(*WAYS)
 
 
 def _is_falling_over(topple: Clause, clause: Clause) -> bool:
-    """Whether a fall ends a toppling: "it tips over to the right and falls"."""
+    """Return whether a fall ends a toppling: "it tips over to the right and falls"."""
     ways = [m for m in clause.select(*WAYS) if m.value != ("down",)]
     told = bool(topple.select(*WHERE))
     return topple.has(Effect.TOPPLE) and clause.has(Effect.FALL) and not (ways and told)

@@ -35,7 +35,7 @@ class Token:
 
     @property
     def is_word(self) -> bool:
-        """Whether it is a word or number rather than punctuation."""
+        """Return whether it is a word or number rather than punctuation."""
         return self.text[0].isalnum()
 
 
@@ -65,7 +65,7 @@ FORMS = read_forms()
 
 
 def is_participle(form: str) -> bool:
-    """Whether a form of a verb is its present participle: "swinging", but not "swing"."""
+    """Return whether a form of a verb is its present participle: "swinging", but not "swing"."""
     return form.endswith("ing") and FORMS.get(form) != form
 
 
