@@ -10,11 +10,7 @@ from pydantic_core import PydanticCustomError, core_schema
 
 
 class OneOf:
-    """Annotation of a string that is one of some words; they are listed when they are needed, not before.
-
-    Args:
-        list_words: Words that are allowed then.
-    """
+    """Annotation of a string that is one of some words; they are listed when they are needed, not before."""
 
     def __init__(self, list_words: Callable[[], Iterable[str]]):
         self._list_words = list_words
@@ -29,9 +25,8 @@ class OneOf:
         """Validation against the words."""
         return core_schema.no_info_after_validator_function(self._check, handler(source))
 
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(self, *_: Any) -> dict[str, Any]:
         """An enumeration of the words."""
-        del schema, handler
         return {"type": "string", "enum": list(self._list_words())}
 
 

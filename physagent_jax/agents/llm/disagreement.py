@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from physagent_jax.agents.llm.scene_words import describe_direction, describe_motion
+from physagent_jax.agents.llm.prompt import describe_direction, describe_motion
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief, SemanticReply
 from physagent_jax.agents.vectors import cosine
 
@@ -23,23 +23,20 @@ def find_disagreements(
         reader: Name of that reader.
         brief: The scene.
     """
-    mine = sorted(reading.expectations, key=lambda motion: motion.window)
-    theirs = sorted(second.expectations, key=lambda motion: motion.window)
+
+    def doubt(what: str, mine: str, theirs: str) -> str:
+        return f"Grammar and model disagree on the {what}: {mine}; {reader} reads {theirs}."
+
+    mine, theirs = (sorted(each.expectations, key=lambda motion: motion.window) for each in (reading, second))
     if [motion.kind for motion in mine] != [motion.kind for motion in theirs]:
-        said = [
-            ", then ".join(describe_motion(m, brief) for m in side) or "nothing" for side in (mine, theirs)
-        ]
-        return [f"Grammar and model disagree on the motion: {said[0]}; {reader} reads {said[1]}."]
+        said = [", then ".join(describe_motion(each, brief) for each in side) for side in (mine, theirs)]
+        return [doubt("motion", said[0] or "nothing", said[1] or "nothing")]
     doubts = []
     for one, other in zip(mine, theirs):
         if not _go_the_same_way(one, other):
-            said = [describe_motion(m, brief) for m in (one, other)]
-            doubts.append(
-                f"Grammar and model disagree on the direction: {said[0]}; {reader} reads {said[1]}."
-            )
+            doubts.append(doubt("direction", describe_motion(one, brief), describe_motion(other, brief)))
         if not _act_on_the_same_part(one, other):
-            said = [_describe_part(m, brief) for m in (one, other)]
-            doubts.append(f"Grammar and model disagree on the part: {said[0]}; {reader} reads {said[1]}.")
+            doubts.append(doubt("part", _describe_part(one, brief), _describe_part(other, brief)))
     return doubts
 
 

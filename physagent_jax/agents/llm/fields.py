@@ -9,7 +9,8 @@ from pydantic import BaseModel, ConfigDict, Field, JsonValue
 from physagent_jax.agents.hard_rules import Repair, apply_hard_rules
 from physagent_jax.agents.llm.choices import Sentences
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.core.strict import Number, Numbers, Vector
+from physagent_jax.agents.vectors import scale
+from physagent_jax.core.strict import Number, Numbers
 from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField
 from physagent_jax.forces.skills import get_skill
 
@@ -82,12 +83,9 @@ def _expect(action: Action, last: float) -> ExpectedMotion:
     kind = MotionKind(skill.causes[0])
     if kind is MotionKind.STRETCH and reversed_:
         kind = MotionKind.SQUEEZE
-    x, y, z = action.vector
-    sign = -1.0 if reversed_ and not skill.is_two_sided else 1.0
-    way: Vector = (sign * x + 0.0, sign * y + 0.0, sign * z + 0.0)
     return ExpectedMotion(
         kind=kind,
-        direction=way,
+        direction=scale(action.vector, -1.0 if reversed_ and not skill.is_two_sided else 1.0),
         strength=abs(action.magnitude),
         window=action.active_time or (0.0, last),
         sudden=skill.is_sudden,
