@@ -62,22 +62,15 @@ class ModelError(UserError):
 
     Args:
         what: What is wrong, without any key.
-        got: The offending value, if showing it helps.
-        do: What to do about it.
         latency_seconds: Waited in vain [s].
         failures: Why each attempt gave no answer, a sentence each.
+        told: ``got`` and ``do`` of a `UserError`.
     """
 
     def __init__(
-        self,
-        what: str,
-        *,
-        got: object = None,
-        do: str = "",
-        latency_seconds: float = 0.0,
-        failures: tuple[str, ...] = (),
+        self, what: str, *, latency_seconds: float = 0.0, failures: tuple[str, ...] = (), **told: Any
     ):
-        super().__init__(what, got=got, do=do)
+        super().__init__(what, **told)
         self.latency_seconds, self.failures = latency_seconds, failures
 
 
@@ -107,14 +100,6 @@ class ChatModel(Protocol):
         ...
 
 
-def read_json_or_none(text: str) -> Any | None:
-    """The value that a JSON text stands for; None for a text that is no JSON within bounds."""
-    try:
-        return decode_json(text.encode(), "the answer")
-    except ValueError:
-        return None
-
-
 def import_package(name: str, adapter: str, extra: str) -> Any:
     """A package that an adapter needs, of an extra of this project.
 
@@ -125,6 +110,14 @@ def import_package(name: str, adapter: str, extra: str) -> Any:
         return importlib.import_module(name)
     except ImportError as error:
         raise MissingPackageError(f"the chat model `{adapter}` needs a package ({error})", extra) from None
+
+
+def read_json_or_none(text: str) -> Any | None:
+    """The value that a JSON text stands for; None for a text that is no JSON within bounds."""
+    try:
+        return decode_json(text.encode(), "the answer")
+    except ValueError:
+        return None
 
 
 def make_writable(text: str) -> str:
