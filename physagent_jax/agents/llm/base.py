@@ -13,17 +13,16 @@ from physagent_jax.core.reading import decode_json
 
 @dataclass(frozen=True)
 class ChatMessage:
-    """One message to a chat model.
-
-    Attributes:
-        role: Who speaks.
-        text: What is said.
-        pictures: PNG files that go with it; for models that have eyes.
-    """
+    """One message to a chat model; pictures are PNG files, for models that have eyes."""
 
     role: Literal["system", "user", "assistant"]
     text: str
     pictures: tuple[bytes, ...] = ()
+
+
+Messages = Sequence[ChatMessage]
+Schema = Mapping[str, Any]
+"""A JSON schema."""
 
 
 @dataclass(frozen=True)
@@ -58,14 +57,7 @@ class Generation:
 
 
 class ModelError(UserError):
-    """A chat model gave no answer, after bounded retries.
-
-    Args:
-        what: What is wrong, without any key.
-        latency_seconds: Waited in vain [s].
-        failures: Why each attempt gave no answer, a sentence each.
-        told: ``got`` and ``do`` of a `UserError`.
-    """
+    """A chat model gave no answer, after bounded retries: ``failures`` says why, a sentence for each attempt."""
 
     def __init__(
         self, what: str, *, latency_seconds: float = 0.0, failures: tuple[str, ...] = (), **told: Any
@@ -85,9 +77,7 @@ class ChatModel(Protocol):
     name: str
     has_eyes: bool
 
-    def generate(
-        self, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None = None
-    ) -> Generation:
+    def generate(self, messages: Messages, schema: Schema | None = None) -> Generation:
         """Answer ``messages``, by the JSON schema where the model can be held to one.
 
         Raises:

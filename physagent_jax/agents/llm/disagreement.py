@@ -16,12 +16,6 @@ def find_disagreements(
     """Doubts about ``reading``, a sentence each, where ``second`` says another motion, direction or part.
 
     Strengths, amounts and times are left to the first: a small difference there is none that a viewer would see.
-
-    Args:
-        reading: The grammar's reading.
-        second: Another reader's.
-        reader: Name of that reader.
-        brief: The scene.
     """
 
     def doubt(what: str, mine: str, theirs: str) -> str:

@@ -18,9 +18,6 @@ class ModelExecutor(RuleExecutor):
 
     A force field that was tried before is sent back to the model. If no answer of it can be used, the rules rewrite
     instead, and say so.
-
-    Args:
-        model: The model.
     """
 
     def __init__(self, model: ChatModel):
@@ -58,8 +55,8 @@ class ModelExecutor(RuleExecutor):
             instead = "the rules have rewritten the force field instead"
             why = f"No answer of {self._model.name} can be used: {instead}."
             rewrite = super().rewrite(context, failed).value
-            changes = (why, *rewrite.changes)
-            return Reply(rewrite.model_copy(update=dict(changes=changes)), add_repairs(error.trace, why))
+            told = rewrite.model_copy(update=dict(changes=(why, *rewrite.changes)))
+            return Reply(told, add_repairs(error.trace, why))
         field, repairs = build_field(answer.value, context.brief, context.expectations)
         reason = answer.value.reason or "The model gives no reason."
         rewrite = Rewrite(

@@ -15,14 +15,15 @@ import yaml
 from pydantic import Field, model_validator
 
 from physagent_jax.agents.intent import Direction, Intent
-from physagent_jax.agents.llm.choices import OneOf, Phrase
+from physagent_jax.agents.llm.choices import Phrase, one_of
 from physagent_jax.agents.llm.splitting import Order
 from physagent_jax.core.reading import shorten
 from physagent_jax.core.strict import Strict
 from physagent_jax.forces.skills import list_skills
 
 NOTHING, RELEASE = "nothing", "let go"  # a release follows what it ends, whatever joins them
-_WORDS = yaml.safe_load(resources.files("physagent_jax.agents.llm").joinpath("forms.yaml").read_text("utf-8"))
+_FILE = resources.files("physagent_jax.agents.llm").joinpath("forms.yaml")
+_WORDS = yaml.safe_load(_FILE.read_text("utf-8"))
 MOTIONS: dict[str, str] = _WORDS["motions"]
 STRENGTHS: dict[str, list[str]] = _WORDS["strengths"]
 PARTS: dict[str, str] = _WORDS["parts"]
@@ -45,11 +46,11 @@ Direct = Literal[
     "horizontal", "vertical", "depth", "long axis",
     "both sides", "all sides", "outward", "inward", "back",
 ]  # fmt: skip
-Motion = Annotated[str, OneOf(lambda: (NOTHING, *list_motions()))]
-Strength = Annotated[str, OneOf(lambda: STRENGTHS)]
-PartName = Annotated[str, OneOf(lambda: PARTS)]
-Unit = Annotated[str, OneOf(lambda: UNITS)]
-Setting = Annotated[str, OneOf(lambda: SETTINGS)]
+Motion = Annotated[str, one_of(lambda: (NOTHING, *list_motions()))]
+Strength = Annotated[str, one_of(lambda: STRENGTHS)]
+PartName = Annotated[str, one_of(lambda: PARTS)]
+Unit = Annotated[str, one_of(lambda: UNITS)]
+Setting = Annotated[str, one_of(lambda: SETTINGS)]
 
 
 class ClauseForm(Strict):
@@ -133,19 +134,14 @@ class SentenceForm(Strict):
 
 
 def check_words(form: SentenceForm, sentence: str) -> None:
-    """Refuse a clause whose words do not stand in the sentence: it is invented.
-
-    Raises:
-        ValueError: There is one.
-    """
+    """Raise a `ValueError` for a clause whose words do not stand in the sentence: it is invented."""
     said = set(_list_words(sentence))
     for index, clause in enumerate(form.clauses):
         strange = [word for word in _list_words(clause.words) if word not in said]
         if strange or not _list_words(clause.words):
             what = f"{strange[0]!r} does not stand in the sentence" if strange else "they are empty"
-            raise ValueError(
-                f"clauses.{index}.words: {what}; copy them from the sentence, or leave the clause out"
-            )
+            advice = "copy them from the sentence, or leave the clause out"
+            raise ValueError(f"clauses.{index}.words: {what}; {advice}")
 
 
 def _list_words(text: str) -> list[str]:
@@ -158,40 +154,29 @@ def make_intent(form: SentenceForm) -> Intent:
 
 
 def join_clauses(forms: Sequence[ClauseForm], texts: Sequence[str], orders: Sequence[Order]) -> Intent:
-    """The intent of a sentence whose clauses were asked for one by one.
-
-    Args:
-        forms: The filled forms.
-        texts: The words of each clause.
-        orders: How each follows the clause before.
-    """
-    filled = zip(forms, texts, orders)
-    return _build(
-        [
-            OrderedClauseForm(**form.model_dump(), words=shorten(text), order=order)
-            for form, text, order in filled
-        ]
-    )
+    """The intent of a sentence whose clauses, with these texts, were asked for one by one."""
+    clauses = [
+        OrderedClauseForm(**form.model_dump(), words=shorten(text), order=order)
+        for form, text, order in zip(forms, texts, orders)
+    ]
+    return _build(clauses)
 
 
 def _build(forms: Sequence[OrderedClauseForm], **more: Any) -> Intent:
     clauses, ignored, walls = [], [], []
     said: dict[str, dict[str, Any]] = {"surroundings": {}}
     for form in forms:
+        clause = _describe_clause(form)
         for part, setting in SETTINGS[form.setting].items() if form.setting else ():
             said[part] = {**setting, "text": form.words}
         if form.motion != NOTHING:
-            clauses.append(_describe_clause(form))
+            clauses.append(clause)
         elif form.wall is not None:
-            walls.append(_describe_wall(form))
+            walls += clause["solids"]
         elif form.setting is None:
             ignored.append(form.words)
     said["surroundings"]["solids"] = walls
     return Intent.model_validate({"clauses": clauses, "ignored": ignored, **said, **more})
-
-
-def _describe_wall(form: OrderedClauseForm) -> dict[str, Any]:
-    return {"sides": (form.wall,), "text": form.words}
 
 
 def _describe_clause(form: OrderedClauseForm) -> dict[str, Any]:
@@ -214,7 +199,7 @@ def _describe_clause(form: OrderedClauseForm) -> dict[str, Any]:
         "quantities": quantities,
         "timing": {name: {"value": value, **text} for name, value in times.items() if value is not None},
         "repetitions": repetitions,
-        "solids": [] if form.wall is None else [_describe_wall(form)],
+        "solids": [] if form.wall is None else [{"sides": (form.wall,), **text}],
         "negated": form.negated,
         "stays": form.stays,
         **text,

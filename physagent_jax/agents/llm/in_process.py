@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from pydantic import Field
 
-from physagent_jax.agents.llm.base import ChatMessage, Generation, ModelError
+from physagent_jax.agents.llm.base import Generation, Messages, ModelError, Schema
 from physagent_jax.agents.llm.completions import read_completion
 from physagent_jax.core.reading import shorten
 from physagent_jax.core.strict import Strict
@@ -30,22 +29,14 @@ class FileOptions(Strict):
 
 
 class FileModel:
-    """A chat model without eyes that is loaded from files; adapters complete it.
-
-    Args:
-        adapter: Name of the adapter.
-        label: Name of the model.
-        timeout: Longest time for one answer [s].
-    """
+    """A chat model without eyes that is loaded from files; adapters complete it."""
 
     has_eyes = False
 
     def __init__(self, adapter: str, label: str, timeout: float):
         self.name, self._label, self._timeout = f"{adapter}:{label}", label, timeout
 
-    def generate(
-        self, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None = None
-    ) -> Generation:
+    def generate(self, messages: Messages, schema: Schema | None = None) -> Generation:
         """Answer ``messages``; see `ChatModel`."""
         begun = time.monotonic()
         try:
@@ -58,6 +49,6 @@ class FileModel:
         waited = time.monotonic() - begun
         raise ModelError(f"{self.name} gave no answer: {why}", latency_seconds=waited, failures=(why,))
 
-    def _complete(self, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None) -> dict[str, Any]:
+    def _complete(self, messages: Messages, schema: Schema | None) -> dict[str, Any]:
         """A chat completion, in the wire format."""
         raise NotImplementedError

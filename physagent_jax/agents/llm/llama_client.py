@@ -11,10 +11,11 @@ from typing import Any
 
 from pydantic import Field
 
-from physagent_jax.agents.llm.base import ChatMessage, ModelError, import_package
+from physagent_jax.agents.llm.base import Messages, ModelError, Schema, import_package
 from physagent_jax.agents.llm.completions import format_message, format_schema
 from physagent_jax.agents.llm.in_process import FileModel, FileOptions
 from physagent_jax.core.reading import check_regular, shorten
+from physagent_jax.kernels.threads import core_count
 
 _LARGEST_FILE = 2**41  # bytes
 
@@ -32,15 +33,9 @@ class LlamaOptions(FileOptions):
 
 
 class LlamaModel(FileModel):
-    """A model of a GGUF file, greedy; a JSON schema is enforced token by token.
+    """A model of a GGUF file, with `LlamaOptions`, greedy; a JSON schema is enforced token by token.
 
-    llama.cpp also listens on a loopback port; a random key keeps others out of it.
-
-    Args:
-        options: Those of `LlamaOptions`.
-
-    Attributes:
-        url, key: Address and key of that port.
+    llama.cpp also listens on a loopback port, at ``url``; a random ``key`` keeps others out of it.
     """
 
     def __init__(self, **options: Any):
@@ -65,7 +60,7 @@ class LlamaModel(FileModel):
         """Stop the threads of llama.cpp and free the memory; they stop with the process otherwise."""
         self._server = None
 
-    def _complete(self, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None) -> dict[str, Any]:
+    def _complete(self, messages: Messages, schema: Schema | None) -> dict[str, Any]:
         """Generate in a thread, which ends at the next token if this one is interrupted or waits too long."""
         request = {
             "messages": [format_message(each) for each in messages],
@@ -92,11 +87,7 @@ class LlamaModel(FileModel):
 
 
 def _join(chunks: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
-    """The completion that streamed chunks are parts of.
-
-    Raises:
-        RuntimeError: One of them is an error.
-    """
+    """The completion that streamed chunks are parts of; a `RuntimeError` if one of them is an error."""
     for chunk in chunks:
         if "error" in chunk:
             raise RuntimeError(chunk["error"].get("message", chunk["error"]))
@@ -109,6 +100,5 @@ def _join(chunks: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 def count_free_cores() -> int:
     """Cores of this process that nothing else uses, by the load of the last minute; at least 1."""
-    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
-    return max(1, round(usable - load))
+    return max(1, round(core_count() - load))

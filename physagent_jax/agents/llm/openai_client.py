@@ -8,30 +8,27 @@ import json
 import math
 import os
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any
 from urllib.parse import urlsplit
 
 from pydantic import Field
 
-from physagent_jax.agents.llm.base import ChatMessage, Generation, ModelError, import_package
+from physagent_jax.agents.llm.base import Generation, Messages, ModelError, Schema, import_package
 from physagent_jax.agents.llm.completions import format_message, format_schema, read_completion
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import shorten
 from physagent_jax.core.strict import Seed, Strict
 
 OWN_KEY, COMMON_KEY, ADDRESS = "PHYSAGENT_LLM_KEY", "OPENAI_API_KEY", "OPENAI_BASE_URL"
-LONGEST_BODY = 4 * 2**20
-"""Bytes of a server's answer that are read."""
-LONGEST_WAIT = 60.0
-"""Longest pause before another attempt that a server may ask for [s]."""
+LONGEST_BODY = 4 * 2**20  # bytes of a server's answer that are read
+LONGEST_WAIT = 60.0  # longest pause before another attempt that a server may ask for [s]
 _FIRST_PAUSE, _LONGEST_PAUSE = 0.5, 8.0  # between attempts, doubled each time [s]
 _LOOPBACK = ("localhost", "127.0.0.1", "::1")
 _LEAST_SECRET = 8  # characters of a key: shorter ones are words that local servers are given for form's sake
 _FORMAT_WORDS = ("response_format", "json_schema", "json_object", "schema", "grammar", "structured output")
 _OPTIONAL = ("temperature", "seed")  # fields that a request can do without
-_REJECTED = (400, 404, 415, 422, 501)
-_BUSY = (408, 409, 425, 429)
+_REJECTED, _BUSY = (400, 404, 415, 422, 501), (408, 409, 425, 429)
 _ANY = 1000  # retries, as many as the options allow
 
 
@@ -61,13 +58,9 @@ class OpenAIOptions(Strict):
 
 
 class OpenAIModel:
-    """A model behind a server. What the server rejects by name (a schema, a temperature) is not sent again.
+    """A model behind a server, with `OpenAIOptions`; ``sleep`` waits between attempts.
 
-    Args:
-        options: Those of `OpenAIOptions`.
-
-    Attributes:
-        sleep: Waiter between attempts.
+    What the server rejects by name (a schema, a temperature) is not sent again.
     """
 
     def __init__(self, **options: Any):
@@ -102,9 +95,7 @@ class OpenAIModel:
         """Close the connections."""
         self._client.close()
 
-    def generate(
-        self, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None = None
-    ) -> Generation:
+    def generate(self, messages: Messages, schema: Schema | None = None) -> Generation:
         """Answer ``messages``; see `ChatModel`."""
         begun, failures, tried = time.monotonic(), (), 0
         while True:
@@ -130,7 +121,7 @@ class OpenAIModel:
             failures=failures,
         )
 
-    def _send(self, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None) -> str:
+    def _send(self, messages: Messages, schema: Schema | None) -> str:
         """One attempt: the text of the server's answer."""
         openai, fields = self._openai, dict(self._fields)
         if schema is not None and self._formats[0] != "text":
@@ -178,16 +169,17 @@ class OpenAIModel:
 
     def _leave_out(self, rejected: str) -> bool:
         """Leave out what a server's words reject, if a request can do without; return whether it can."""
-        if "max_completion_tokens" in rejected and "max_tokens" in self._fields:
-            self._fields["max_completion_tokens"] = self._fields.pop("max_tokens")
-            return True
-        for name in _OPTIONAL:
-            if name in rejected and self._fields.pop(name, None) is not None:
-                return True
-        if len(self._formats) > 1 and any(word in rejected for word in _FORMAT_WORDS):
+        fields = self._fields
+        named = next((name for name in _OPTIONAL if name in rejected and name in fields), None)
+        if "max_completion_tokens" in rejected and "max_tokens" in fields:
+            fields["max_completion_tokens"] = fields.pop("max_tokens")
+        elif named:
+            del fields[named]
+        elif len(self._formats) > 1 and any(word in rejected for word in _FORMAT_WORDS):
             self._formats.pop(0)
-            return True
-        return False
+        else:
+            return False
+        return True
 
     def _redact(self, text: str) -> str:
         return text.replace(self._key, "[key]") if len(self._key) >= _LEAST_SECRET else text
@@ -196,11 +188,8 @@ class OpenAIModel:
 class _Failure(Exception):
     """An attempt without an answer; its text holds no key.
 
-    Attributes:
-        most_retries: Attempts that are worth making after it.
-        wait: Pause that the server asks for [s].
-        rejected: The server's words, in lower case, where it rejects what was sent.
-        do: What to do about it.
+    ``most_retries`` attempts are worth making after it, after the pause ``wait`` [s] if the server asks for one.
+    ``rejected`` are the server's words, in lower case, where it rejects what was sent.
     """
 
     def __init__(self, what: str, *, most_retries: int = 0, wait: float | None = None, rejected="", do=""):

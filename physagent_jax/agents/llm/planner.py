@@ -34,9 +34,6 @@ class ModelPlanner(RulePlanner):
     """Judges with a chat model, by the motion report and, if the model has eyes, by pictures of the clip.
 
     If no answer of it fits the form, the rules judge instead, and say so.
-
-    Args:
-        model: The model.
     """
 
     def __init__(self, model: ChatModel):

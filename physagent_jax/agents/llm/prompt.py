@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import json
 import re
 from collections.abc import Mapping, Sequence
@@ -15,7 +14,6 @@ from physagent_jax.agents.vectors import cosine
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import ForceField
 
-_USER = "\n=== user ===\n"
 _PLACE = re.compile(r"\{\{(\w+)\}\}")
 _ALONG = 0.9  # cosine from which a direction is called by a viewer's word
 _LINKS = {"rotate": " about", "stretch": " along", "squeeze": " along", "sway": " along"}
@@ -24,26 +22,16 @@ _LINKS = {"rotate": " about", "stretch": " along", "squeeze": " along", "sway": 
 def write_messages(
     name: str, context: AgentContext, pictures: tuple[bytes, ...] = (), **values: str
 ) -> list[ChatMessage]:
-    """The messages of a prompt.
+    """The system's and the user's message of a prompt, in the file ``name`` without its suffix.
 
-    A value is put in once and not looked into, so that braces in a user's sentence stay what they are.
-
-    Args:
-        name: The prompt's file without its suffix.
-        context: Sentence, scene, skills and earlier rounds.
-        pictures: PNG files that go with the user's part.
-        values: Texts for the placeholders beyond the context.
+    Placeholders are filled from the context and ``values``. A value is put in once and not looked into, so that braces
+    in a user's sentence stay what they are.
     """
     values = _describe_context(context) | values
-    system, user = (_PLACE.sub(lambda found: values[found[1]], part) for part in _read(name))
-    return [ChatMessage("system", system.strip()), ChatMessage("user", user.strip(), pictures)]
-
-
-@functools.cache
-def _read(name: str) -> list[str]:
-    """The system's and the user's part of a prompt."""
     file = resources.files("physagent_jax.agents.llm").joinpath("prompts", f"{name}.md")
-    return file.read_text("utf-8").split(_USER)
+    parts = file.read_text("utf-8").split("\n=== user ===\n")
+    system, user = (_PLACE.sub(lambda found: values[found[1]], part) for part in parts)
+    return [ChatMessage("system", system.strip()), ChatMessage("user", user.strip(), pictures)]
 
 
 def quote(text: str) -> str:

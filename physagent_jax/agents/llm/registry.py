@@ -23,11 +23,9 @@ MODELS = Registry(
 
 
 def make_model(choice: Choice, *, record: str | Path | None = None) -> ChatModel:
-    """The chat model of a name with options, or of the address of a server.
+    """The chat model that is chosen: a name of `MODELS` or a server's address, with the options of the model.
 
-    Args:
-        choice: A name of `MODELS` or an address like "http://127.0.0.1:8000/v1", with the options.
-        record: Cassette in which its answers are kept; None = they are not.
+    With ``record``, its answers are kept in that cassette.
 
     Raises:
         UserError: There is no such model, its package is missing, or an option is wrong.

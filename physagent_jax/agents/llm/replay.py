@@ -8,13 +8,13 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import JsonValue
 
-from physagent_jax.agents.llm.base import ChatMessage, ChatModel, Generation, ModelError, make_writable
+from physagent_jax.agents.llm.base import ChatModel, Generation, Messages, ModelError, Schema, make_writable
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import explain_write_error, make_folders
 from physagent_jax.core.reading import decode_json, parse_model, read_bytes, shorten
@@ -72,12 +72,7 @@ def read_cassette(path: Path) -> dict[str, Entry]:
 
 
 class ReplayModel:
-    """A model that answers only what a cassette holds.
-
-    Args:
-        path: The cassette.
-        model: Name of the recorded model, if the cassette holds several.
-    """
+    """A model that answers only what a cassette holds; ``model`` names one if it holds several."""
 
     def __init__(self, path: str | Path, model: str = ""):
         self._path, self._entries = Path(path), read_cassette(Path(path))
@@ -92,9 +87,7 @@ class ReplayModel:
     def close(self) -> None:
         """There is nothing to free."""
 
-    def generate(
-        self, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None = None
-    ) -> Generation:
+    def generate(self, messages: Messages, schema: Schema | None = None) -> Generation:
         """The recorded answer; see `ChatModel`."""
         request = _describe(self._model, self.has_eyes, messages, schema)
         if request.key not in self._entries:
@@ -105,21 +98,14 @@ class ReplayModel:
 
 
 class Recorder:
-    """A model whose answers are kept in a cassette; what is in it already is not asked again.
-
-    Args:
-        model: The model that is asked.
-        path: The cassette; new entries are added to it.
-    """
+    """A model whose answers are added to a cassette; what is in it already is not asked again."""
 
     def __init__(self, model: ChatModel, path: str | Path):
         self.name, self.has_eyes = model.name, model.has_eyes
         self._model, self._path, self.close = model, Path(path), model.close
         self._entries = read_cassette(self._path) if self._path.exists() else {}
 
-    def generate(
-        self, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None = None
-    ) -> Generation:
+    def generate(self, messages: Messages, schema: Schema | None = None) -> Generation:
         """The recorded answer, or a new one; see `ChatModel`."""
         request = _describe(self.name, self.has_eyes, messages, schema)
         if request.key not in self._entries:
@@ -135,9 +121,7 @@ class Recorder:
         return self._entries[request.key].answer
 
 
-def _describe(
-    model: str, has_eyes: bool, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None
-) -> Request:
+def _describe(model: str, has_eyes: bool, messages: Messages, schema: Schema | None) -> Request:
     sent = []
     for each in messages:
         pictures = tuple(map(_hash, each.pictures))

@@ -135,11 +135,14 @@ def read_with_model(model: ChatModel, context: AgentContext, form: Form) -> Repl
 
 
 def _ask_whole(model: ChatModel, context: AgentContext) -> Reply[Intent]:
-    def check(form: SentenceForm) -> None:
-        check_words(form, context.prompt)
-
     messages = write_messages("semantic", context, **_list_choices())
-    answer = ask(model, messages, SentenceForm, validate=check, state_schema=False)
+    answer = ask(
+        model,
+        messages,
+        SentenceForm,
+        validate=lambda form: check_words(form, context.prompt),
+        state_schema=False,
+    )
     return Reply(make_intent(answer.value), answer.trace)
 
 

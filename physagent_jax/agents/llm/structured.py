@@ -43,13 +43,8 @@ def ask(
 ) -> Reply[Value]:
     """An answer that fits ``schema``, and the exchange that led to it.
 
-    Args:
-        model: The model that is asked.
-        messages: The prompt.
-        schema: Class of the answer; its JSON schema is also asked of the model's server.
-        tries: How often the model is asked at most.
-        validate: Check beyond the schema; what it raises, a `ValueError`, refuses the answer.
-        state_schema: Whether the JSON schema is written below the first message too.
+    The model is asked ``tries`` times at most. The JSON schema is asked of its server and, with ``state_schema``,
+    written below the first message too. A `ValueError` of ``validate``, a check beyond the schema, refuses an answer.
 
     Raises:
         AgentError: The model gave no answer, or none that fits (`BadAnswers`); the error has the whole exchange.

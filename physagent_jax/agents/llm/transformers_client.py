@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from typing import Annotated, Any
 
 from pydantic import Field
 
-from physagent_jax.agents.llm.base import ChatMessage, ModelError, import_package
+from physagent_jax.agents.llm.base import Messages, ModelError, Schema, import_package
 from physagent_jax.agents.llm.in_process import FileModel, FileOptions
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import shorten
@@ -28,13 +27,10 @@ class TransformersOptions(FileOptions):
 
 
 class TransformersModel(FileModel):
-    """A model of a local folder, greedy; nothing is downloaded and no code of the folder is run.
+    """A model of a local folder, with `TransformersOptions`, greedy.
 
-    It is held to no schema: the prompt states it, and answers that break it are asked for again. An answer that takes
-    too long is cut.
-
-    Args:
-        options: Those of `TransformersOptions`.
+    Nothing is downloaded and no code of the folder is run. The model is held to no schema: the prompt states it, and
+    answers that break it are asked for again. An answer that takes too long is cut.
     """
 
     def __init__(self, **options: Any):
@@ -63,7 +59,7 @@ class TransformersModel(FileModel):
         """Free the memory."""
         self._model = None
 
-    def _complete(self, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None) -> dict[str, Any]:
+    def _complete(self, messages: Messages, schema: Schema | None) -> dict[str, Any]:
         del schema
         if any(each.pictures for each in messages):
             raise ValueError("it takes no pictures")
