@@ -27,8 +27,7 @@ from benchmarks.language.notation import Sentence, read_split
 from benchmarks.language.score import get_answer, make_scene, score
 from benchmarks.language.totals import OUTCOMES, count_outcomes
 from physagent_jax.agents.context import AgentContext
-from physagent_jax.agents.llm.disagreement import find_disagreements
-from physagent_jax.agents.llm.semantic import FORMS, Form, NoMotion, read_with_model
+from physagent_jax.agents.llm.semantic import FORMS, Form, NoMotion, find_disagreements, read_with_model
 from physagent_jax.agents.llm.structured import BadAnswers
 from physagent_jax.agents.registry import make_agents
 from physagent_jax.agents.schema import SceneBrief, SemanticReply

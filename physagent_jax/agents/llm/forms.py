@@ -15,7 +15,7 @@ import yaml
 from pydantic import Field, model_validator
 
 from physagent_jax.agents.intent import Direction, Intent
-from physagent_jax.agents.llm.choices import Phrase, one_of
+from physagent_jax.agents.llm.fields import Phrase, one_of
 from physagent_jax.agents.llm.splitting import Order
 from physagent_jax.core.reading import shorten
 from physagent_jax.core.strict import Strict

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from physagent_jax.agents.context import AgentContext, Observation
 from physagent_jax.agents.llm.base import ChatModel
-from physagent_jax.agents.llm.choices import Sentences
+from physagent_jax.agents.llm.fields import Sentences
 from physagent_jax.agents.llm.prompt import write_field, write_messages
 from physagent_jax.agents.llm.structured import BadAnswers, add_repairs, ask
 from physagent_jax.agents.rules.planner import RulePlanner

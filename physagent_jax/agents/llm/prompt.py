@@ -9,6 +9,7 @@ from importlib import resources
 
 from physagent_jax.agents.context import AgentContext, Round
 from physagent_jax.agents.llm.base import ChatMessage
+from physagent_jax.agents.llm.forms import SETTINGS, list_motions
 from physagent_jax.agents.schema import ExpectedMotion, SceneBrief
 from physagent_jax.agents.vectors import cosine
 from physagent_jax.core.strict import Vector
@@ -47,9 +48,8 @@ def list_rows(rows: Mapping[str, str]) -> str:
 def _describe_context(context: AgentContext) -> dict[str, str]:
     """Texts for the placeholders of every prompt; the viewer's directions are vectors, a line each."""
     brief, last = context.brief, context.brief.frame_count - 1
-    vectors = {
-        name: f"[{', '.join(f'{c + 0.0:.4g}' for c in vector)}]" for name, vector in _list_ways(brief).items()
-    }
+    ways = brief.directions.model_dump().items()
+    vectors = {name: f"[{', '.join(f'{c + 0.0:.4g}' for c in way)}]" for name, way in ways}
     return {
         "object": quote(brief.object_name),
         "held": quote(brief.anchored) if brief.anchored else "nowhere",
@@ -59,6 +59,8 @@ def _describe_context(context: AgentContext) -> dict[str, str]:
         "directions": list_rows(vectors),
         "sentence": quote(context.prompt),
         "skills": context.skills.text,
+        "motions": list_rows(list_motions()),
+        "settings": ", ".join(SETTINGS),
         "rounds": _describe_rounds(context.rounds),
     }
 
@@ -87,12 +89,8 @@ def describe_motion(motion: ExpectedMotion, brief: SceneBrief) -> str:
 
 def describe_direction(vector: Vector, brief: SceneBrief) -> str:
     """A direction in the viewer's words."""
-    close = {name: cosine(vector, way) for name, way in _list_ways(brief).items()}
+    close = {name: cosine(vector, way) for name, way in brief.directions.model_dump().items()}
     ranked = sorted(close, key=lambda name: -close[name])
     if close[ranked[0]] > _ALONG:
         return ranked[0]
     return " and ".join(name for name in ranked if close[name] > 1 - _ALONG)
-
-
-def _list_ways(brief: SceneBrief) -> dict[str, Vector]:
-    return brief.directions.model_dump()

@@ -7,6 +7,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from physagent_jax.agents.llm.base import ChatModel
+from physagent_jax.agents.llm.replay import Recorder
 from physagent_jax.core.reading import format_validation_error
 from physagent_jax.core.registry import Choice, Registry
 
@@ -38,8 +39,4 @@ def make_model(choice: Choice, *, record: str | Path | None = None) -> ChatModel
     except ValidationError as error:
         do = "Change the options of the model"
         raise format_validation_error(error, f"`--llm` {name!r}", do=do) from None
-    if record is None:
-        return model
-    from physagent_jax.agents.llm.replay import Recorder
-
-    return Recorder(model, record)
+    return model if record is None else Recorder(model, record)

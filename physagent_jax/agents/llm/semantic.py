@@ -9,28 +9,22 @@ from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent
 from physagent_jax.agents.intent import Intent
 from physagent_jax.agents.llm.base import ChatModel
-from physagent_jax.agents.llm.disagreement import find_disagreements
 from physagent_jax.agents.llm.fields import PaperForm, build_field, expect_motions
-from physagent_jax.agents.llm.forms import (
-    SETTINGS,
-    ClauseForm,
-    SentenceForm,
-    check_words,
-    join_clauses,
-    list_motions,
-    make_intent,
-)
-from physagent_jax.agents.llm.prompt import list_rows, quote, write_messages
+from physagent_jax.agents.llm.forms import ClauseForm, SentenceForm, check_words, join_clauses, make_intent
+from physagent_jax.agents.llm.prompt import describe_direction, describe_motion, quote, write_messages
 from physagent_jax.agents.llm.splitting import split_clauses
 from physagent_jax.agents.llm.structured import BadAnswers, add_repairs, ask
-from physagent_jax.agents.schema import SemanticReply
+from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief, SemanticReply
 from physagent_jax.agents.trace import AgentError, Reply, Trace
+from physagent_jax.agents.vectors import cosine
 from physagent_jax.core.errors import UserError
 
 Form = Literal["clauses", "by-clause", "paper"]
 FORMS: tuple[Form, ...] = get_args(Form)
 MOST_CHARACTERS = 4000
 """Length of a sentence that is sent to a model, at most."""
+_ALIKE = 0.9  # cosine of directions that are called the same
+_LINES = (MotionKind.STRETCH, MotionKind.SQUEEZE, MotionKind.SWAY)  # either sense is the same
 _SAY_MORE = "Say what should happen to the object, or read with the grammar"
 
 
@@ -135,14 +129,11 @@ def read_with_model(model: ChatModel, context: AgentContext, form: Form) -> Repl
 
 
 def _ask_whole(model: ChatModel, context: AgentContext) -> Reply[Intent]:
-    messages = write_messages("semantic", context, **_list_choices())
-    answer = ask(
-        model,
-        messages,
-        SentenceForm,
-        validate=lambda form: check_words(form, context.prompt),
-        state_schema=False,
-    )
+    def check(form: SentenceForm) -> None:
+        check_words(form, context.prompt)
+
+    messages = write_messages("semantic", context)
+    answer = ask(model, messages, SentenceForm, validate=check, state_schema=False)
     return Reply(make_intent(answer.value), answer.trace)
 
 
@@ -152,7 +143,7 @@ def _ask_by_clause(model: ChatModel, context: AgentContext) -> Reply[Intent]:
     trace, before = Trace(), ""
     for piece in pieces:
         clause = quote(piece.text)
-        messages = write_messages("semantic_clause", context, clause=clause, before=before, **_list_choices())
+        messages = write_messages("semantic_clause", context, clause=clause, before=before)
         try:
             answer = ask(model, messages, ClauseForm, state_schema=False)
         except AgentError as error:
@@ -187,5 +178,45 @@ def _read_field(model: ChatModel, context: AgentContext) -> Reply[SemanticReply]
     return Reply(SemanticReply(force_field=field, expectations=expectations, notes=notes), trace)
 
 
-def _list_choices() -> dict[str, str]:
-    return {"motions": list_rows(list_motions()), "settings": ", ".join(SETTINGS)}
+def find_disagreements(
+    reading: SemanticReply, second: SemanticReply, reader: str, brief: SceneBrief
+) -> list[str]:
+    """Doubts about ``reading``, a sentence each, where ``second`` says another motion, direction or part.
+
+    Strengths, amounts and times are left to the first: a small difference there is none that a viewer would see.
+    """
+
+    def doubt(what: str, mine: str, theirs: str) -> str:
+        return f"Grammar and model disagree on the {what}: {mine}; {reader} reads {theirs}."
+
+    mine, theirs = (sorted(each.expectations, key=lambda motion: motion.window) for each in (reading, second))
+    if [motion.kind for motion in mine] != [motion.kind for motion in theirs]:
+        said = [", then ".join(describe_motion(each, brief) for each in side) for side in (mine, theirs)]
+        return [doubt("motion", said[0] or "nothing", said[1] or "nothing")]
+    doubts = []
+    for one, other in zip(mine, theirs):
+        if not _go_the_same_way(one, other):
+            doubts.append(doubt("direction", describe_motion(one, brief), describe_motion(other, brief)))
+        if not _act_on_the_same_part(one, other):
+            doubts.append(doubt("part", _describe_part(one, brief), _describe_part(other, brief)))
+    return doubts
+
+
+def _go_the_same_way(one: ExpectedMotion, other: ExpectedMotion) -> bool:
+    if one.direction is None or other.direction is None:
+        return one.direction is other.direction
+    alike = cosine(one.direction, other.direction)
+    return (abs(alike) if one.kind in _LINES else alike) > _ALIKE
+
+
+def _act_on_the_same_part(one: ExpectedMotion, other: ExpectedMotion) -> bool:
+    if one.part is None or other.part is None:
+        return one.part is other.part and one.partial == other.partial
+    return cosine(one.part, other.part) > _ALIKE and one.excludes_part == other.excludes_part
+
+
+def _describe_part(motion: ExpectedMotion, brief: SceneBrief) -> str:
+    if motion.part is None:
+        return "a part of it" if motion.partial else "the whole object"
+    but = "all but " if motion.excludes_part else ""
+    return f"{but}the {describe_direction(motion.part, brief)} end"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -52,7 +53,9 @@ def ask(
     described = json.loads(json.dumps(schema.model_json_schema()), object_hook=_drop_title)
     asked = list(messages)
     if state_schema:
-        asked[0] = _state(asked[0], described)
+        stated = json.dumps(described, separators=(",", ":"))
+        order = f"Answer with one JSON object and nothing else. Its JSON schema: {stated}"
+        asked[0] = replace(asked[0], text=f"{asked[0].text}\n\n{order}")
     trace = Trace(messages=tuple(_note(each) for each in asked))
     why = ""
     for attempt in range(tries):
@@ -73,11 +76,8 @@ def ask(
         if generation.cut:
             why += " (it was cut at the limit of tokens: write less)"
         quoted = ChatMessage("assistant", _clip(trace.raw_reply, _LONGEST_QUOTED) or "(nothing)")
-        order = ChatMessage(
-            "user",
-            f"That answer cannot be used: {why}. "
-            "Answer again with one JSON object that fits the schema and nothing else.",
-        )
+        again = "Answer again with one JSON object that fits the schema and nothing else."
+        order = ChatMessage("user", f"That answer cannot be used: {why}. {again}")
         asked += [quoted, order]
         is_last = attempt + 1 == tries
         trace = _extend(trace, validation_errors=(why,), messages=() if is_last else (_note(order),))
@@ -115,13 +115,6 @@ def _add_answer(trace: Trace, generation: Generation) -> Trace:
         output_tokens=generation.usage.output_tokens or 0,
         latency_seconds=generation.latency_seconds,
     )
-
-
-def _state(message: ChatMessage, schema: dict[str, Any]) -> ChatMessage:
-    """The message with the JSON schema below it."""
-    text = json.dumps(schema, separators=(",", ":"))
-    asked = f"{message.text}\n\nAnswer with one JSON object and nothing else. Its JSON schema: {text}"
-    return ChatMessage(message.role, asked, message.pictures)
 
 
 def _drop_title(schema: dict[str, Any]) -> dict[str, Any]:
