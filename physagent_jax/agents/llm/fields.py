@@ -1,4 +1,4 @@
-"""What a model writes: fields of words, and force fields, whose shape is checked and which the hard rules mend."""
+"""Types of what a model writes: words, and force fields, whose shape is checked and which the hard rules mend."""
 
 from __future__ import annotations
 

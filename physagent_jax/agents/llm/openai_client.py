@@ -71,7 +71,7 @@ class OpenAIModel:
         self._openai, self._httpx = openai, httpx
         self._url = self._options.url or os.environ.get(ADDRESS)
         self._key = read_key(self._url)
-        self._formats = ["json_schema", "json_object", "text"]
+        self._formats = [format_schema, lambda _: {"type": "json_object"}]  # the next one if one is rejected
         chosen = {"model", "temperature", "max_tokens", "seed"}
         self._fields = self._options.model_dump(include=chosen, exclude_none=True)
         self._deadline = math.inf
@@ -124,9 +124,8 @@ class OpenAIModel:
     def _send(self, messages: Messages, schema: Schema | None) -> str:
         """One attempt: the text of the server's answer."""
         openai, fields = self._openai, dict(self._fields)
-        if schema is not None and self._formats[0] != "text":
-            wholly = self._formats[0] == "json_schema"
-            fields["response_format"] = format_schema(schema) if wholly else {"type": "json_object"}
+        if schema is not None and self._formats:
+            fields["response_format"] = self._formats[0](schema)
         self._deadline = time.monotonic() + self._options.timeout
         ask = self._client.chat.completions.with_raw_response.create
         try:
@@ -175,7 +174,7 @@ class OpenAIModel:
             fields["max_completion_tokens"] = fields.pop("max_tokens")
         elif named:
             del fields[named]
-        elif len(self._formats) > 1 and any(word in rejected for word in _FORMAT_WORDS):
+        elif self._formats and any(word in rejected for word in _FORMAT_WORDS):
             self._formats.pop(0)
         else:
             return False

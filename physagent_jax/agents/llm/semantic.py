@@ -46,7 +46,8 @@ class ModelSemanticAgent(GrammarSemanticAgent):
             raise UserError(
                 "there is no such form of a reading", got=form, do=f"Choose one of {', '.join(FORMS)}"
             )
-        self._model, self._form = model, form
+        self._model: ChatModel = model
+        self._form: Form = form
 
     @property
     def name(self) -> str:
