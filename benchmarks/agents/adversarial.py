@@ -74,7 +74,7 @@ def _ask(kind: Kind, role: Role, server: ScriptedServer, folder: Path) -> tuple[
         ending, trace = "refused" if text else "answered", reply.trace
         _write(folder / "reply.json", reply.value)
     except AgentError as error:
-        ending = "answered" if isinstance(error.__cause__, NoMotion) else "failed"
+        ending = "answered" if isinstance(error, NoMotion) else "failed"
         text, trace = str(error), error.trace
         (folder / "error.txt").write_text(text)
     finally:

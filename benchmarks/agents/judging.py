@@ -19,11 +19,11 @@ from benchmarks.verdicts.clip import Clip
 from benchmarks.verdicts.judging import Sight, look, make_brief
 from benchmarks.verdicts.work import do
 from physagent_jax.agents.context import AgentContext, Observation
-from physagent_jax.agents.llm.base import ModelError
 from physagent_jax.agents.llm.planner import judge_with_model
+from physagent_jax.agents.llm.structured import BadAnswers
 from physagent_jax.agents.registry import make_agents
 from physagent_jax.agents.schema import Verdict
-from physagent_jax.agents.trace import AgentError, Trace
+from physagent_jax.agents.trace import Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_skills
 
@@ -105,9 +105,7 @@ def _ask(asked: Asked, context: AgentContext, seen: Observation) -> tuple[str | 
     """The model's verdict; None if no answer of it fits."""
     try:
         answer = judge_with_model(asked.open(), context, seen)
-    except AgentError as error:
-        if isinstance(error.__cause__, ModelError):
-            raise  # the server is away: nothing was measured
+    except BadAnswers as error:  # from a server that is away, nothing was measured
         return None, error.trace
     return Verdict(answer.value.verdict).value, answer.trace
 

@@ -19,11 +19,11 @@ from benchmarks.language.notation import Sentence, read_split
 from benchmarks.language.score import get_answer, make_scene, score
 from benchmarks.language.totals import OUTCOMES, count_outcomes
 from physagent_jax.agents.context import AgentContext
-from physagent_jax.agents.llm.disagreement import find_disagreements
-from physagent_jax.agents.llm.semantic import FORMS, Form, NoMotion, read_with_model
+from physagent_jax.agents.llm.semantic import FORMS, Form, NoMotion, find_disagreements, read_with_model
+from physagent_jax.agents.llm.structured import BadAnswers
 from physagent_jax.agents.registry import make_agents
 from physagent_jax.agents.schema import SceneBrief, SemanticReply
-from physagent_jax.agents.trace import AgentError, Trace
+from physagent_jax.agents.trace import Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_skills
 
@@ -78,10 +78,8 @@ def _ask_one(sentence: Sentence, asked: Asked, form: Form) -> list[Row]:
     try:
         answer = read_with_model(model, context, form)
         reply, trace = answer.value, answer.trace
-    except AgentError as error:
-        if error.__cause__ is not None and not isinstance(error.__cause__, NoMotion):
-            raise  # the server is away: nothing was measured
-        trace, unusable = error.trace, error.__cause__ is None
+    except (NoMotion, BadAnswers) as error:  # from a server that is away, nothing was measured
+        trace, unusable = error.trace, isinstance(error, BadAnswers)
     cost = {
         "seconds": round(trace.latency_seconds, 3),
         "input_tokens": trace.input_tokens,

@@ -13,17 +13,16 @@ from physagent_jax.core.reading import decode_json
 
 @dataclass(frozen=True)
 class ChatMessage:
-    """One message to a chat model.
-
-    Attributes:
-        role: Who speaks.
-        text: What is said.
-        pictures: PNG files that go with it; for models that have eyes.
-    """
+    """One message to a chat model; pictures are PNG files, for models that have eyes."""
 
     role: Literal["system", "user", "assistant"]
     text: str
     pictures: tuple[bytes, ...] = ()
+
+
+Messages = Sequence[ChatMessage]
+Schema = Mapping[str, Any]
+"""A JSON schema."""
 
 
 @dataclass(frozen=True)
@@ -58,26 +57,12 @@ class Generation:
 
 
 class ModelError(UserError):
-    """A chat model gave no answer, after bounded retries.
-
-    Args:
-        what: What is wrong, without any key.
-        got: The offending value, if showing it helps.
-        do: What to do about it.
-        latency_seconds: Waited in vain [s].
-        failures: Why each attempt gave no answer, a sentence each.
-    """
+    """A chat model gave no answer, after bounded retries: ``failures`` says why, a sentence for each attempt."""
 
     def __init__(
-        self,
-        what: str,
-        *,
-        got: object = None,
-        do: str = "",
-        latency_seconds: float = 0.0,
-        failures: tuple[str, ...] = (),
+        self, what: str, *, latency_seconds: float = 0.0, failures: tuple[str, ...] = (), **told: Any
     ):
-        super().__init__(what, got=got, do=do)
+        super().__init__(what, **told)
         self.latency_seconds, self.failures = latency_seconds, failures
 
 
@@ -92,9 +77,7 @@ class ChatModel(Protocol):
     name: str
     has_eyes: bool
 
-    def generate(
-        self, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None = None
-    ) -> Generation:
+    def generate(self, messages: Messages, schema: Schema | None = None) -> Generation:
         """Answer ``messages``, by the JSON schema where the model can be held to one.
 
         Raises:
@@ -107,14 +90,6 @@ class ChatModel(Protocol):
         ...
 
 
-def read_json_or_none(text: str) -> Any | None:
-    """The value that a JSON text stands for; None for a text that is no JSON within bounds."""
-    try:
-        return decode_json(text.encode(), "the answer")
-    except ValueError:
-        return None
-
-
 def import_package(name: str, adapter: str, extra: str) -> Any:
     """A package that an adapter needs, of an extra of this project.
 
@@ -125,6 +100,14 @@ def import_package(name: str, adapter: str, extra: str) -> Any:
         return importlib.import_module(name)
     except ImportError as error:
         raise MissingPackageError(f"the chat model `{adapter}` needs a package ({error})", extra) from None
+
+
+def read_json_or_none(text: str) -> Any | None:
+    """The value that a JSON text stands for; None for a text that is no JSON within bounds."""
+    try:
+        return decode_json(text.encode(), "the answer")
+    except ValueError:
+        return None
 
 
 def make_writable(text: str) -> str:

@@ -24,33 +24,27 @@ def format_message(message: ChatMessage) -> dict[str, Any]:
 
 def format_schema(schema: Mapping[str, Any]) -> dict[str, Any]:
     """The request for an answer by a JSON schema; strict where the schema is as OpenAI's strict mode demands."""
-    named = {"name": "answer", "schema": dict(schema), "strict": is_closed(schema)}
+    named = {"name": "answer", "schema": dict(schema), "strict": _is_closed(schema)}
     return {"type": "json_schema", "json_schema": named}
 
 
-def is_closed(schema: Any) -> bool:
+def _is_closed(schema: Any) -> bool:
     """Return whether every object of a JSON schema needs all of its fields and takes no others."""
     if isinstance(schema, list):
-        return all(map(is_closed, schema))
+        return all(map(_is_closed, schema))
     if not isinstance(schema, Mapping):
         return True
     fields = schema.get("properties")
     if isinstance(fields, Mapping):
         if schema.get("additionalProperties") is not False or set(fields) != set(schema.get("required", ())):
             return False
-    return all(map(is_closed, schema.values()))
+    return all(map(_is_closed, schema.values()))
 
 
 def read_completion(
     completion: Any, model: str, seconds: float, failures: tuple[str, ...] = ()
 ) -> Generation:
-    """The answer in a decoded chat completion.
-
-    Args:
-        completion: What came.
-        model: Name of the model, if the completion has none.
-        seconds: Waited for it [s].
-        failures: Why earlier attempts gave no answer.
+    """The answer in a decoded chat completion of ``model``, after ``seconds`` [s] and ``failures``.
 
     Raises:
         ValueError: It is no chat completion.
@@ -60,9 +54,10 @@ def read_completion(
         text, cut = make_writable(_read_content(choice["message"])), choice.get("finish_reason") == "length"
     except (LookupError, TypeError, AttributeError):
         raise ValueError("it has no text") from None
-    tokens = [_read_tokens(usage, name) for name in ("prompt_tokens", "completion_tokens")]
+    counts = usage if isinstance(usage, dict) else {}
+    tokens = Usage(*(_check_count(counts.get(name)) for name in ("prompt_tokens", "completion_tokens")))
     model = shorten(told) if isinstance(told, str) and told else model
-    return Generation(text, read_json_or_none(text), Usage(*tokens), seconds, model, failures, cut)
+    return Generation(text, read_json_or_none(text), tokens, seconds, model, failures, cut)
 
 
 def _read_content(message: Mapping[str, Any]) -> str:
@@ -77,6 +72,5 @@ def _read_content(message: Mapping[str, Any]) -> str:
     return content
 
 
-def _read_tokens(usage: Any, name: str) -> int | None:
-    count = usage.get(name) if isinstance(usage, dict) else None
+def _check_count(count: Any) -> int | None:
     return count if type(count) is int and 0 <= count <= _MOST_TOKENS else None

@@ -6,24 +6,18 @@ from physagent_jax.agents.context import AgentContext, Round
 from physagent_jax.agents.hard_rules import RULES
 from physagent_jax.agents.llm.base import ChatModel
 from physagent_jax.agents.llm.fields import RewriteForm, build_field
-from physagent_jax.agents.llm.scene_words import describe_rounds, describe_scene, write_field
-from physagent_jax.agents.llm.semantic import has_bad_answers
-from physagent_jax.agents.llm.structured import ask
-from physagent_jax.agents.llm.templates import list_rows, quote, write_messages
-from physagent_jax.agents.protocols import ExecutorAgent
+from physagent_jax.agents.llm.prompt import list_rows, quote, write_field, write_messages
+from physagent_jax.agents.llm.structured import BadAnswers, add_repairs, ask
 from physagent_jax.agents.rules.executor import RuleExecutor
 from physagent_jax.agents.schema import Rewrite
-from physagent_jax.agents.trace import AgentError, Reply
+from physagent_jax.agents.trace import Reply
 
 
-class ModelExecutor(ExecutorAgent):
+class ModelExecutor(RuleExecutor):
     """Rewrites with a chat model, inside the hard rules: they win always, and what they change is recorded.
 
     A force field that was tried before is sent back to the model. If no answer of it can be used, the rules rewrite
     instead, and say so.
-
-    Args:
-        model: The model.
     """
 
     def __init__(self, model: ChatModel):
@@ -36,6 +30,14 @@ class ModelExecutor(ExecutorAgent):
 
     def rewrite(self, context: AgentContext, failed: Round) -> Reply[Rewrite]:
         """Return the next force field; see `protocols.ExecutorAgent`."""
+        messages = write_messages(
+            "executor",
+            context,
+            ledger=list_ledger(),
+            report=failed.report.text,
+            force_field=write_field(failed.force_field),
+            suggestion=quote(failed.judgement.suggestion),
+        )
         tried = [each.force_field for each in (*context.rounds, failed)]
 
         def check(form: RewriteForm) -> None:
@@ -48,9 +50,13 @@ class ModelExecutor(ExecutorAgent):
                 raise ValueError("inside the ledger this is a force field that was tried before; change it")
 
         try:
-            answer = ask(self._model, self._write(context, failed), RewriteForm, validate=check)
-        except AgentError as error:
-            return self._rewrite_by_rules(error, context, failed)
+            answer = ask(self._model, messages, RewriteForm, validate=check)
+        except BadAnswers as error:
+            instead = "the rules have rewritten the force field instead"
+            why = f"No answer of {self._model.name} can be used: {instead}."
+            rewrite = super().rewrite(context, failed).value
+            told = rewrite.model_copy(update=dict(changes=(why, *rewrite.changes)))
+            return Reply(told, add_repairs(error.trace, why))
         field, repairs = build_field(answer.value, context.brief, context.expectations)
         reason = answer.value.reason or "The model gives no reason."
         rewrite = Rewrite(
@@ -59,29 +65,6 @@ class ModelExecutor(ExecutorAgent):
             rules_applied=tuple(dict.fromkeys(repair.rule for repair in repairs)),
         )
         return Reply(rewrite, answer.trace)
-
-    def _write(self, context: AgentContext, failed: Round):
-        values = {
-            **describe_scene(context.brief),
-            "skills": context.skills.text,
-            "ledger": list_ledger(),
-            "sentence": quote(context.prompt),
-            "report": failed.report.text,
-            "force_field": write_field(failed.force_field),
-            "suggestion": quote(failed.judgement.suggestion),
-            "rounds": describe_rounds(context.rounds),
-        }
-        return write_messages("executor", values)
-
-    def _rewrite_by_rules(self, error: AgentError, context: AgentContext, failed: Round) -> Reply[Rewrite]:
-        if not has_bad_answers(error):
-            raise error
-        why = (
-            f"No answer of {self._model.name} can be used: the rules have rewritten the force field instead."
-        )
-        rewrite = RuleExecutor().rewrite(context, failed).value
-        trace = error.trace.model_copy(update=dict(repairs=(*error.trace.repairs, why)))
-        return Reply(rewrite.model_copy(update=dict(changes=(why, *rewrite.changes))), trace)
 
 
 def list_ledger() -> str:

@@ -1,17 +1,43 @@
-"""Force fields as a model writes them: checked for their shape alone, then mended by the hard rules."""
+"""Types of what a model writes: words, and force fields, whose shape is checked and which the hard rules mend."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, JsonValue
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetPydanticSchema, JsonValue
+from pydantic_core import PydanticCustomError, core_schema
 
 from physagent_jax.agents.hard_rules import Repair, apply_hard_rules
-from physagent_jax.agents.llm.choices import Sentences
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.core.strict import Number, Numbers, Vector
+from physagent_jax.agents.vectors import scale
+from physagent_jax.core.strict import Number, Numbers
 from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField
 from physagent_jax.forces.skills import get_skill
+
+
+def one_of(list_words: Callable[[], Iterable[str]]) -> GetPydanticSchema:
+    """Annotation of a string that is one of some words; they are listed when they are needed, not before."""
+
+    def check(word: str) -> str:
+        words = list(list_words())
+        if word not in words:
+            raise PydanticCustomError("enum", "Input should be one of {words}", {"words": ", ".join(words)})
+        return word
+
+    return GetPydanticSchema(
+        lambda source, handler: core_schema.no_info_after_validator_function(check, handler(source)),
+        lambda _schema, _handler: {"type": "string", "enum": list(list_words())},
+    )
+
+
+def _make_plain(text: str) -> str:
+    """The text on one line; what is not printable, a terminal's escapes among it, becomes a space."""
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
+
+
+Phrase = Annotated[str, Field(max_length=200), AfterValidator(_make_plain)]
+Sentences = Annotated[str, Field(max_length=2000), AfterValidator(_make_plain)]
 
 
 class _Lenient(BaseModel):
@@ -82,12 +108,9 @@ def _expect(action: Action, last: float) -> ExpectedMotion:
     kind = MotionKind(skill.causes[0])
     if kind is MotionKind.STRETCH and reversed_:
         kind = MotionKind.SQUEEZE
-    x, y, z = action.vector
-    sign = -1.0 if reversed_ and not skill.is_two_sided else 1.0
-    way: Vector = (sign * x + 0.0, sign * y + 0.0, sign * z + 0.0)
     return ExpectedMotion(
         kind=kind,
-        direction=way,
+        direction=scale(action.vector, -1.0 if reversed_ and not skill.is_two_sided else 1.0),
         strength=abs(action.magnitude),
         window=action.active_time or (0.0, last),
         sudden=skill.is_sudden,

@@ -8,57 +8,27 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from importlib import resources
 from typing import Annotated, Any, Literal
 
+import yaml
 from pydantic import Field, model_validator
 
-from physagent_jax.agents.intent import (
-    Clause,
-    Duration,
-    Held,
-    Intent,
-    Part,
-    Quantity,
-    Relation,
-    Repetition,
-    Solid,
-    Surroundings,
-    Timing,
-    Way,
-)
-from physagent_jax.agents.llm.choices import OneOf, Phrase
+from physagent_jax.agents.intent import Direction, Intent
+from physagent_jax.agents.llm.fields import Phrase, one_of
+from physagent_jax.agents.llm.splitting import Order
+from physagent_jax.core.reading import shorten
 from physagent_jax.core.strict import Strict
 from physagent_jax.forces.skills import list_skills
 
 NOTHING, RELEASE = "nothing", "let go"  # a release follows what it ends, whatever joins them
-MOTIONS: dict[str, str] = {
-    "push": "it is pushed, or moves, slides, drifts or flies somewhere",
-    "pull": "it is pulled or dragged",
-    "blow": "wind or air acts on it",
-    "lift": "it is raised, rises or floats up",
-    "lower": "it is set down or sinks",
-    "bend": "its upper end goes aside: bends, leans, tilts",
-    "sway": "to and fro: sways, swings, rocks, waves",
-    "shake": "to and fro, fast: shakes, vibrates, trembles",
-    "stretch": "it gets longer",
-    "squeeze": "it is squeezed together from two sides",
-    "flatten": "it is pressed down flat",
-    "swell": "it gets bigger on all sides",
-    "shrink": "it gets smaller on all sides",
-    "hit": "a sudden blow: hit, kicked, knocked, punched",
-    "throw": "it is thrown through the air",
-    "explode": "it bursts apart",
-    "spin": "it turns about an axis: spins, rotates, turns",
-    "twist": "one end is turned against the other",
-    "flip": "it is turned over",
-    "roll": "it rolls along",
-    "fall": "gravity lets it fall: dropped, falls, bounces",
-    "topple": "it falls over",
-    "jump": "it leaps",
-    RELEASE: "what acted before stops, and it comes back",
-    "stand still": "it is asked not to move",
-}
-"""Motions that a model may choose, in the lexicon's words, and what each covers; skills add theirs (`list_motions`)."""
+_FILE = resources.files("physagent_jax.agents.llm").joinpath("forms.yaml")
+_WORDS = yaml.safe_load(_FILE.read_text("utf-8"))
+MOTIONS: dict[str, str] = _WORDS["motions"]
+STRENGTHS: dict[str, list[str]] = _WORDS["strengths"]
+PARTS: dict[str, str] = _WORDS["parts"]
+UNITS: dict[str, dict[str, str]] = _WORDS["units"]
+SETTINGS: dict[str, dict[str, dict[str, str]]] = _WORDS["settings"]
 
 
 def list_motions() -> dict[str, str]:
@@ -71,36 +41,16 @@ def list_motions() -> dict[str, str]:
     return MOTIONS | {word: meaning for word, meaning in named.items() if word not in MOTIONS}
 
 
-STRENGTHS: dict[str, tuple[str, ...]] = {
-    "gentle": ("gently",),
-    "plain": (),
-    "strong": ("strongly",),
-    "violent": ("violently",),
-}
-PARTS: dict[str, str] = {
-    "top": "upper half",
-    "bottom": "lower half",
-    "left": "left side",
-    "right": "right side",
-    "front": "front side",
-    "back": "rear side",
-    "middle": "middle",
-}
-_UNITS = {"degrees": "degrees", "body lengths": "lengths", "metres": "metres", "times": "share"}
-SETTINGS = ("no gravity", "gravity upwards", "held at its base", "held at its top", "not held")
-
-Direction = Literal["left", "right", "up", "down", "toward", "away"]
 Direct = Literal[
     "left", "right", "up", "down", "toward", "away",
     "horizontal", "vertical", "depth", "long axis",
     "both sides", "all sides", "outward", "inward", "back",
 ]  # fmt: skip
-Motion = Annotated[str, OneOf(lambda: (NOTHING, *list_motions()))]
-Strength = Annotated[str, OneOf(lambda: STRENGTHS)]
-PartName = Annotated[str, OneOf(lambda: PARTS)]
-Unit = Annotated[str, OneOf(lambda: _UNITS)]
-Setting = Annotated[str, OneOf(lambda: SETTINGS)]
-Order = Literal["then", "together"]
+Motion = Annotated[str, one_of(lambda: (NOTHING, *list_motions()))]
+Strength = Annotated[str, one_of(lambda: STRENGTHS)]
+PartName = Annotated[str, one_of(lambda: PARTS)]
+Unit = Annotated[str, one_of(lambda: UNITS)]
+Setting = Annotated[str, one_of(lambda: SETTINGS)]
 
 
 class ClauseForm(Strict):
@@ -184,107 +134,73 @@ class SentenceForm(Strict):
 
 
 def check_words(form: SentenceForm, sentence: str) -> None:
-    """Refuse a clause whose words do not stand in the sentence: it is invented.
-
-    Raises:
-        ValueError: There is one.
-    """
+    """Raise a `ValueError` for a clause whose words do not stand in the sentence: it is invented."""
     said = set(_list_words(sentence))
     for index, clause in enumerate(form.clauses):
         strange = [word for word in _list_words(clause.words) if word not in said]
         if strange or not _list_words(clause.words):
             what = f"{strange[0]!r} does not stand in the sentence" if strange else "they are empty"
-            raise ValueError(
-                f"clauses.{index}.words: {what}; copy them from the sentence, or leave the clause out"
-            )
+            advice = "copy them from the sentence, or leave the clause out"
+            raise ValueError(f"clauses.{index}.words: {what}; {advice}")
 
 
 def _list_words(text: str) -> list[str]:
     return re.findall(r"\w+", text.casefold())
 
 
-Piece = tuple[ClauseForm, str, Order]  # a filled form, the words that it is about, and how it follows
-
-
 def make_intent(form: SentenceForm) -> Intent:
     """The intent that a filled form stands for."""
-    pieces: list[Piece] = [(clause, clause.words, clause.order) for clause in form.clauses]
-    return _build(pieces, materials=(form.material,) if form.material else (), unknown=form.unclear)
+    return _build(form.clauses, materials=(form.material,) if form.material else (), unknown=form.unclear)
 
 
 def join_clauses(forms: Sequence[ClauseForm], texts: Sequence[str], orders: Sequence[Order]) -> Intent:
-    """The intent of a sentence whose clauses were asked for one by one.
-
-    Args:
-        forms: The filled forms.
-        texts: The words of each clause.
-        orders: How each follows the clause before.
-    """
-    return _build(list(zip(forms, texts, orders)))
+    """The intent of a sentence whose clauses, with these texts, were asked for one by one."""
+    clauses = [
+        OrderedClauseForm(**form.model_dump(), words=shorten(text), order=order)
+        for form, text, order in zip(forms, texts, orders)
+    ]
+    return _build(clauses)
 
 
-def _build(
-    pieces: Sequence[Piece],
-    materials: tuple[str, ...] = (),
-    unknown: tuple[str, ...] = (),
-) -> Intent:
+def _build(forms: Sequence[OrderedClauseForm], **more: Any) -> Intent:
     clauses, ignored, walls = [], [], []
-    held, gravity = None, None
-    for form, text, order in pieces:
-        if form.setting == "no gravity":
-            gravity = ("none", text)
-        elif form.setting == "gravity upwards":
-            gravity = ("up", text)
-        elif form.setting is not None:
-            end = {"held at its base": "base", "held at its top": "top", "not held": "none"}[form.setting]
-            held = Held.model_validate({"end": end, "text": text})
+    said: dict[str, dict[str, Any]] = {"surroundings": {}}
+    for form in forms:
+        clause = _describe_clause(form)
+        for part, setting in SETTINGS[form.setting].items() if form.setting else ():
+            said[part] = {**setting, "text": form.words}
         if form.motion != NOTHING:
-            clauses.append(_make_clause(form, text, "then" if form.motion == RELEASE else order))
+            clauses.append(clause)
         elif form.wall is not None:
-            walls.append(Solid(sides=(form.wall,), text=text))
+            walls += clause["solids"]
         elif form.setting is None:
-            ignored.append(text)
-    surroundings = Surroundings.model_validate(
-        {"gravity": gravity[0] if gravity else None, "solids": walls, "text": gravity[1] if gravity else ""}
-    )
-    return Intent(
-        clauses=tuple(clauses),
-        held=held,
-        surroundings=surroundings,
-        materials=materials,
-        ignored=tuple(ignored),
-        unknown=unknown,
-    )
+            ignored.append(form.words)
+    said["surroundings"]["solids"] = walls
+    return Intent.model_validate({"clauses": clauses, "ignored": ignored, **said, **more})
 
 
-def _make_clause(form: ClauseForm, text: str, order: Order) -> Clause:
-    words = [word for word in (form.word, form.and_word) if word is not None]
-    ways = tuple(Way(relation=Relation(form.relation), word=word, text=text) for word in dict.fromkeys(words))
-    repeats = form.times is not None or form.to_and_fro
-    repetition = Repetition(times=form.times, alternating=form.to_and_fro, text=text)
-    starts, lasts = (
-        None if value is None else Duration(value=value, text=text) for value in (form.starts, form.lasts)
-    )
-    return Clause(
-        motion=form.motion,
-        order=order,
-        ways=ways,
-        turning=form.turning,
-        parts=() if form.part is None else (Part(word=PARTS[form.part], text=text),),
-        strength=STRENGTHS[form.strength],
-        quantities=_make_quantities(form, text),
-        timing=Timing(starts=starts, lasts=lasts),
-        repetitions=(repetition,) if repeats else (),
-        solids=() if form.wall is None else (Solid(sides=(form.wall,), text=text),),
-        negated=form.negated,
-        stays=form.stays,
-        text=text,
-    )
-
-
-def _make_quantities(form: ClauseForm, text: str) -> tuple[Quantity, ...]:
-    if form.number is None or form.unit is None:
-        return ()
-    relation = "to" if form.unit == "times" else "by"
-    said = {"value": form.number, "unit": _UNITS[form.unit], "relation": relation, "text": text}
-    return (Quantity.model_validate(said),)
+def _describe_clause(form: OrderedClauseForm) -> dict[str, Any]:
+    """The fields of an intent's clause; each holds the words that led to it."""
+    text = {"text": form.words}
+    ways = dict.fromkeys(word for word in (form.word, form.and_word) if word is not None)
+    quantities, repetitions = [], []
+    if form.number is not None and form.unit is not None:
+        quantities.append({"value": form.number, **UNITS[form.unit], **text})
+    if form.times is not None or form.to_and_fro:
+        repetitions.append({"times": form.times, "alternating": form.to_and_fro, **text})
+    times = {"starts": form.starts, "lasts": form.lasts}
+    return {
+        "motion": form.motion,
+        "order": "then" if form.motion == RELEASE else form.order,
+        "ways": [{"relation": form.relation, "word": word, **text} for word in ways],
+        "turning": form.turning,
+        "parts": [] if form.part is None else [{"word": PARTS[form.part], **text}],
+        "strength": STRENGTHS[form.strength],
+        "quantities": quantities,
+        "timing": {name: {"value": value, **text} for name, value in times.items() if value is not None},
+        "repetitions": repetitions,
+        "solids": [] if form.wall is None else [{"sides": (form.wall,), **text}],
+        "negated": form.negated,
+        "stays": form.stays,
+        **text,
+    }

@@ -7,6 +7,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from physagent_jax.agents.llm.base import ChatModel
+from physagent_jax.agents.llm.replay import Recorder
 from physagent_jax.core.reading import format_validation_error
 from physagent_jax.core.registry import Choice, Registry
 
@@ -23,11 +24,9 @@ MODELS = Registry(
 
 
 def make_model(choice: Choice, *, record: str | Path | None = None) -> ChatModel:
-    """The chat model of a name with options, or of the address of a server.
+    """The chat model that is chosen: a name of `MODELS` or a server's address, with the options of the model.
 
-    Args:
-        choice: A name of `MODELS` or an address like "http://127.0.0.1:8000/v1", with the options.
-        record: Cassette in which its answers are kept; None = they are not.
+    With ``record``, its answers are kept in that cassette.
 
     Raises:
         UserError: There is no such model, its package is missing, or an option is wrong.
@@ -40,8 +39,4 @@ def make_model(choice: Choice, *, record: str | Path | None = None) -> ChatModel
     except ValidationError as error:
         do = "Change the options of the model"
         raise format_validation_error(error, f"`--llm` {name!r}", do=do) from None
-    if record is None:
-        return model
-    from physagent_jax.agents.llm.replay import Recorder
-
-    return Recorder(model, record)
+    return model if record is None else Recorder(model, record)

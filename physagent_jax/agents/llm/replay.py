@@ -7,19 +7,14 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping, Sequence
+import os
+from collections.abc import Iterable
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import JsonValue
 
-from physagent_jax.agents.llm.base import (
-    ChatMessage,
-    ChatModel,
-    Generation,
-    ModelError,
-    make_writable,
-)
+from physagent_jax.agents.llm.base import ChatModel, Generation, Messages, ModelError, Schema, make_writable
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import explain_write_error, make_folders
 from physagent_jax.core.reading import decode_json, parse_model, read_bytes, shorten
@@ -49,7 +44,7 @@ class Request(Strict):
     def key(self) -> str:
         """The sha256 of the request in canonical JSON."""
         text = json.dumps(self.model_dump(mode="json"), sort_keys=True, separators=(",", ":"))
-        return hashlib.sha256(text.encode()).hexdigest()
+        return _hash(text.encode())
 
 
 class Entry(Strict):
@@ -77,16 +72,10 @@ def read_cassette(path: Path) -> dict[str, Entry]:
 
 
 class ReplayModel:
-    """A model that answers only what a cassette holds.
-
-    Args:
-        path: The cassette.
-        model: Name of the recorded model, if the cassette holds several.
-    """
+    """A model that answers only what a cassette holds; ``model`` names one if it holds several."""
 
     def __init__(self, path: str | Path, model: str = ""):
-        self._path = Path(path)
-        self._entries = read_cassette(self._path)
+        self._path, self._entries = Path(path), read_cassette(Path(path))
         recorded = {each.request.model: each.request.has_eyes for each in self._entries.values()}
         if (model and model not in recorded) or (not model and len(recorded) != 1):
             wrong = "does not hold this model" if model else "does not hold one model"
@@ -98,65 +87,58 @@ class ReplayModel:
     def close(self) -> None:
         """There is nothing to free."""
 
-    def generate(
-        self, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None = None
-    ) -> Generation:
+    def generate(self, messages: Messages, schema: Schema | None = None) -> Generation:
         """The recorded answer; see `ChatModel`."""
         request = _describe(self._model, self.has_eyes, messages, schema)
         if request.key not in self._entries:
-            what = find_difference(request, (each.request for each in self._entries.values()))
+            what = _find_difference(request, (each.request for each in self._entries.values()))
             do = "Record the exchange again, or ask what was asked then"
             raise ModelError(f"the cassette {shorten(self._path)} does not hold this request: {what}", do=do)
         return self._entries[request.key].answer
 
 
 class Recorder:
-    """A model whose answers are kept in a cassette; what is in it already is not asked again.
-
-    Args:
-        model: The model that is asked.
-        path: The cassette; new entries are added to it.
-    """
+    """A model whose answers are added to a cassette; what is in it already is not asked again."""
 
     def __init__(self, model: ChatModel, path: str | Path):
         self.name, self.has_eyes = model.name, model.has_eyes
-        self._model, self._path = model, Path(path)
+        self._model, self._path, self.close = model, Path(path), model.close
         self._entries = read_cassette(self._path) if self._path.exists() else {}
 
-    def close(self) -> None:
-        """Close the model."""
-        self._model.close()
-
-    def generate(
-        self, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None = None
-    ) -> Generation:
+    def generate(self, messages: Messages, schema: Schema | None = None) -> Generation:
         """The recorded answer, or a new one; see `ChatModel`."""
         request = _describe(self.name, self.has_eyes, messages, schema)
         if request.key not in self._entries:
             answer = self._model.generate(messages, schema)
-            self._add(Entry(key=request.key, request=request, answer=answer))
+            entry = Entry(key=request.key, request=request, answer=answer)
+            try:
+                make_folders(self._path.parent)
+                with self._path.open("a", encoding="utf-8") as file:
+                    file.write(entry.model_dump_json() + "\n")
+            except OSError as error:
+                raise explain_write_error(self._path, error) from None
+            self._entries[entry.key] = entry
         return self._entries[request.key].answer
 
-    def _add(self, entry: Entry) -> None:
-        self._entries[entry.key] = entry
-        try:
-            make_folders(self._path.parent)
-            with self._path.open("a", encoding="utf-8") as file:
-                file.write(entry.model_dump_json() + "\n")
-        except OSError as error:
-            raise explain_write_error(self._path, error) from None
+
+def _describe(model: str, has_eyes: bool, messages: Messages, schema: Schema | None) -> Request:
+    sent = []
+    for each in messages:
+        pictures = tuple(map(_hash, each.pictures))
+        sent.append(SentMessage(role=each.role, text=make_writable(each.text), pictures=pictures))
+    asked = None if schema is None else dict(schema)
+    return Request(model=model, has_eyes=has_eyes, schema_=asked, messages=tuple(sent))
 
 
-def find_difference(request: Request, recorded: Iterable[Request]) -> str:
+def _hash(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+def _find_difference(request: Request, recorded: Iterable[Request]) -> str:
     """The first thing in which a request differs from the recorded one that is most like it."""
     parts = _list_parts(request)
-    best: tuple[int, str] = (-1, "it is empty")
-    for other in map(_list_parts, recorded):
-        names = list(dict.fromkeys([*parts, *other]))
-        place = next((i for i, name in enumerate(names) if parts.get(name) != other.get(name)), len(names))
-        if place > best[0] and place < len(names):
-            best = place, _tell_difference(names[place], parts.get(names[place]), other.get(names[place]))
-    return best[1]
+    found = [_compare(parts, _list_parts(other)) for other in recorded]
+    return max(found, key=lambda each: each[0])[1]
 
 
 def _list_parts(request: Request) -> dict[str, str]:
@@ -165,29 +147,16 @@ def _list_parts(request: Request) -> dict[str, str]:
     for place, message in enumerate(request.messages, 1):
         parts[f"message {place}, {message.role}"] = message.text
         parts[f"the pictures of message {place}"] = " ".join(message.pictures)
-    return parts
+    return parts | {"the model's sight": str(request.has_eyes)}
 
 
-def _tell_difference(name: str, asked: str | None, recorded: str | None) -> str:
-    if asked is None or recorded is None:
-        return f"{name} was {'recorded and is not' if asked is None else 'not recorded and is'} sent"
-    pairs = enumerate(zip(asked, recorded))
-    place = next((i for i, (a, b) in pairs if a != b), min(len(asked), len(recorded)))
-    excerpts = (repr(text[place : place + _SHOWN]) for text in (recorded, asked))
-    return f"{name} differs at character {place + 1}: recorded {', asked '.join(excerpts)}"
-
-
-def _describe(
-    model: str, has_eyes: bool, messages: Sequence[ChatMessage], schema: Mapping[str, Any] | None
-) -> Request:
-    sent = tuple(
-        SentMessage(
-            role=each.role,
-            text=make_writable(each.text),
-            pictures=tuple(hashlib.sha256(picture).hexdigest() for picture in each.pictures),
-        )
-        for each in messages
-    )
-    return Request(
-        model=model, has_eyes=has_eyes, schema_=None if schema is None else dict(schema), messages=sent
-    )
+def _compare(asked: dict[str, str], recorded: dict[str, str]) -> tuple[int, str]:
+    """The place of the first part that differs, and the difference in words."""
+    parts = enumerate(asked | recorded)
+    place, name = next((i, name) for i, name in parts if asked.get(name) != recorded.get(name))
+    mine, theirs = asked.get(name), recorded.get(name)
+    if mine is None or theirs is None:
+        return place, f"{name} was {'recorded and is not' if mine is None else 'not recorded and is'} sent"
+    at = len(os.path.commonprefix([mine, theirs]))
+    excerpts = f"recorded {theirs[at : at + _SHOWN]!r}, asked {mine[at : at + _SHOWN]!r}"
+    return place, f"{name} differs at character {at + 1}: {excerpts}"

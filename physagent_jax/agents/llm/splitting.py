@@ -3,40 +3,21 @@
 from __future__ import annotations
 
 import re
+from importlib import resources
 from typing import Literal, NamedTuple
 
+import yaml
+
 Order = Literal["then", "together"]
-_CONNECTIVES = {  # the more telling first
-    "after": r"\bafter\b(?! that)",
-    "before": r"\bbefore\b",
-    "then": r"\b(?:then|after that|afterwards|finally|until)\b",
-    "together": r"\b(?:while|whilst|at the same time(?: as)?|simultaneously|meanwhile|as(?= (?:it|the)\b))\b",
-    "stop": r"[.;!?]+(?=\s|$)|\n",
-    "and": r"\band\b",
-    "comma": r",",
-}
-_CUT = re.compile("|".join(f"(?P<{kind}>{words})" for kind, words in _CONNECTIVES.items()), re.IGNORECASE)
-# Words that say no more than where, how strongly, on which part, or how long: alone they are no clause.
-_NO_CLAUSE = frozenset(
-    """
-    left right up down upward upwards downward downwards forward forwards backward backwards away toward towards
-    top bottom front back side sides upper lower middle end ends half head base both all other
-    forth fro off out in again over around round
-    very quite so gently softly slowly slightly lightly strongly hard harder quickly fast violently fiercely suddenly
-    second seconds frame frames moment metre metres meter meters degree degrees times time time length lengths
-    once twice half one two three four five
-    a an the it its to from of for on at with by then and i you
-    """.split()
-)
+_FILE = resources.files("physagent_jax.agents.llm").joinpath("splitting.yaml")
+_WORDS = yaml.safe_load(_FILE.read_text("utf-8"))
+_KINDS = list(_WORDS["connectives"])
+_CUT = re.compile("|".join(f"(?P<{kind}>{words})" for kind, words in _WORDS["connectives"].items()), re.I)
+_NO_CLAUSE = frozenset(_WORDS["no_clause"].split())
 
 
 class Piece(NamedTuple):
-    """A clause of a sentence.
-
-    Attributes:
-        text: Its words.
-        order: How it follows the clause before.
-    """
+    """The words of a clause, and how it follows the clause before."""
 
     text: str
     order: Order
@@ -73,7 +54,7 @@ def _cut(sentence: str) -> list[tuple[str, str]]:
     for cut in [*_CUT.finditer(sentence), None]:
         text = " ".join(sentence[start : cut.start() if cut else len(sentence)].split())
         if text:
-            texts.append((min(kinds, key=list(_CONNECTIVES).index), text))
+            texts.append((min(kinds, key=_KINDS.index), text))
             kinds = []
         if cut is not None:
             kinds.append(cut.lastgroup or "")
@@ -82,5 +63,4 @@ def _cut(sentence: str) -> list[tuple[str, str]]:
 
 
 def _says_something(text: str) -> bool:
-    words = re.findall(r"[^\W\d_]+", text.casefold())
-    return any(word not in _NO_CLAUSE for word in words)
+    return not _NO_CLAUSE.issuperset(re.findall(r"[^\W\d_]+", text.casefold()))

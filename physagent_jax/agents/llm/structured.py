@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import replace
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -22,10 +22,15 @@ LONGEST_ANSWER = 100_000
 _LONGEST_KEPT = 20_000  # characters of one refused answer that the trace keeps
 _LONGEST_QUOTED = 2_000  # characters of a refused answer that go back to the model
 _MOST_FAULTS = 8  # that a model is told at once
-_THOUGHTS = re.compile(r"<(think|thinking|reasoning)>.*?</\1>", re.DOTALL | re.IGNORECASE)
-_THOUGHT_ENDS = re.compile(r"</(think|thinking|reasoning)>", re.IGNORECASE)
-_THOUGHT_BEGINS = re.compile(r"\s*<(think|thinking|reasoning)>", re.IGNORECASE)
+_TAG = "(think|thinking|reasoning)>"
+_THOUGHTS = re.compile(rf"<{_TAG}.*?</\1>", re.DOTALL | re.IGNORECASE)
+_THOUGHT_ENDS = re.compile(rf"</{_TAG}", re.IGNORECASE)
+_THOUGHT_BEGINS = re.compile(rf"\s*<{_TAG}", re.IGNORECASE)
 _OBJECT_BEGINS = re.compile(r'\{\s*["}]')
+
+
+class BadAnswers(AgentError):
+    """A model has answered, and no answer of it can be used; a model that is away is another matter."""
 
 
 def ask(
@@ -39,62 +44,82 @@ def ask(
 ) -> Reply[Value]:
     """An answer that fits ``schema``, and the exchange that led to it.
 
-    Args:
-        model: The model that is asked.
-        messages: The prompt.
-        schema: Class of the answer; its JSON schema is also asked of the model's server.
-        tries: How often the model is asked at most.
-        validate: Check beyond the schema; what it raises, a `ValueError`, refuses the answer.
-        state_schema: Whether the JSON schema is written below the first message too.
+    The model is asked ``tries`` times at most. The JSON schema is asked of its server and, with ``state_schema``,
+    written below the first message too. A `ValueError` of ``validate``, a check beyond the schema, refuses an answer.
 
     Raises:
-        AgentError: The model gave no answer, or none that fits; the error has the whole exchange.
+        AgentError: The model gave no answer, or none that fits (`BadAnswers`); the error has the whole exchange.
     """
-    described = drop_titles(schema.model_json_schema())
-    exchange = _Exchange(list(state(messages, described) if state_schema else messages))
+    described = json.loads(json.dumps(schema.model_json_schema()), object_hook=_drop_title)
+    asked = list(messages)
+    if state_schema:
+        stated = json.dumps(described, separators=(",", ":"))
+        order = f"Answer with one JSON object and nothing else. Its JSON schema: {stated}"
+        asked[0] = replace(asked[0], text=f"{asked[0].text}\n\n{order}")
+    trace = Trace(messages=tuple(_note(each) for each in asked))
+    why = ""
     for attempt in range(tries):
         try:
-            generation = model.generate(exchange.messages, described)
+            generation = model.generate(asked, described)
         except ModelError as error:
-            exchange.seconds += error.latency_seconds
-            exchange.refusals += error.failures
-            raise AgentError(error.what, trace=exchange.trace(), got=error.got, do=error.do) from error
-        exchange.add(generation)
+            trace = _extend(trace, validation_errors=error.failures, latency_seconds=error.latency_seconds)
+            raise AgentError(error.what, trace=trace, got=error.got, do=error.do) from error
+        trace = _add_answer(trace, generation)
         try:
             found, left_out = extract_object(generation.text)
             value = schema.model_validate_json(json.dumps(found))
             if validate is not None:
                 validate(value)
+            return Reply(value, add_repairs(trace, *left_out))
         except (ValueError, RecursionError) as error:
-            cut = " (it was cut at the limit of tokens: write less)" if generation.cut else ""
-            exchange.refuse(explain_refusal(error) + cut, again=attempt + 1 < tries)
-            continue
-        exchange.repairs += left_out
-        return Reply(value, exchange.trace())
-    last = exchange.refusals[-1]
-    raise AgentError(
-        f"{model.name} gave no usable answer in {tries} tries: {last}",
-        trace=exchange.trace(),
+            why = explain_refusal(error)
+        if generation.cut:
+            why += " (it was cut at the limit of tokens: write less)"
+        quoted = ChatMessage("assistant", _clip(trace.raw_reply, _LONGEST_QUOTED) or "(nothing)")
+        again = "Answer again with one JSON object that fits the schema and nothing else."
+        order = ChatMessage("user", f"That answer cannot be used: {why}. {again}")
+        asked += [quoted, order]
+        is_last = attempt + 1 == tries
+        trace = _extend(trace, validation_errors=(why,), messages=() if is_last else (_note(order),))
+    raise BadAnswers(
+        f"{model.name} gave no usable answer in {tries} tries: {why}",
+        trace=trace,
         do="Ask a larger model, or choose the agents that need none",
     )
 
 
-def state(messages: Sequence[ChatMessage], schema: dict[str, Any]) -> list[ChatMessage]:
-    """The messages with the JSON schema below the first one."""
-    text = json.dumps(schema, separators=(",", ":"))
-    first, *others = messages
-    asked = f"{first.text}\n\nAnswer with one JSON object and nothing else. Its JSON schema: {text}"
-    return [ChatMessage(first.role, asked, first.pictures), *others]
+def add_repairs(trace: Trace, *repairs: str) -> Trace:
+    """The trace with what was changed in the reply, or done in its place."""
+    return trace.model_copy(update=dict(repairs=(*trace.repairs, *repairs)))
 
 
-def drop_titles(schema: Any) -> Any:
-    """A JSON schema without the titles of its fields, which repeat their names."""
-    if isinstance(schema, list):
-        return [drop_titles(each) for each in schema]
-    if not isinstance(schema, dict):
-        return schema
-    kept = {key: each for key, each in schema.items() if key != "title" or not isinstance(each, str)}
-    return {key: drop_titles(each) for key, each in kept.items()}
+def _note(message: ChatMessage) -> Message:
+    return Message(role=message.role, text=message.text, pictures=len(message.pictures))
+
+
+def _extend(trace: Trace, **more: Any) -> Trace:
+    """The trace with more in it; the reply stays the last one, unless there is another."""
+    return trace.followed_by(Trace(**{"raw_reply": trace.raw_reply, **more}))
+
+
+def _add_answer(trace: Trace, generation: Generation) -> Trace:
+    text = generation.text
+    raw = text if len(text) <= LONGEST_ANSWER else _clip(text, _LONGEST_KEPT)
+    return _extend(
+        trace,
+        model=generation.model,
+        messages=(Message(role="assistant", text=raw),),
+        raw_reply=raw,
+        validation_errors=generation.failures,
+        input_tokens=generation.usage.input_tokens or 0,
+        output_tokens=generation.usage.output_tokens or 0,
+        latency_seconds=generation.latency_seconds,
+    )
+
+
+def _drop_title(schema: dict[str, Any]) -> dict[str, Any]:
+    """A part of a JSON schema without its title, which repeats the field's name."""
+    return {key: each for key, each in schema.items() if key != "title" or not isinstance(each, str)}
 
 
 def extract_object(text: str) -> tuple[dict[str, Any], tuple[str, ...]]:
@@ -104,9 +129,8 @@ def extract_object(text: str) -> tuple[dict[str, Any], tuple[str, ...]]:
         ValueError: There is no whole object, or a list stands in its place.
     """
     if len(text) > LONGEST_ANSWER:
-        raise ValueError(
-            f"the answer has {len(text):,} characters, more than {LONGEST_ANSWER:,} are not read"
-        )
+        told = f"the answer has {len(text):,} characters"
+        raise ValueError(f"{told}, more than {LONGEST_ANSWER:,} are not read")
     repairs = []
     said = _THOUGHTS.sub("", text)
     if ends := list(_THOUGHT_ENDS.finditer(said)):  # some servers leave the opening tag out
@@ -118,10 +142,9 @@ def extract_object(text: str) -> tuple[dict[str, Any], tuple[str, ...]]:
     begins = _OBJECT_BEGINS.search(said)
     if begins is None:
         raise ValueError("the answer holds no JSON object")
-    if said[: begins.start()].rstrip().endswith("["):
+    start, end = begins.start(), _find_end(said, begins.start())
+    if said[:start].rstrip().endswith("["):
         raise ValueError("the answer is a list of objects, and one object is asked for")
-    start = begins.start()
-    end = _find_end(said, start)
     value = decode_json(said[start:end].encode(), "the answer")
     rest = said[:start] + said[end:]
     if re.sub(r"```(?:json)?", "", rest).strip():
@@ -156,61 +179,6 @@ def explain_refusal(error: Exception) -> str:
     ]
     more = f"; and {len(faults) - _MOST_FAULTS} more" if len(faults) > _MOST_FAULTS else ""
     return "; ".join(faults[:_MOST_FAULTS]) + more
-
-
-@dataclass
-class _Exchange:
-    """The exchange so far, for the model and for the trace."""
-
-    messages: list[ChatMessage]
-    said: list[Message] = field(default_factory=list)
-    refusals: list[str] = field(default_factory=list)
-    repairs: tuple[str, ...] = ()
-    raw: str = ""
-    model: str = ""
-    input_tokens: int = 0
-    output_tokens: int = 0
-    seconds: float = 0.0
-
-    def __post_init__(self):
-        self.said = [Message(role=m.role, text=m.text, pictures=len(m.pictures)) for m in self.messages]
-
-    def add(self, generation: Generation) -> None:
-        """Note an answer."""
-        text = generation.text
-        self.raw = text if len(text) <= LONGEST_ANSWER else _clip(text, _LONGEST_KEPT)
-        self.refusals += generation.failures
-        self.model = generation.model
-        self.input_tokens += generation.usage.input_tokens or 0
-        self.output_tokens += generation.usage.output_tokens or 0
-        self.seconds += generation.latency_seconds
-        self.said.append(Message(role="assistant", text=self.raw))
-
-    def refuse(self, why: str, again: bool) -> None:
-        """Note why the last answer cannot be used, and tell the model if it is asked again."""
-        self.refusals.append(why)
-        if not again:
-            return
-        asked = (
-            f"That answer cannot be used: {why}. "
-            "Answer again with one JSON object that fits the schema and nothing else."
-        )
-        quoted = _clip(self.raw, _LONGEST_QUOTED) or "(nothing)"
-        self.messages += [ChatMessage("assistant", quoted), ChatMessage("user", asked)]
-        self.said.append(Message(role="user", text=asked))
-
-    def trace(self) -> Trace:
-        """The exchange so far."""
-        return Trace(
-            model=self.model,
-            messages=tuple(self.said),
-            raw_reply=self.raw,
-            validation_errors=tuple(self.refusals),
-            repairs=self.repairs,
-            input_tokens=self.input_tokens,
-            output_tokens=self.output_tokens,
-            latency_seconds=self.seconds,
-        )
 
 
 def _clip(text: str, most: int) -> str:

@@ -65,6 +65,14 @@ def test_one_request_per_clause():
     assert reply.trace.raw_reply.count("motion") == 2
 
 
+def test_a_clause_may_be_longer_than_a_word_of_an_intent():
+    sentence = f"push the robot {'very ' * 100}far to the left"
+    reply = ModelSemanticAgent(ScriptedModel({"motion": "push", "word": "left"}), "by-clause").compile(
+        make_context(sentence)
+    )
+    assert reply.value.expectations[0].direction == (-1, 0, 0)
+
+
 def test_the_papers_form_with_the_skill_library():
     model = ScriptedModel({"actions": [push(3.0)]})
     context = make_context("push the robot to the left")
