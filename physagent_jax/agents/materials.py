@@ -14,6 +14,7 @@ from importlib import resources
 
 import yaml
 
+from physagent_jax.agents.lexicon import read_lexicon
 from physagent_jax.agents.schema import SceneBrief
 
 _UNKNOWN_KIND = "object"
@@ -237,7 +238,13 @@ class _Finder:
         between = self.tokens[owner + 1 : place]
         said = owner < 0 or not self.tokens[owner].isalpha() or "if" in between or "though" in between
         said = said or "it" in between or "like" == self._get(owner)
+        said = said or "," in between and not self._is_other_noun(owner)
         return place if said or self._is_object(owner) else None
+
+    def _is_other_noun(self, at: int) -> bool:
+        """Return whether a word with an article is a thing and no way: "a table", but not "away" or "the left"."""
+        ways = read_lexicon().directions
+        return self._get(at) not in ways and self._get(at - 1) in self.lexicon.determiners
 
     def _is_object(self, at: int) -> bool:
         """Return whether a noun is the object: by its name, or as one that may name it and is no place of anything."""

@@ -211,7 +211,6 @@ class SemanticReply(Strict):
         anchor: What the sentence says about holding.
         world: What it says about gravity, ground and obstacles.
         frame_count: Frames that the clip should have for what is asked; None = as the brief says.
-        materials: Words for what the object is made of: "jelly" in "a robot made of jelly".
         ignored: Words about looks, scenery, camera or mood, which do not bear on the motion: no bar to success.
         evidence: Which words led to which value.
         not_understood: Content words that led to nothing.
@@ -226,7 +225,6 @@ class SemanticReply(Strict):
     anchor: AnchorRequest = AnchorRequest()
     world: WorldRequest = WorldRequest()
     frame_count: int | None = Field(default=None, ge=2, le=10_000)
-    materials: tuple[str, ...] = ()
     ignored: tuple[str, ...] = ()
     evidence: tuple[Evidence, ...] = ()
     not_understood: tuple[str, ...] = ()

@@ -24,6 +24,8 @@ def found(sentence, scene=ROBOT):
     ("sentence", "word", "phrase"),
     [
         ("a robot made of jelly falls over", "jelly", "made of jelly"),
+        ("push it to the left, made of jelly", "jelly", "made of jelly"),
+        ("it falls, made entirely of rubber", "rubber", "made entirely of rubber"),
         ("Made entirely of soft rubber, the robot bounces", "rubber", "Made entirely of soft rubber"),
         ("the robot, which is made out of wood, tips over", "wood", "made out of wood"),
         ("it moves as if it were made of rubber", "rubber", "made of rubber"),
@@ -54,6 +56,7 @@ def test_a_material_that_is_said_of_the_object(sentence, word, phrase):
         "the robot falls onto the sand",
         "drop it into the water",
         "it lands on a table made of wood",
+        "it lands on a table, made of wood",
         "a rubber band pulls the robot",
         "a metal rod hits the robot",
         "a metal ball hits it",
