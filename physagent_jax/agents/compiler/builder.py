@@ -77,45 +77,35 @@ class ForceFieldBuilder:
         )
         if action in self.actions:  # "squashed and flattened" says one thing twice
             return
-        index = len(self.actions)
+        place = f"actions[{len(self.actions)}]"
         self.actions.append(action)
-        values = describe_skill(self.actions[-1])
-        for name, source in event.sources.items():
-            if name in values:
+        for name, value in describe_skill(action).items():
+            if source := event.sources.get(name):
                 self.evidence.append(
-                    Evidence(
-                        words=source.words,
-                        field=f"actions[{index}].{name}",
-                        value=values[name],
-                        why=source.why,
-                    )
+                    Evidence(words=source.words, field=f"{place}.{name}", value=value, why=source.why)
                 )
 
     def add_expectation(
         self, event: Event, kind: MotionKind, direction: Vector | None, window: Window, **more
     ) -> None:
-        """Adds an expectation."""
-        strength = clamp(more.pop("strength", event.strength), MAGNITUDE_MIN, MAGNITUDE_MAX)
+        """Adds an expectation, with the event's values but for ``more``; once."""
+        strength = more.pop("strength", event.strength)
         expected = ExpectedMotion(
             kind=kind,
             direction=direction,
-            strength=strength,
+            strength=clamp(strength, MAGNITUDE_MIN, MAGNITUDE_MAX),
             window=self.fit_window(window) or (0.0, self.last),
             partial=event.region is not None,
             part=event.part,
             excludes_part=event.excludes_part,
             stays=event.stays,
-            even=event.even and kind in (MotionKind.MOVE, MotionKind.ROTATE),
+            even=event.meaning.clause.even and kind in (MotionKind.MOVE, MotionKind.ROTATE),
             amount=more.pop("amount", event.amount or self._find_duration(event)),
             words=event.words[:200],
             **more,
         )
-        same = [
-            e
-            for e in self.expectations
-            if (e.kind, e.direction, e.window, e.part) == (kind, direction, expected.window, expected.part)
-        ]
-        if len(self.expectations) < MAX_ACTIONS and not same:
+        known = map(_identify, self.expectations)
+        if len(self.expectations) < MAX_ACTIONS and _identify(expected) not in known:
             self.expectations.append(expected)
 
     def _find_duration(self, event: Event) -> Amount | None:
@@ -158,14 +148,16 @@ class ForceFieldBuilder:
         return ForceField(default_drop=self.default_drop, actions=tuple(self.actions))
 
 
+def _identify(motion: ExpectedMotion) -> tuple:
+    """The values by which two motions are told apart."""
+    return motion.kind, motion.direction, motion.window, motion.part
+
+
 def describe_skill(skill: Action | VelocityConstraint) -> dict[str, str]:
     """Describe the fields of a skill in words."""
-    kind = (
-        {"action_type": skill.action_type.value}
-        if isinstance(skill, Action)
-        else {"constraint_type": skill.constraint_type.value}
-    )
-    return kind | {
+    name = "action_type" if isinstance(skill, Action) else "constraint_type"
+    return {
+        name: getattr(skill, name).value,
         "vector": _format(skill.vector),
         "magnitude": f"{skill.magnitude:g}",
         "active_time": _format(skill.active_time),

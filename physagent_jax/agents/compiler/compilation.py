@@ -7,7 +7,6 @@ lexicon maps a word to takes precedence over whatever else an agent thinks of it
 from __future__ import annotations
 
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
-from physagent_jax.agents.compiler.events import Event, ValueSource
 from physagent_jax.agents.compiler.holding import apply_holding, choose_anchor
 from physagent_jax.agents.compiler.interpretation import resolve_obstacles
 from physagent_jax.agents.compiler.kinds import choose_reply_kinds
@@ -16,9 +15,8 @@ from physagent_jax.agents.compiler.sequence import make_events
 from physagent_jax.agents.compiler.skills import compile_slots
 from physagent_jax.agents.compiler.words import Meaning, look_up, suggest_motions
 from physagent_jax.agents.intent import Intent
-from physagent_jax.agents.lexicon import Effect, read_lexicon
+from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.schema import (
-    AnchorRequest,
     Evidence,
     ExpectedMotion,
     MotionKind,
@@ -48,23 +46,26 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     Raises:
         UserError: No motion is known, and nothing is said about holding or gravity.
     """
-    meanings = [look_up(clause) for clause in intent.clauses]
-    _check_known(intent, meanings, brief)
-    unknown = [meaning for meaning in meanings if meaning.motion is None]
-    meanings = apply_holding([meaning for meaning in meanings if meaning.motion is not None], intent.held)
+    told = [look_up(clause) for clause in intent.clauses]
+    known = [meaning for meaning in told if meaning.motion is not None]
+    unknown = [meaning for meaning in told if meaning.motion is None]
+    if not known and intent.held is None and intent.surroundings.gravity is None:
+        raise _refuse(unknown, brief)
+    meanings = apply_holding(known, intent.held)
     anchor = choose_anchor(intent.held, meanings)
     anchored = anchor.kind in ("base", "top") or (brief.anchored is not None and anchor.kind != "none")
-    gravity = intent.surroundings.gravity
-    builder = ForceFieldBuilder(brief, anchored, gravity, notes=list(intent.notes))
+    builder = ForceFieldBuilder(brief, anchored, intent.surroundings.gravity, notes=list(intent.notes))
     builder.obstacles += resolve_obstacles(intent.surroundings.solids, None, brief)
-    events = make_events(meanings, builder)
-    slots, frame_count, remarks = schedule(events, brief, anchored)
+    slots, frame_count, remarks = schedule(make_events(meanings, builder), brief, anchored)
     builder.brief = brief.model_copy(update={"frame_count": frame_count})
     builder.notes += remarks
     compile_slots(slots, builder)
     _state_gravity(intent, builder)
     _expect_stillness(meanings, builder)
     _collect_doubts(intent, unknown, builder)
+    if anchor.kind is not None:
+        why = "words about holding or freedom"
+        builder.evidence.append(Evidence(words=anchor.words, field="anchor", value=anchor.kind, why=why))
     return SemanticReply(
         force_field=builder.build(),
         expectations=tuple(builder.expectations),
@@ -79,29 +80,22 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
         materials=intent.materials,
         ignored=intent.ignored,
         unsure=tuple(builder.unsure),
-        evidence=tuple([*builder.evidence, *_collect_anchor_evidence(anchor)]),
+        evidence=tuple(builder.evidence),
         not_understood=intent.unknown,
         notes=tuple(builder.notes),
     )
 
 
-def _check_known(intent: Intent, meanings: list[Meaning], brief: SceneBrief) -> None:
-    """Refuse an intent of which nothing is known."""
-    known = any(meaning.motion is not None for meaning in meanings)
-    if known or intent.held is not None or intent.surroundings.gravity is not None:
-        return
-    words = [clause.motion or clause.cause or "" for clause in intent.clauses]
+def _refuse(unknown: list[Meaning], brief: SceneBrief) -> UserError:
+    """The error for an intent of which nothing is known, with the nearest known motions."""
+    words = [meaning.clause.motion or meaning.clause.cause or "" for meaning in unknown]
+    do = f"Say in other words what should happen to the {brief.object_name}, for example {EXAMPLES}"
     if not any(words):
-        raise UserError(
-            "The prompt names no motion that is understood",
-            do=f"Say in English what should happen to the {brief.object_name}, for example {EXAMPLES}",
-        )
+        return UserError("The prompt names no motion that is understood", do=do)
     near = [each for word in words for each in suggest_motions(word)]
     nearest = f"; the nearest known motions are {', '.join(map(repr, near))}" if near else ""
-    raise UserError(
-        "The motion is not known",
-        got=", ".join(repr(word) for word in words if word),
-        do=f"Say with another word what should happen to the {brief.object_name}, for example {EXAMPLES}{nearest}",
+    return UserError(
+        "The motion is not known", got=", ".join(map(repr, filter(None, words))), do=do + nearest
     )
 
 
@@ -114,16 +108,11 @@ def _state_gravity(intent: Intent, builder: ForceFieldBuilder) -> None:
     if builder.gravity == "none":
         why = "no gravity is asked for"
         builder.evidence.append(Evidence(words=words, field="default_drop", value="false", why=why))
-    elif not builder.default_drop:
-        if not (builder.grounded and builder.expectations):
-            builder.enable_gravity(words, "gravity is named")
-        if not builder.expectations:
-            fall = read_lexicon().motions["fall"]
-            event = Event(
-                fall, "fall", words, "then", None, 1.0, sources={"action_type": ValueSource("", "")}
-            )
-            way = builder.brief.directions.up if builder.gravity == "up" else None
-            builder.add_expectation(event, MotionKind.FALL, way, (0.0, builder.last))
+    elif not (builder.grounded and builder.expectations):
+        builder.enable_gravity(words, "gravity is named")
+    if not builder.expectations and builder.gravity != "none":
+        way = builder.brief.directions.up if builder.gravity == "up" else None
+        _expect(MotionKind.FALL, words, builder, way)
 
 
 def _expect_stillness(meanings: list[Meaning], builder: ForceFieldBuilder) -> None:
@@ -133,9 +122,17 @@ def _expect_stillness(meanings: list[Meaning], builder: ForceFieldBuilder) -> No
     for meaning in meanings:
         if meaning.clause.negated and meaning.verb is not None and meaning.verb.effect is Effect.STILL:
             builder.add_doubt("What it is to do, if not to be still, is not understood.")
-    words = " ".join(meaning.words for meaning in meanings)
-    window = builder.fit_window((0.0, builder.last)) or (0.0, builder.last)
-    builder.expectations.append(ExpectedMotion(kind=MotionKind.STILL, window=window, words=words[:200]))
+    _expect(MotionKind.STILL, " ".join(meaning.words for meaning in meanings), builder)
+
+
+def _expect(kind: MotionKind, words: str, builder: ForceFieldBuilder, way=None) -> None:
+    """Expects a motion during the whole clip."""
+    window = (0.0, builder.last)
+    builder.expectations.append(
+        ExpectedMotion(
+            kind=kind, direction=way, window=builder.fit_window(window) or window, words=words[:200]
+        )
+    )
 
 
 def _collect_doubts(intent: Intent, unknown: list[Meaning], builder: ForceFieldBuilder) -> None:
@@ -145,24 +142,19 @@ def _collect_doubts(intent: Intent, unknown: list[Meaning], builder: ForceFieldB
             builder.add_doubt(doubt)
     if builder.gravity == "none" and any(each.kind is MotionKind.FALL for each in builder.expectations):
         builder.add_doubt("How it falls without gravity is not understood.")
-    solids = [*intent.surroundings.solids, *(each for clause in intent.clauses for each in clause.solids)]
+    solids = _list_solids(intent)
     if len(set(solids)) > len(builder.obstacles):
-        words = solids[-1].text or solids[-1].kind
-        builder.add_doubt(f"Where '{words}' is, is not understood.")
+        builder.add_doubt(f"Where '{solids[-1].text or solids[-1].kind}' is, is not understood.")
     for doubt in (*intent.doubts, *(f"'{word}' is not understood." for word in intent.unknown)):
         builder.add_doubt(doubt)
 
 
+def _list_solids(intent: Intent) -> list:
+    """The walls and blocks of surroundings and clauses."""
+    return [*intent.surroundings.solids, *(each for clause in intent.clauses for each in clause.solids)]
+
+
 def _quote_world(intent: Intent) -> str:
     """The words about gravity, ground, walls and blocks."""
-    solids = [*intent.surroundings.solids, *(each for clause in intent.clauses for each in clause.solids)]
-    words = [intent.surroundings.text, *(each.text or each.kind for each in solids)]
+    words = [intent.surroundings.text, *(each.text or each.kind for each in _list_solids(intent))]
     return ", ".join(dict.fromkeys(word for word in words if word))
-
-
-def _collect_anchor_evidence(anchor: AnchorRequest) -> list[Evidence]:
-    if anchor.kind is None:
-        return []
-    return [
-        Evidence(words=anchor.words, field="anchor", value=anchor.kind, why="words about holding or freedom")
-    ]

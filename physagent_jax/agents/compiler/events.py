@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from physagent_jax.agents.compiler.words import Meaning
 from physagent_jax.agents.intent import Timing
 from physagent_jax.agents.lexicon import Effect, Motion, Repeat
 from physagent_jax.agents.schema import Amount, ObstacleRequest
@@ -21,14 +22,14 @@ class ValueSource:
     why: str
 
 
-@dataclass(frozen=True)
+@dataclass
 class Event:
     """One thing that happens.
 
     Attributes:
+        meaning: The clause that tells it.
         motion, phrase: What is done, and the lexicon's word for it.
-        words: The clause's words.
-        order: Relation to the event before (`intent.Clause.order`).
+        when: Time that the sentence names.
         direction: Unit world direction, stretch axis or rotation axis; None if the motion needs none or acts in all
             directions.
         strength: Magnitude in [0.4, 1.6].
@@ -37,37 +38,34 @@ class Event:
         excludes_part: Whether ``part`` is the one that is not meant.
         amount: A quantity that the sentence names.
         stays: Whether it is to be held where it was brought.
-        even: Whether it is to go at one speed.
         obstacles: Solids that it meets.
         repeat: Count and alternation.
-        when: Time that the sentence names.
-        wind: Whether a wind does it.
-        elsewhere: Whether the sentence says that the object ends at another place: "away", "aside", "off the table".
         sources: Where each value comes from.
         notes: Assumptions.
         doubts: What was not understood and matters.
     """
 
+    meaning: Meaning
     motion: Motion
     phrase: str
-    words: str
-    order: str
-    direction: Vector | None
-    strength: float
+    when: Timing
+    direction: Vector | None = None
+    strength: float = 1.0
     region: Region | None = None
     part: Vector | None = None
     excludes_part: bool = False
     amount: Amount | None = None
     stays: bool = False
-    even: bool = False
-    obstacles: tuple[ObstacleRequest, ...] = ()
+    obstacles: list[ObstacleRequest] = field(default_factory=list)
     repeat: Repeat = Repeat()
-    when: Timing = Timing()
-    wind: bool = False
-    elsewhere: bool = False
     sources: dict[str, ValueSource] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
-    doubts: tuple[str, ...] = ()
+    notes: list[str] = field(default_factory=list)
+    doubts: list[str] = field(default_factory=list)
+
+    @property
+    def words(self) -> str:
+        """The clause's words."""
+        return self.meaning.text
 
     @property
     def effect(self) -> Effect:
@@ -75,10 +73,14 @@ class Event:
         return self.motion.effect
 
     @property
-    def is_way_assumed(self) -> bool:
-        """Whether the sentence does not say which way it goes."""
-        source = self.sources.get("vector")
-        return source is not None and source.why.endswith(BY_DEFAULT)
+    def count(self) -> int:
+        """Number of repetitions, 1 unless the sentence counts."""
+        return self.repeat.count or 1
+
+    @property
+    def is_in_wind(self) -> bool:
+        """Whether a wind does it."""
+        return any(each is not None and each.wind for each in (self.meaning.cause, self.meaning.verb))
 
     @property
     def is_timed(self) -> bool:

@@ -19,28 +19,35 @@ def apply_holding(meanings: list[Meaning], held: intent.Held | None) -> list[Mea
     for index, meaning in enumerate(meanings):
         last = result[-1] if result else None
         follows = next((each for each in meanings[index + 1 :] if not each.clause.negated), None)
-        if last is not None and meaning.stays and meaning.bare and _has_effect(last, _get_effect(meaning)):
+        alike = last is not None and last.motion and meaning.has_effect(last.motion.effect)
+        if last is not None and meaning.stays and meaning.is_bare and alike:
             last.stays = True  # "compress it and keep it compressed"
             continue
         if _hangs_in_the_air(meaning, last):
-            if _has_effect(follows, Effect.FALL):
+            if follows is not None and follows.has_effect(Effect.FALL):
                 continue  # "thrown up, it hangs there and falls": so does all that turns back
             meaning = _wait(meaning)
-        if not _is_bare_hold(meaning) or held is not None:
-            result.append(meaning)
-            continue
-        moved = last is not None and not last.clause.negated and _has_effect(last, *_HOLDABLE)
-        let_go = _has_effect(follows, Effect.RELEASE) and follows is not None and follows.bare
-        timed = meaning.timing != intent.Timing()
-        if moved and last is not None and let_go and last.timing == intent.Timing():
-            last.timing = meaning.timing  # "hold it for a second, then release it"
-        elif follows is not None and timed:
-            result.append(_wait(meaning))  # "hold it for a second, then"
-        elif moved and last is not None and meaning.clause.order != "together":
-            last.stays = follows is None
-        elif not _has_effect(follows, Effect.FALL, Effect.RELEASE):
+        if _is_bare_hold(meaning) and held is None:
+            result += _hold(meaning, last, follows)
+        else:
             result.append(meaning)
     return result
+
+
+def _hold(meaning: Meaning, last: Meaning | None, follows: Meaning | None) -> list[Meaning]:
+    """A bare hold as an anchor, as a time of rest, or (nothing) as a property of what was done before."""
+    timed = meaning.timing != intent.Timing()
+    moved = last is not None and not last.clause.negated and last.has_effect(*_HOLDABLE)
+    let_go = follows is not None and follows.has_effect(Effect.RELEASE) and follows.is_bare
+    if moved and last is not None and let_go and last.timing == intent.Timing():
+        last.timing = meaning.timing  # "hold it for a second, then release it"
+    elif follows is not None and timed:
+        return [_wait(meaning)]  # "hold it for a second, then"
+    elif moved and last is not None and meaning.clause.order != "together":
+        last.stays = follows is None
+    elif follows is None or not follows.has_effect(Effect.FALL, Effect.RELEASE):
+        return [meaning]
+    return []
 
 
 def choose_anchor(told: intent.Held | None, meanings: list[Meaning]) -> AnchorRequest:
@@ -48,47 +55,36 @@ def choose_anchor(told: intent.Held | None, meanings: list[Meaning]) -> AnchorRe
     if told is not None:
         return AnchorRequest(kind=told.end, words=told.text, described=told.described)
     for meaning in meanings:
-        motion, negated = meaning.motion, meaning.clause.negated
+        motion = meaning.motion
         if motion is not None and motion.effect is Effect.HOLD:
-            end = "none" if negated else _find_held_end(meaning, motion.holds)
-            return AnchorRequest.model_validate({"kind": end, "words": meaning.text})
-        if keeps_end(meaning, meanings):
-            return AnchorRequest.model_validate(
-                {"kind": _find_held_end(meaning, None), "words": meaning.text}
-            )
+            end = "none" if meaning.clause.negated else _find_held_end(meaning, motion.holds)
+        elif keeps_end(meaning, meanings):
+            end = _find_held_end(meaning, None)
+        else:
+            continue
+        return AnchorRequest.model_validate({"kind": end, "words": meaning.text})
     return AnchorRequest()
 
 
 def keeps_end(meaning: Meaning, meanings: list[Meaning]) -> bool:
     """Return whether a clause says of an end that it is still while the rest moves."""
-    still = _has_effect(meaning, Effect.STILL) and not meaning.clause.negated
+    still = meaning.has_effect(Effect.STILL) and not meaning.clause.negated
     beside = meaning is meanings[0] or meaning.clause.order != "then"
     return still and beside and _find_held_end(meaning, None) is not None
 
 
 def _find_held_end(meaning: Meaning, otherwise: str | None) -> str | None:
     """The end that a clause names: "base" or "top"; other parts cannot be held."""
-    for part in meaning.parts:
-        if "down" in part.place.names:
-            return "base"
-        return "top" if "up" in part.place.names else None
-    return otherwise
-
-
-def _get_effect(meaning: Meaning) -> Effect:
-    assert meaning.motion is not None
-    return meaning.motion.effect
-
-
-def _has_effect(meaning: Meaning | None, *effects: Effect) -> bool:
-    return meaning is not None and meaning.motion is not None and meaning.motion.effect in effects
+    if not meaning.parts:
+        return otherwise
+    names = meaning.parts[0].place.names
+    return "base" if "down" in names else "top" if "up" in names else None
 
 
 def _is_bare_hold(meaning: Meaning) -> bool:
     """Return whether a clause only holds the object."""
-    holds = (
-        _has_effect(meaning, Effect.HOLD) and meaning.motion is not None and meaning.motion.holds == "base"
-    )
+    motion = meaning.motion
+    holds = motion is not None and motion.effect is Effect.HOLD and motion.holds == "base"
     return holds and not meaning.parts and not meaning.clause.negated
 
 
@@ -98,7 +94,7 @@ def _hangs_in_the_air(meaning: Meaning, last: Meaning | None) -> bool:
         return False
     if last is None or last.clause.negated or meaning.pick(WayKind.FROM, WayKind.PLANE):
         return False
-    return _has_effect(last, *_RISING)
+    return last.has_effect(*_RISING)
 
 
 def _wait(meaning: Meaning) -> Meaning:

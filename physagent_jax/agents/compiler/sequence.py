@@ -5,17 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
-from physagent_jax.agents.compiler.directions import WAYS
 from physagent_jax.agents.compiler.events import Event
 from physagent_jax.agents.compiler.holding import keeps_end
-from physagent_jax.agents.compiler.interpretation import (
-    interpret,
-    is_back,
-    lands_aside,
-    resolve_obstacles,
-)
+from physagent_jax.agents.compiler.interpretation import interpret, resolve_obstacles
 from physagent_jax.agents.compiler.schedule import follows
-from physagent_jax.agents.compiler.words import Meaning, WayKind
+from physagent_jax.agents.compiler.words import WAYS, Meaning, WayKind
 from physagent_jax.agents.intent import Timing
 from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.agents.vectors import dot
@@ -28,7 +22,7 @@ def make_events(meanings: list[Meaning], builder: ForceFieldBuilder) -> list[Eve
     """The events that happen, in order."""
     events: list[Event] = []
     for meaning in meanings:
-        if meaning.motion is None or meaning.motion.effect is Effect.HOLD:
+        if meaning.has_effect(Effect.HOLD):
             builder.obstacles += resolve_obstacles(meaning.clause.solids, None, builder.brief)
         elif keeps_end(meaning, meanings):
             continue  # "while the bottom stays put": what is held
@@ -43,109 +37,98 @@ def make_events(meanings: list[Meaning], builder: ForceFieldBuilder) -> list[Eve
 
 
 def _add_event(events: list[Event], meaning: Meaning, builder: ForceFieldBuilder) -> None:
-    """Adds what a clause tells, or tells it of the event before."""
+    """Adds what a clause tells."""
     event = interpret(meaning, _find_measure(events, meaning), builder.brief)
-    event = _put_under_gravity(_measure_return(event, events, meaning), meaning, builder.gravity)
-    last = events[-1] if events else None
-    if last is not None and last.effect is Effect.FALL and event.effect is Effect.FALL:
-        if meaning.bare:
-            return  # "it drops and bounces"
-        if lands_aside(meaning) and last.direction is None:
-            events[-1] = replace(
-                last,
-                direction=event.direction,
-                amount=event.amount,
-                doubts=last.doubts + event.doubts,
-                words=f"{last.words} {event.words}",
-                sources=last.sources | event.sources,
-            )
-            return  # "drop it; as it reaches the ground it is farther to the right"
-    upwards = any(way.names == ("up",) for way in meaning.pick(WayKind.TO))
-    if event.effect is Effect.FALL and builder.gravity is None and upwards:
+    _measure_return(event, events)
+    event = _put_under_gravity(event, builder.gravity)
+    if events and events[-1].effect is Effect.FALL and event.effect is Effect.FALL and meaning.is_bare:
+        return  # "it drops and bounces"
+    if event.effect is Effect.FALL and builder.gravity is None and meaning.is_upwards:
         builder.gravity = "up"  # "it falls upwards"
     events.append(event)
 
 
 def _is_only_posture(event: Event, events: list[Event]) -> bool:
     """Return whether "standing" is no wish for stillness: "the robot standing on the ground is pushed"."""
-    last = event is events[-1] and event.order == "then"
+    last = event is events[-1] and event.meaning.clause.order == "then"
     return event.effect is Effect.STILL and event.motion.generic and not last and not event.is_timed
 
 
 def _find_measure(events: list[Event], meaning: Meaning) -> Event | None:
     """The last event with a direction; for what comes "back" or goes on the same way, the last like it."""
     directed = [each for each in events if each.direction is not None]
-    turns = meaning.motion is not None and meaning.motion.effect is Effect.TURN
-    if is_back(meaning):
+    turns = meaning.has_effect(Effect.TURN)
+    if meaning.is_back:
         directed = [each for each in directed if (each.effect is Effect.TURN) == turns] or directed
     if any(way.names == ("same",) for way in meaning.pick(WayKind.AGAIN)):
         directed = [each for each in directed if each.effect is not Effect.TURN] or directed
     return directed[-1] if directed else None
 
 
-def _measure_return(event: Event, events: list[Event], meaning: Meaning) -> Event:
+def _measure_return(event: Event, events: list[Event]) -> None:
     """The distance of a return, where the distance away was told."""
-    untold = event.amount is None and not meaning.clause.quantities
-    if not is_back(meaning) or not untold or event.direction is None:
-        return event
-    alike = [each for each in events if each.effect is event.effect and each.direction is not None]
-    amounts = [each.amount for each in alike if each.amount is not None]
-    if not amounts or len(amounts) < len(alike) or len({amount.unit for amount in amounts}) > 1:
-        return event
-    ways = [dot(each.direction or event.direction, event.direction) for each in alike]
-    away = -sum(way * amount.value for way, amount in zip(ways, amounts))
-    if away < _AWAY:
-        return event
-    return replace(event, amount=amounts[0].model_copy(update={"value": round(away, 6)}))
+    way, told = event.direction, event.amount is not None or event.meaning.clause.quantities
+    if told or not event.meaning.is_back or way is None:
+        return
+    alike = [(e.direction, e.amount) for e in events if e.effect is event.effect and e.direction is not None]
+    if len({amount and amount.unit for _, amount in alike}) != 1:
+        return
+    away = -sum(dot(one, way) * amount.value for one, amount in alike if amount is not None)
+    if away >= _AWAY and (amount := alike[0][1]) is not None:
+        event.amount = amount.model_copy(update={"value": round(away, 6)})
 
 
 def _share_time(events: list[Event]) -> list[Event]:
     """A time that is told of all steps together ("left, then up, in a second") as a time of each, by its way."""
     told = events[-1].when if events else Timing()
-    timed = any(each.is_timed for each in events[:-1])
-    if not told.overall or told.lasts is None or timed:
+    if not told.overall or told.lasts is None or any(each.is_timed for each in events[:-1]):
         return events
     if not all(follows(one, other) for one, other in zip(events, events[1:])):
         return events
-    units = {each.amount.unit if each.amount else None for each in events}
+    units = {each.amount and each.amount.unit for each in events}
     ways = [each.amount.value if each.amount and len(units) == 1 else 1.0 for each in events]
     lengths = [told.lasts.model_copy(update={"value": told.lasts.value * way / sum(ways)}) for way in ways]
     return [replace(each, when=Timing(lasts=length, within=True)) for each, length in zip(events, lengths)]
 
 
-def _put_under_gravity(event: Event, meaning: Meaning, gravity: str | None) -> Event:
+def _make_another(event: Event, phrase: str, **changes) -> Event:
+    """The event with another motion, which goes no way."""
+    motion = replace(read_lexicon().motions[phrase], **changes)
+    return replace(event, motion=motion, phrase=phrase, direction=None)
+
+
+def _put_under_gravity(event: Event, gravity: str | None) -> Event:
     """Let gravity make things fall; what floats in zero gravity is still, unless something else moves it."""
-    motions, told = read_lexicon().motions, bool(meaning.pick(*WAYS))
-    if meaning.clause.cause == "gravity" and gravity in ("down", None) and event.effect is Effect.PUSH:
-        if not told or event.motion.pulls:
-            return replace(event, motion=motions["fall"], phrase="fall", direction=None)
+    told = bool(event.meaning.pick(*WAYS))
+    falls = event.meaning.clause.cause == "gravity" and gravity in ("down", None)
+    if falls and event.effect is Effect.PUSH and (not told or event.motion.pulls):
+        return _make_another(event, "fall")
     if gravity == "none" and event.motion.floats and not told:
-        resting = replace(motions["motionless"], generic=True)
-        return replace(event, motion=resting, phrase="motionless", direction=None)
+        return _make_another(event, "motionless", generic=True)
     return event
 
 
 def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Event]:
     """Letting go of something at rest lets it fall; letting go before a fall is part of the fall."""
-    fall = read_lexicon().motions["fall"]
     result: list[Event] = []
-    for index, event in enumerate(events):
+    for event, after in zip(events, [*events[1:], None]):
         if event.effect is not Effect.RELEASE:
             result.append(event)
             continue
         if result and result[-1].effect is Effect.RELEASE:
             continue  # "release it and let it swing back" is one release
         acted = any(each.effect not in _RESTING for each in result)
-        falls = index + 1 < len(events) and events[index + 1].effect in (Effect.FALL, Effect.TOPPLE)
         if event.motion.lets_go and _is_lifted(result, builder):
-            result.append(replace(event, motion=fall, phrase="fall", direction=None))
-        elif acted and not falls:
+            result.append(_make_another(event, "fall"))
+        elif after is not None and after.effect in (Effect.FALL, Effect.TOPPLE):
+            continue
+        elif acted:
             result.append(event)
-        elif not falls and event.motion.lets_go:
-            result.append(replace(event, motion=fall))
+        elif event.motion.lets_go:
+            result.append(replace(event, motion=read_lexicon().motions["fall"]))
             builder.add_note(f"'{event.words}': nothing acts before it, so the object is let fall.")
-        elif not falls:
-            builder.unsure.append(f"What '{event.words}' comes back from is not understood.")
+        else:
+            builder.add_doubt(f"What '{event.words}' comes back from is not understood.")
     return result
 
 
