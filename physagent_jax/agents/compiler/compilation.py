@@ -6,25 +6,24 @@ lexicon maps a word to takes precedence over whatever else an agent thinks of it
 
 from __future__ import annotations
 
-from physagent_jax.agents.compiler.builder import ForceFieldBuilder
-from physagent_jax.agents.compiler.holding import apply_holding, choose_anchor
+from physagent_jax.agents.compiler.builder import ForceFieldBuilder, describe_skill
 from physagent_jax.agents.compiler.interpretation import resolve_obstacles
-from physagent_jax.agents.compiler.kinds import choose_reply_kinds
 from physagent_jax.agents.compiler.schedule import schedule
-from physagent_jax.agents.compiler.sequence import make_events
+from physagent_jax.agents.compiler.sequence import apply_holding, choose_anchor, make_events
 from physagent_jax.agents.compiler.skills import compile_slots
 from physagent_jax.agents.compiler.words import Meaning, look_up, suggest_motions
 from physagent_jax.agents.intent import Intent
 from physagent_jax.agents.lexicon import Effect
+from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
 from physagent_jax.agents.schema import (
     Evidence,
-    ExpectedMotion,
     MotionKind,
     SceneBrief,
     SemanticReply,
     WorldRequest,
 )
 from physagent_jax.core.errors import UserError
+from physagent_jax.forces.schema import ForceField
 
 EXAMPLES = (
     '"push the robot to the left", "a gentle wind sways the plant", "drop the guitar", "twist the loaf"'
@@ -37,7 +36,7 @@ def compile_intent(intent: Intent, brief: SceneBrief) -> SemanticReply:
     Raises:
         UserError: No motion is known, and nothing is said about holding or gravity.
     """
-    return choose_reply_kinds(compile_forces(intent, brief), brief)
+    return _choose_kinds(compile_forces(intent, brief), brief)
 
 
 def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
@@ -64,8 +63,7 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     _expect_stillness(meanings, builder)
     _collect_doubts(intent, unknown, builder)
     if anchor.kind is not None:
-        why = "words about holding or freedom"
-        builder.evidence.append(Evidence(words=anchor.words, field="anchor", value=anchor.kind, why=why))
+        builder.add_evidence(anchor.words, "anchor", anchor.kind, "words about holding or freedom")
     return SemanticReply(
         force_field=builder.build(),
         expectations=tuple(builder.expectations),
@@ -106,13 +104,12 @@ def _state_gravity(intent: Intent, builder: ForceFieldBuilder) -> None:
     if builder.gravity is None or told.gravity is None:
         return
     if builder.gravity == "none":
-        why = "no gravity is asked for"
-        builder.evidence.append(Evidence(words=words, field="default_drop", value="false", why=why))
+        builder.add_evidence(words, "default_drop", "false", "no gravity is asked for")
     elif not (builder.grounded and builder.expectations):
         builder.enable_gravity(words, "gravity is named")
     if not builder.expectations and builder.gravity != "none":
         way = builder.brief.directions.up if builder.gravity == "up" else None
-        _expect(MotionKind.FALL, words, builder, way)
+        builder.expect(MotionKind.FALL, way, (0.0, builder.last), words)
 
 
 def _expect_stillness(meanings: list[Meaning], builder: ForceFieldBuilder) -> None:
@@ -122,17 +119,8 @@ def _expect_stillness(meanings: list[Meaning], builder: ForceFieldBuilder) -> No
     for meaning in meanings:
         if meaning.clause.negated and meaning.verb is not None and meaning.verb.effect is Effect.STILL:
             builder.add_doubt("What it is to do, if not to be still, is not understood.")
-    _expect(MotionKind.STILL, " ".join(meaning.words for meaning in meanings), builder)
-
-
-def _expect(kind: MotionKind, words: str, builder: ForceFieldBuilder, way=None) -> None:
-    """Expects a motion during the whole clip."""
-    window = (0.0, builder.last)
-    builder.expectations.append(
-        ExpectedMotion(
-            kind=kind, direction=way, window=builder.fit_window(window) or window, words=words[:200]
-        )
-    )
+    words = " ".join(meaning.words for meaning in meanings)
+    builder.expect(MotionKind.STILL, None, (0.0, builder.last), words)
 
 
 def _collect_doubts(intent: Intent, unknown: list[Meaning], builder: ForceFieldBuilder) -> None:
@@ -158,3 +146,42 @@ def _quote_world(intent: Intent) -> str:
     """The words about gravity, ground, walls and blocks."""
     words = [intent.surroundings.text, *(each.text or each.kind for each in _list_solids(intent))]
     return ", ".join(dict.fromkeys(word for word in words if word))
+
+
+def _choose_kinds(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
+    """The reply with velocity constraints where they do what the sentence says and a force does not."""
+    fixture = {"base": "the base", "top": "the top", "none": None, None: brief.anchored}[reply.anchor.kind]
+    weightless = reply.world.gravity in ("none", "up") or reply.world.ground is False
+    scene = brief.model_copy(
+        update={
+            "anchored": fixture,
+            "frame_count": reply.frame_count or brief.frame_count,
+            "world": "free" if weightless else "ground" if reply.world.ground else brief.world,
+        }
+    )
+    if scene.frame_count < 2:
+        return reply  # nothing moves in one frame
+    choice = choose_kinds(reply.force_field, reply.expectations, scene)
+    if not choice.reasons:
+        return reply
+    places = find_new_places(reply.force_field, choice.force_field)
+    evidence = [_follow(item, places, choice.force_field) for item in reply.evidence]
+    return reply.model_copy(
+        update={
+            "force_field": choice.force_field,
+            "evidence": tuple(evidence),
+            "notes": (*reply.notes, *choice.reasons),
+        }
+    )
+
+
+def _follow(item: Evidence, places: dict[str, str], force_field: ForceField) -> Evidence:
+    """Evidence of an action as that of what stands for it: its new place, and what is there now."""
+    place, dot, name = item.field.partition(".")
+    new = places.get(place, place)
+    group, _, index = new.rstrip("]").partition("[")
+    if group != "constraints":
+        return item.model_copy(update={"field": new + dot + name})
+    name = "constraint_type" if name == "action_type" else name
+    values = describe_skill(force_field.constraints[int(index)])
+    return item.model_copy(update={"field": f"{new}.{name}", "value": values.get(name, item.value)})

@@ -10,17 +10,18 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from physagent_jax.agents.compiler.amounts import find_effort, find_held_magnitude, find_word_effort
-from physagent_jax.agents.compiler.builder import MAX_ACTIONS, ForceFieldBuilder
+from physagent_jax.agents.compiler.amounts import MOST, find_effort, find_held_magnitude, find_word_effort
+from physagent_jax.agents.compiler.builder import MAX_ACTIONS, ForceFieldBuilder, describe_skill
 from physagent_jax.agents.compiler.events import BY_DEFAULT, Event
-from physagent_jax.agents.compiler.schedule import Slot, has_to_stop
+from physagent_jax.agents.compiler.schedule import Slot, find_frames, has_to_stop
 from physagent_jax.agents.dosing import find_magnitude
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.schema import MotionKind, SceneBrief
-from physagent_jax.agents.vectors import scale
+from physagent_jax.agents.schema import Amount, MotionKind, SceneBrief
+from physagent_jax.agents.vectors import clamp, scale
 from physagent_jax.agents.windows import Window, halve
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.schema import ActionType
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.schema import Action, ActionType
 
 SHORTEST_STROKE, _SHORTEST_SWING = 2.0, 4.0  # frames; faster ones alias in the pictures
 IMPULSE_FRAMES = 1.0
@@ -58,12 +59,48 @@ class Task:
         return self.event.direction
 
     def act(self, kind: ActionType, vector: Vector, magnitude: float, window: Window) -> None:
-        """Adds an action of the event."""
-        self.builder.add_action(self.event, kind, vector, magnitude, window)
+        """Adds an action with its evidence; windows are kept inside the clip."""
+        builder, event = self.builder, self.event
+        if len(builder.actions) >= MAX_ACTIONS:
+            builder.add_note(f"More than {MAX_ACTIONS} actions: the rest of the sentence is left out.")
+            return
+        size = round(clamp(abs(magnitude), MAGNITUDE_MIN, MAGNITUDE_MAX), 3)
+        action = Action(
+            action_type=kind,
+            vector=vector,
+            magnitude=size if magnitude > 0 else -size,
+            active_time=builder.fit_window(window),
+            region=event.region,
+        )
+        if action in builder.actions:  # "squashed and flattened" says one thing twice
+            return
+        place = f"actions[{len(builder.actions)}]"
+        builder.actions.append(action)
+        for name, value in describe_skill(action).items():
+            if source := event.sources.get(name):
+                builder.add_evidence(source.words, f"{place}.{name}", value, source.why)
 
     def expect(self, kind: MotionKind, direction: Vector | None, window: Window, **more) -> None:
-        """Adds what a viewer should see of the event."""
-        self.builder.add_expectation(self.event, kind, direction, window, **more)
+        """Adds once what a viewer should see: the event's values but for ``more``."""
+        event, builder = self.event, self.builder
+        values = {
+            "strength": event.strength,
+            "partial": event.region is not None,
+            "part": event.part,
+            "excludes_part": event.excludes_part,
+            "stays": event.stays,
+            "even": event.meaning.clause.even and kind in (MotionKind.MOVE, MotionKind.ROTATE),
+            "amount": event.amount or self._find_duration(),
+        }
+        builder.expect(kind, direction, window, event.words, **(values | more))
+
+    def _find_duration(self) -> Amount | None:
+        """The cause's duration, if the sentence says so in seconds or frames."""
+        told = self.event.when.lasts
+        if told is None or told.unit == "clip" or told.value <= 0 or self.event.effect is Effect.STILL:
+            return None
+        seconds = (find_frames(told, self.brief) or 0.0) * self.brief.frame_dt
+        return Amount(value=round(min(seconds, MOST), 6), unit="seconds")
 
     @property
     def is_reached_within(self) -> bool:
