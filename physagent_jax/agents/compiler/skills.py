@@ -8,7 +8,6 @@ from physagent_jax.agents.compiler.amounts import find_strain_magnitude, find_sw
 from physagent_jax.agents.compiler.blows import compile_fall, compile_jump, compile_strike, compile_topple
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
 from physagent_jax.agents.compiler.directions import find_lean_axis
-from physagent_jax.agents.compiler.events import Event
 from physagent_jax.agents.compiler.schedule import Slot
 from physagent_jax.agents.compiler.steady import Task, add_steady, make_impulse_window, shorten
 from physagent_jax.agents.lexicon import Effect
@@ -139,19 +138,16 @@ def _compile_scale(task: Task) -> None:
 
 def _compile_burst(task: Task) -> None:
     """Outward along all axes, briefly: a uniform impulse has no outward form."""
-    table, burst = task.brief.directions, shorten(task.window, task.builder.last)
-    for axis in (table.right, table.up, table.toward):
-        task.act(ActionType.SCALE, axis, task.event.strength, burst)
     task.builder.add_note("An explosion without a direction is a brief, strong stretch in all directions.")
-    task.expect(MotionKind.STRETCH, None, burst, released=True)
+    _compile_scale(replace(task, window=shorten(task.window, task.builder.last)))
 
 
 def _compile_turn(task: Task) -> None:
-    event = task.event
+    event, free = task.event, not task.builder.anchored
     if event.repeat.alternate:
         count = task.limit_count(event.repeat.count or 2)
-        ends = 1.0 if task.builder.anchored else 0.5
-        windows = divide(task.window, [ends, *[1.0] * (2 * count - 1), *([] if ends == 1.0 else [ends])])
+        shares = [0.5, *[1.0] * (2 * count - 1), 0.5] if free else [1.0] * (2 * count)
+        windows = divide(task.window, shares)
         _alternate(task, ActionType.TORQUE, event.strength, windows)
         task.expect(MotionKind.ROTATE, event.direction, windows[0], repeats=count)
     elif event.motion.wrings and event.part is None and event.region is None:
@@ -166,33 +162,24 @@ def _turn_steadily(task: Task) -> None:
 
 
 def _compile_twist(task: Task) -> None:
-    """One end against the other; the object as a whole then stays where it is, and nothing has to be braked."""
+    """One end against the other, half each; the free end alone where the other is held.
+
+    An object both of whose ends turn stays where it is as a whole, and nothing has to be braked.
+    """
+    builder, axis, amount, up = task.builder, task.direction, task.event.amount, task.brief.directions.up
     event = replace(task.event, stays=task.event.stays or task.is_kept)
-    ends = [replace(task, event=end) for end in _split_ends(event, task.builder)]
-    if len(ends) == 1:
-        return _turn_steadily(ends[0])
-    for end in ends:
-        end.act(ActionType.TORQUE, end.direction, event.strength, task.window)
-        end.expect(MotionKind.ROTATE, end.direction, task.window, released=end.is_released)
-
-
-def _split_ends(event: Event, builder: ForceFieldBuilder) -> list[Event]:
-    """A twist as a turn of one end and of the other against it, half each; of the free end where the other is held."""
-    assert event.direction is not None
-    up, down = builder.brief.directions.up, builder.brief.directions.down
     if builder.anchored:
-        ends = [down if "top" in (builder.brief.anchored or "") else up]
-    else:
-        first = up if abs(dot(event.direction, up)) > _UPRIGHT else event.direction
-        ends = [first, scale(first, -1.0)]
-        builder.add_note(f"'{event.words}': one end turns against the other.")
-    amount = event.amount
+        end = task.brief.directions.down if "top" in (task.brief.anchored or "") else up
+        return _turn_steadily(replace(task, event=replace(event, part=end, region=make_end_region(end, 0.5))))
+    builder.add_note(f"'{event.words}': one end turns against the other.")
     if amount is not None and amount.unit == "degrees":
-        amount = amount.model_copy(update={"value": amount.value / len(ends)})
-    halves = [replace(event, part=end, region=make_end_region(end, 0.5), amount=amount) for end in ends]
-    for half in halves[1:]:
-        half.direction = scale(event.direction, -1.0)
-    return halves
+        event.amount = amount.model_copy(update={"value": amount.value / 2})
+    for sign in (1.0, -1.0):
+        end, way = scale(up if abs(dot(axis, up)) > _UPRIGHT else axis, sign), scale(axis, sign)
+        half = replace(event, part=end, region=make_end_region(end, 0.5), direction=way)
+        turned = replace(task, event=half)
+        turned.act(ActionType.TORQUE, way, half.strength, task.window)
+        turned.expect(MotionKind.ROTATE, way, task.window, released=turned.is_released)
 
 
 def _compile_roll(task: Task) -> None:
@@ -203,14 +190,6 @@ def _compile_roll(task: Task) -> None:
     turns = event.amount is not None and event.amount.unit == "degrees"
     task.expect(MotionKind.MOVE, event.direction, acted, amount=None if turns else event.amount)
     task.expect(MotionKind.ROTATE, axis, acted, amount=event.amount if turns else None)
-
-
-def _compile_still(task: Task) -> None:
-    task.expect(MotionKind.STILL, None, task.window)
-
-
-def _compile_nothing(task: Task) -> None:
-    """Release and holding act through the windows of others and through the anchor."""
 
 
 _COMPILERS = {
@@ -226,7 +205,7 @@ _COMPILERS = {
     Effect.FALL: compile_fall,
     Effect.TOPPLE: compile_topple,
     Effect.JUMP: compile_jump,
-    Effect.STILL: _compile_still,
-    Effect.RELEASE: _compile_nothing,
-    Effect.HOLD: _compile_nothing,
+    Effect.STILL: lambda task: task.expect(MotionKind.STILL, None, task.window),
+    Effect.RELEASE: lambda task: None,  # release and holding act through windows of others and the anchor
+    Effect.HOLD: lambda task: None,
 }
