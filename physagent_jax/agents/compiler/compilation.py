@@ -7,11 +7,12 @@ lexicon maps a word to takes precedence over whatever else an agent thinks of it
 from __future__ import annotations
 
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder, describe_skill
+from physagent_jax.agents.compiler.events import Event
 from physagent_jax.agents.compiler.interpretation import resolve_obstacles
 from physagent_jax.agents.compiler.schedule import schedule
 from physagent_jax.agents.compiler.sequence import apply_holding, choose_anchor, make_events
 from physagent_jax.agents.compiler.skills import compile_slots
-from physagent_jax.agents.compiler.words import Meaning, look_up, suggest_motions
+from physagent_jax.agents.compiler.words import look_up, suggest_motions
 from physagent_jax.agents.intent import Intent
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
@@ -46,21 +47,21 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
         UserError: No motion is known, and nothing is said about holding or gravity.
     """
     told = [look_up(clause) for clause in intent.clauses]
-    known = [meaning for meaning in told if meaning.motion is not None]
-    unknown = [meaning for meaning in told if meaning.motion is None]
+    known = [event for event in told if event.is_known]
+    unknown = [event for event in told if not event.is_known]
     if not known and intent.held is None and intent.surroundings.gravity is None:
         raise _refuse(unknown, brief)
-    meanings = apply_holding(known, intent.held)
-    anchor = choose_anchor(intent.held, meanings)
+    clauses = apply_holding(known, intent.held)
+    anchor = choose_anchor(intent.held, clauses)
     anchored = anchor.kind in ("base", "top") or (brief.anchored is not None and anchor.kind != "none")
     builder = ForceFieldBuilder(brief, anchored, intent.surroundings.gravity, notes=list(intent.notes))
     builder.obstacles += resolve_obstacles(intent.surroundings.solids, None, brief)
-    slots, frame_count, remarks = schedule(make_events(meanings, builder), brief, anchored)
+    slots, frame_count, remarks = schedule(make_events(clauses, builder), brief, anchored)
     builder.brief = brief.model_copy(update={"frame_count": frame_count})
     builder.notes += remarks
     compile_slots(slots, builder)
     _state_gravity(intent, builder)
-    _expect_stillness(meanings, builder)
+    _expect_stillness(clauses, builder)
     _collect_doubts(intent, unknown, builder)
     if anchor.kind is not None:
         builder.add_evidence(anchor.words, "anchor", anchor.kind, "words about holding or freedom")
@@ -84,9 +85,9 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     )
 
 
-def _refuse(unknown: list[Meaning], brief: SceneBrief) -> UserError:
+def _refuse(unknown: list[Event], brief: SceneBrief) -> UserError:
     """The error for an intent of which nothing is known, with the nearest known motions."""
-    words = [meaning.clause.motion or meaning.clause.cause or "" for meaning in unknown]
+    words = [event.clause.motion or event.clause.cause or "" for event in unknown]
     do = f"Say in other words what should happen to the {brief.object_name}, for example {EXAMPLES}"
     if not any(words):
         return UserError("The prompt names no motion that is understood", do=do)
@@ -112,21 +113,21 @@ def _state_gravity(intent: Intent, builder: ForceFieldBuilder) -> None:
         builder.expect(MotionKind.FALL, way, (0.0, builder.last), words)
 
 
-def _expect_stillness(meanings: list[Meaning], builder: ForceFieldBuilder) -> None:
+def _expect_stillness(clauses: list[Event], builder: ForceFieldBuilder) -> None:
     """A sentence that forbids all motion, or only holds something, asks for stillness."""
     if builder.expectations:
         return
-    for meaning in meanings:
-        if meaning.clause.negated and meaning.verb is not None and meaning.verb.effect is Effect.STILL:
+    for event in clauses:
+        if event.clause.negated and event.verb is not None and event.verb.effect is Effect.STILL:
             builder.add_doubt("What it is to do, if not to be still, is not understood.")
-    words = " ".join(meaning.words for meaning in meanings)
+    words = " ".join(event.words for event in clauses)
     builder.expect(MotionKind.STILL, None, (0.0, builder.last), words)
 
 
-def _collect_doubts(intent: Intent, unknown: list[Meaning], builder: ForceFieldBuilder) -> None:
+def _collect_doubts(intent: Intent, unknown: list[Event], builder: ForceFieldBuilder) -> None:
     """Adds what the intent doubts, and what the lexicon, the scene or the clip have no place for."""
-    for meaning in unknown:
-        for doubt in meaning.doubts or ["A clause without a motion is not understood."]:
+    for event in unknown:
+        for doubt in event.doubts or ["A clause without a motion is not understood."]:
             builder.add_doubt(doubt)
     if builder.gravity == "none" and any(each.kind is MotionKind.FALL for each in builder.expectations):
         builder.add_doubt("How it falls without gravity is not understood.")

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from physagent_jax.agents.compiler.events import BY_DEFAULT, Event
-from physagent_jax.agents.compiler.words import WAYS, WayKind
+from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, WayKind
 from physagent_jax.agents.lexicon import Effect, Names, read_lexicon
 from physagent_jax.agents.schema import SceneBrief
 from physagent_jax.agents.vectors import add, cosine, cross, dot, normalise, scale
@@ -66,12 +65,12 @@ def _find_axis(event: Event, brief: SceneBrief) -> Heading | None:
     Counter-clockwise is right-handed about the axis that points at whoever looks: at the viewer for
     turns in the picture plane, up (seen from above) for spinning and twisting.
     """
-    meaning, motion = event.meaning, event.motion
-    turning, seen_from = meaning.clause.turning, meaning.clause.seen_from
-    lines = [*meaning.pick(WayKind.LINE), *meaning.pick(WayKind.PLANE)]
+    motion = event.motion
+    turning, seen_from = event.clause.turning, event.clause.seen_from
+    lines = [*event.pick(WayKind.LINE), *event.pick(WayKind.PLANE)]
     if motion.effect is not Effect.TURN or not (lines or turning or seen_from):
         return None
-    told = meaning.pick(WayKind.TO)
+    told = event.pick(WayKind.TO)
     if lines:
         names = lines[0].names
         axis = sum_directions(_NORMALS.get(names, names) if lines[0].kind is WayKind.PLANE else names, brief)
@@ -89,7 +88,7 @@ def _find_axis(event: Event, brief: SceneBrief) -> Heading | None:
 
 
 def _find_long_axis(event: Event, brief: SceneBrief) -> Heading | None:
-    wrung = event.motion.wrings and not (event.meaning.parts or event.meaning.pick(*WAYS))
+    wrung = event.motion.wrings and not (event.parts or event.pick(*WAYS))
     if not wrung or brief.long_axis is None:
         return None
     return Heading(brief.long_axis, "", "the object is longest along it")
@@ -97,11 +96,11 @@ def _find_long_axis(event: Event, brief: SceneBrief) -> Heading | None:
 
 def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
     """The sum of all ways that are told."""
-    meaning, motion, up = event.meaning, event.motion, brief.directions.up
-    told, alternates = meaning.pick(*WAYS), None
+    motion, up = event.motion, brief.directions.up
+    told, alternates = event.pick(*WAYS), None
     if not told:
         return None
-    pulled_from = motion.pulls and not meaning.pick(WayKind.TO)  # "pull it from left to right"
+    pulled_from = motion.pulls and not event.pick(WayKind.TO)  # "pull it from left to right"
     distinct = dict.fromkeys((way.kind, way.names) for way in told)
     parts = [
         scale(sum_directions(names, brief), -1.0 if kind is WayKind.FROM and not pulled_from else 1.0)
@@ -110,7 +109,7 @@ def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
     total = normalise(add(parts))
     if total is None:  # "to the left and to the right": an axis for stretching, to and fro for the rest
         total = normalise(parts[0])
-        alternates = motion.effect is not Effect.SCALE and not meaning.pick(WayKind.SIDES)  # "its ends apart"
+        alternates = motion.effect is not Effect.SCALE and not event.pick(WayKind.SIDES)  # "its ends apart"
     why = "the viewer's directions, added" if len(told) > 1 else "the viewer's direction"
     if motion.effect is Effect.TURN and total is not None:
         tumbles = motion.tumbles and abs(dot(total, up)) < 0.7
@@ -120,7 +119,7 @@ def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
 
 
 def _find_line(event: Event, brief: SceneBrief) -> Heading | None:
-    lines = event.meaning.pick(WayKind.LINE, WayKind.PLANE)
+    lines = event.pick(WayKind.LINE, WayKind.PLANE)
     if not lines or event.repeat.names and event.effect is Effect.SCALE:
         return None
     return Heading(normalise(sum_directions(lines[0].names, brief)), lines[0].text, "an axis by name")
@@ -133,13 +132,13 @@ def _find_swing(event: Event, brief: SceneBrief) -> Heading | None:
         return None
     if event.effect is Effect.TURN:
         total = _find_turn_towards(total, brief)
-    words = next(each.text or each.first or "" for each in event.meaning.clause.repetitions if each.first)
+    words = next(each.text or each.first or "" for each in event.clause.repetitions if each.first)
     return Heading(total, words, "to and fro, this way first", event.effect is not Effect.SCALE)
 
 
 def _find_obstacle(event: Event, brief: SceneBrief) -> Heading | None:
     """Towards the wall that it meets."""
-    solids = event.meaning.clause.solids
+    solids = event.clause.solids
     if not solids or event.effect not in TOWARDS:
         return None
     words, told = solids[0].text or solids[0].kind, normalise(sum_directions(solids[0].sides, brief))
@@ -150,27 +149,27 @@ def _find_obstacle(event: Event, brief: SceneBrief) -> Heading | None:
 
 def _find_blow(event: Event, brief: SceneBrief) -> Heading | None:
     """A blow on a side drives away from it."""
-    if not event.meaning.parts or event.effect is not Effect.STRIKE:
+    if not event.parts or event.effect is not Effect.STRIKE:
         return None
-    part = event.meaning.parts[0]
+    part = event.parts[0]
     if part.phrase in read_lexicon().fronts:
         why = "a blow on the front drives it away"
-        return Heading(brief.directions.away, event.meaning.words, why)
+        return Heading(brief.directions.away, event.words, why)
     side = normalise(sum_directions(part.place.names, brief))
     return side and Heading(scale(side, -1.0), part.text, "a blow drives away from the side that it hits")
 
 
 def _assume(event: Event, brief: SceneBrief) -> Heading:
     """The motion's own direction, else the assumed one with a note."""
-    meaning, motion = event.meaning, event.motion
+    motion = event.motion
     if motion.effect in _NO_WAY:
-        return Heading(None, meaning.words, "needs no direction")
-    sides = any("side" in way.phrase and way.names == ("both",) for way in meaning.pick(WayKind.SIDES))
+        return Heading(None, event.words, "needs no direction")
+    sides = any("side" in way.phrase and way.names == ("both",) for way in event.pick(WayKind.SIDES))
     name = "right" if sides and motion.effect is Effect.SCALE else motion.direction or ASSUMED
     missing = "no axis given: it points" if motion.effect is Effect.TURN else "no direction given:"
-    note = "" if motion.direction else f"'{meaning.words}': no direction given, assumed {name}."
+    note = "" if motion.direction else f"'{event.words}': no direction given, assumed {name}."
     vector = normalise(sum_directions((name,), brief))
-    return Heading(vector, meaning.words, f"{missing} {name} {BY_DEFAULT}", note=note)
+    return Heading(vector, event.words, f"{missing} {name} {BY_DEFAULT}", note=note)
 
 
 def _find_turn_towards(direction: Vector, brief: SceneBrief) -> Vector:

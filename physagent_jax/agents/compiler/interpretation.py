@@ -8,8 +8,7 @@ from dataclasses import replace
 from physagent_jax.agents import intent
 from physagent_jax.agents.compiler.amounts import MOST, find_target
 from physagent_jax.agents.compiler.directions import TOWARDS, find_heading, sum_directions
-from physagent_jax.agents.compiler.events import Event, ValueSource
-from physagent_jax.agents.compiler.words import WAYS, Meaning, WayKind
+from physagent_jax.agents.compiler.events import WAYS, Event, ValueSource, WayKind
 from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
 from physagent_jax.agents.regions import make_end_region, make_middle_region
 from physagent_jax.agents.schema import Amount, ObstacleRequest, SceneBrief
@@ -33,11 +32,11 @@ _ONCE = (Effect.FALL, Effect.TOPPLE, Effect.ROLL, Effect.BURST, Effect.RELEASE, 
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 
 
-def interpret(meaning: Meaning, before: Event | None, brief: SceneBrief) -> Event:
-    """The event of a clause; ``before`` is what "harder", "back" and "the other way" are measured by."""
-    motion, phrase = _choose_motion(meaning, brief)
-    event = Event(meaning, motion, phrase, meaning.timing, stays=meaning.stays, repeat=_sum_repeats(meaning))
-    event.doubts += meaning.doubts
+def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
+    """Fill in what a clause's words come to; "harder", "back" and "the other way" are measured by ``before``."""
+    event.motion, event.phrase = _choose_motion(event, brief)
+    event.repeat = _sum_repeats(event)
+    _resolve_strength(event, before if event.clause.inherited else None)
     _take_heading(event, brief)
     _act_from_sides(event, brief)
     if before is not None:
@@ -46,56 +45,53 @@ def interpret(meaning: Meaning, before: Event | None, brief: SceneBrief) -> Even
     _count_turns(event)
     _resolve_again(event, before)
     event.doubts += _find_unused(event)
-    if motion.droops and brief.object_kind not in _LIMP:
-        event.doubts.append(f"How '{meaning.words}' is done is not understood.")
-    measure = before if meaning.clause.inherited else None
-    event.strength, event.sources["magnitude"] = _resolve_strength(meaning, motion, measure)
-    event.sources["action_type"] = ValueSource(meaning.words, f"'{phrase}' is a {event.effect.value}")
-    event.sources["active_time"] = _describe_time(meaning)
+    if event.motion.droops and brief.object_kind not in _LIMP:
+        event.doubts.append(f"How '{event.words}' is done is not understood.")
+    event.sources["action_type"] = ValueSource(event.words, f"'{event.phrase}' is a {event.effect.value}")
+    event.sources["active_time"] = _describe_time(event)
     _take_part(event, brief)
-    event.obstacles += resolve_obstacles(meaning.clause.solids, event.direction, brief)
-    return event
+    event.obstacles += resolve_obstacles(event.clause.solids, event.direction, brief)
 
 
-def _choose_motion(meaning: Meaning, brief: SceneBrief) -> tuple[Motion, str]:
+def _choose_motion(event: Event, brief: SceneBrief) -> tuple[Motion, str]:
     """The clause's motion as what stands beside it makes it, and the phrase that it then goes by."""
-    motion, phrase = _join_cause(meaning)
+    motion, phrase = _join_cause(event)
     motions, effect = read_lexicon().motions, motion.effect
-    told, repeats = meaning.pick(*WAYS), meaning.clause.repetitions
+    told, repeats = event.pick(*WAYS), event.clause.repetitions
     counted = any((each.times or 1) > 1 for each in repeats)
-    if effect is Effect.ROLL and (meaning.clause.turning or meaning.clause.seen_from) and not told:
+    if effect is Effect.ROLL and (event.clause.turning or event.clause.seen_from) and not told:
         return replace(motion, effect=Effect.TURN, direction="toward"), phrase  # rolls on the spot
-    if meaning.verb is None and motion.wind and not told and _is_swaying_in_wind(brief):
+    if event.verb is None and motion.wind and not told and _is_swaying_in_wind(brief):
         return replace(motions["sway"], strength=motion.strength), "sway"
     if any(each.alternating for each in repeats) and (effect in (Effect.FALL, Effect.JUMP) or motion.gravity):
         phrase = "sway" if effect is Effect.STRIKE else "bob"  # "is tossed to and fro", "jumps up and down"
-    elif motion.bounces and (counted or meaning.is_upwards):
+    elif motion.bounces and (counted or event.is_upwards):
         phrase = "jump"  # "it bounces three times"
     elif motion.coasts and told:
         phrase = "move"  # "it coasts to the left"; else it goes on by itself
     elif effect is Effect.ROLL and has_wheels(brief):
         phrase = "push"  # its wheels turn, and it does not
-    elif effect is Effect.SWELL and (told or meaning.pick(WayKind.LINE, WayKind.PLANE)):
+    elif effect is Effect.SWELL and (told or event.pick(WayKind.LINE, WayKind.PLANE)):
         return replace(motion, effect=Effect.SCALE), phrase  # "expands horizontally", "grows upwards"
     else:
         return motion, phrase
     return motions[phrase], phrase
 
 
-def _join_cause(meaning: Meaning) -> tuple[Motion, str]:
+def _join_cause(event: Event) -> tuple[Motion, str]:
     """The motion; a wind that "hits" pushes, a cause of generic motion ("sends it") gives its own kind."""
-    cause, verb = meaning.cause, meaning.verb
+    cause, verb = event.cause, event.verb
     if verb is None:
         assert cause is not None
-        return cause, meaning.cause_phrase
+        return cause, event.cause_phrase
     if cause is None:
-        return verb, meaning.phrase
-    quakes = cause.effect is Effect.SWAY and meaning.phrase in ("hit", "strike")  # "an earthquake hits"
+        return verb, event.phrase
+    quakes = cause.effect is Effect.SWAY and event.phrase in ("hit", "strike")  # "an earthquake hits"
     struck = verb.effect is Effect.STRIKE and (cause.wind or cause.skill is not None)  # "a vortex hits it"
     if (verb.generic and verb.effect is Effect.PUSH) or struck or quakes:
-        return cause, meaning.cause_phrase
+        return cause, event.cause_phrase
     skill = cause.skill if verb.effect is cause.effect else verb.skill  # "a vortex spins it"
-    return replace(verb, brief=verb.brief or cause.brief, skill=skill), meaning.phrase
+    return replace(verb, brief=verb.brief or cause.brief, skill=skill), event.phrase
 
 
 def _is_swaying_in_wind(brief: SceneBrief) -> bool:
@@ -108,13 +104,14 @@ def has_wheels(brief: SceneBrief) -> bool:
     return not read_lexicon().wheeled.isdisjoint(re.findall(r"[^\W\d_]+", brief.object_name.lower()))
 
 
-def _resolve_strength(meaning: Meaning, motion: Motion, before: Event | None) -> tuple[float, ValueSource]:
+def _resolve_strength(event: Event, before: Event | None) -> None:
     """Base strength of motion and cause times the intensities; degrees widen the next one's distance from 1."""
-    clause, value, degree, absolute = meaning.clause, motion.strength, 1.0, []
-    if meaning.cause is not None and meaning.verb is not None and meaning.cause not in (motion, meaning.verb):
-        value *= meaning.cause.strength
+    clause, motion, degree, absolute = event.clause, event.motion, 1.0, []
+    value = motion.strength
+    if event.cause is not None and event.verb is not None and event.cause not in (motion, event.verb):
+        value *= event.cause.strength
     shares = [each for each in clause.quantities if each.dimension == "strength"]
-    told = [*meaning.strengths, *(("relative", each.value) for each in shares)]
+    told = [*event.strengths, *(("relative", each.value) for each in shares)]
     for kind, factor in told:
         if kind == "degree":
             degree = factor
@@ -130,18 +127,20 @@ def _resolve_strength(meaning: Meaning, motion: Motion, before: Event | None) ->
             value = max(value, 1.2)
         elif max(absolute) <= 0.6:
             value = min(value, 0.7)
-    value = round(clamp(value, MAGNITUDE_MIN, MAGNITUDE_MAX), 3)
+    event.strength = round(clamp(value, MAGNITUDE_MIN, MAGNITUDE_MAX), 3)
+    words, why = (
+        event.words,
+        "no intensity word: plain" if event.strength == 1.0 else "the word's own strength",
+    )
     if told:
-        words = ", ".join([*clause.strength, *(each.text for each in shares)])
-        return value, ValueSource(words, "intensity words")
-    why = "the word's own strength" if value != 1.0 else "no intensity word: plain"
-    return value, ValueSource(meaning.words, why)
+        words, why = ", ".join([*clause.strength, *(each.text for each in shares)]), "intensity words"
+    event.sources["magnitude"] = ValueSource(words, why)
 
 
-def _sum_repeats(meaning: Meaning) -> Repeat:
+def _sum_repeats(event: Event) -> Repeat:
     """All counts of a clause as one: "left and right twice" alternates and counts."""
-    sides = bool(meaning.pick(WayKind.SIDES))  # "in both directions, left and right" goes there once
-    found = [each for each in meaning.clause.repetitions if not (each.first and sides)]
+    sides = bool(event.pick(WayKind.SIDES))  # "in both directions, left and right" goes there once
+    found = [each for each in event.clause.repetitions if not (each.first and sides)]
     count = next((each.times for each in found if each.times is not None), None)
     names = next(((each.first,) for each in found if each.first), ())
     return Repeat(count, any(each.alternating for each in found), names, any(each.often for each in found))
@@ -159,7 +158,7 @@ def _take_heading(event: Event, brief: SceneBrief) -> None:
 
 def _act_from_sides(event: Event, brief: SceneBrief) -> None:
     """Motions whose kind depends on where they act: from both sides, outward, from one side."""
-    sides, told = event.meaning.pick(WayKind.SIDES), event.meaning.pick(*WAYS)
+    sides, told = event.pick(WayKind.SIDES), event.pick(*WAYS)
     if event.effect is Effect.BURST and told:
         event.motion = replace(event.motion, effect=Effect.STRIKE)
     elif sides:
@@ -189,14 +188,14 @@ def _take_over_direction(event: Event, before: Event) -> None:
     )
     if event.notes and (likewise or driven):  # "push it to the right, then push it harder"
         _turn(event, before.direction, "no direction given: as before")
-    if before.direction is not None and event.meaning.is_back:
+    if before.direction is not None and event.is_back:
         _turn(event, scale(before.direction, -1.0), "back where it came from")
 
 
 def _find_quantities(event: Event, before: Event | None, brief: SceneBrief) -> None:
     """The target that the clause's quantities set, its axis, and what they say that cannot be used."""
     motion = event.motion
-    for quantity in event.meaning.clause.quantities:
+    for quantity in event.clause.quantities:
         if quantity.dimension == "strength":
             continue
         found = find_target(quantity, motion, before.amount if before else None)
@@ -207,7 +206,7 @@ def _find_quantities(event: Event, before: Event | None, brief: SceneBrief) -> N
         event.amount = found.amount
         if found.everywhere:
             event.motion, event.direction = replace(motion, effect=Effect.SWELL), None
-        elif found.names and not event.meaning.pick(*WAYS):  # "to twice its height"
+        elif found.names and not event.pick(*WAYS):  # "to twice its height"
             event.motion = replace(motion, effect=Effect.SCALE)
             event.direction = normalise(sum_directions(found.names, brief))
 
@@ -220,14 +219,14 @@ def _count_turns(event: Event) -> None:
         event.repeat = replace(repeat, count=None)
         angle = angle if repeat.vague else 360.0 * (repeat.count or 0)
     if angle > MOST:
-        event.doubts.append(f"So many turns ('{event.words}') cannot be shown.")
+        event.doubts.append(f"So many turns ('{event.text}') cannot be shown.")
     if angle and event.amount is None:
         event.amount = Amount(value=min(angle, MOST), unit="degrees")
 
 
 def _resolve_again(event: Event, before: Event | None) -> None:
     """Goes "the other way" or "the same way" as the event before."""
-    ways = event.meaning.pick(WayKind.AGAIN)
+    ways = event.pick(WayKind.AGAIN)
     if not ways:
         return
     same = ways[0].names == ("same",)
@@ -244,31 +243,30 @@ def _resolve_again(event: Event, before: Event | None) -> None:
 
 def _find_unused(event: Event) -> list[str]:
     """Find words about place, direction and number that mean nothing for the clause's motion."""
-    meaning, clause, effect = event.meaning, event.meaning.clause, event.effect
-    unused = [way.text for way in meaning.ways if effect in _USELESS[way.kind]]
+    clause, effect = event.clause, event.effect
+    unused = [way.text for way in event.ways if effect in _USELESS[way.kind]]
     if effect in _WHOLE:
         lands = event.motion.lands  # "lands on its feet"
-        parts = [*meaning.parts, *meaning.excluded]
+        parts = [*event.parts, *event.excluded]
         unused += [part.text for part in parts if not (lands and part.place.names == ("down",))]
     if (clause.turning or clause.seen_from) and effect is not Effect.TURN:
         unused.append(clause.turning or f"seen from {clause.seen_from}")
     unused += [each.text for each in clause.repetitions if each.times][1:]
     if effect in _ONCE:
         unused += [each.text for each in clause.repetitions if (each.times or 1) > 1 or each.alternating]
-    return [f"What '{words}' means for '{meaning.words}' is not understood." for words in unused]
+    return [f"What '{words}' means for '{event.words}' is not understood." for words in unused]
 
 
 def _take_part(event: Event, brief: SceneBrief) -> None:
     """The region that is acted on, and the end that is named or excepted."""
-    meaning = event.meaning
-    named = [*meaning.parts, *meaning.excluded]
-    opposite = event.effect is Effect.TURN and len({each.place.names for each in meaning.parts}) == 2
+    named = [*event.parts, *event.excluded]
+    opposite = event.effect is Effect.TURN and len({each.place.names for each in event.parts}) == 2
     if len(named) > 1 and not opposite:  # "one end against the other"
         words = ", ".join(each.text for each in named)
         event.doubts.append(f"Of several parts ({words}) only the first is used.")
-    if not named or event.effect is Effect.FALL and named[0].place.names == ("down",) and meaning.parts:
+    if not named or event.effect is Effect.FALL and named[0].place.names == ("down",) and event.parts:
         return  # "lands on its feet", as it stood
-    place, event.excludes_part = named[0].place, not meaning.parts
+    place, event.excludes_part = named[0].place, not event.parts
     event.part = normalise(sum_directions(place.names, brief))
     if not event.excludes_part:
         event.sources["region"] = ValueSource(named[0].text, "a part of the object")
@@ -299,9 +297,9 @@ def resolve_obstacles(
     return found
 
 
-def _describe_time(meaning: Meaning) -> ValueSource:
-    told = [each for each in (meaning.timing.starts, meaning.timing.lasts) if each is not None]
+def _describe_time(event: Event) -> ValueSource:
+    told = [each for each in (event.when.starts, event.when.lasts) if each is not None]
     if not told:
-        return ValueSource(meaning.words, "its share of the sequence")
+        return ValueSource(event.words, "its share of the sequence")
     words = dict.fromkeys(each.text or f"{each.value:g} {each.unit}" for each in told)
     return ValueSource(", ".join(words), "time as told")

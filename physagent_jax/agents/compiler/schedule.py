@@ -175,7 +175,7 @@ def _cosine(one: Event, other: Event) -> float:
 
 def follows(before: Event, event: Event) -> bool:
     """Return whether ``event`` comes after ``before`` rather than with it."""
-    order, effect = event.meaning.clause.order, event.effect
+    order, effect = event.clause.order, event.effect
     if order != "and":
         return order == "then"
     if event.when.starts is not None and event.when.starts != before.when.starts:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
-from physagent_jax.agents.compiler.events import Event
+from physagent_jax.agents.compiler.events import WAYS, Event, WayKind
 from physagent_jax.agents.compiler.interpretation import interpret, resolve_obstacles
 from physagent_jax.agents.compiler.schedule import follows
-from physagent_jax.agents.compiler.words import WAYS, Meaning, WayKind
 from physagent_jax.agents.intent import Held, Timing
 from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.agents.schema import AnchorRequest
@@ -20,57 +19,57 @@ _HOLDABLE = (Effect.PUSH, Effect.LEAN, Effect.SCALE, Effect.SWELL, Effect.TURN)
 _RISING = (Effect.PUSH, Effect.STRIKE, Effect.JUMP)
 
 
-def make_events(meanings: list[Meaning], builder: ForceFieldBuilder) -> list[Event]:
+def make_events(clauses: list[Event], builder: ForceFieldBuilder) -> list[Event]:
     """The events that happen, in order."""
     events: list[Event] = []
-    for meaning in meanings:
-        if meaning.has_effect(Effect.HOLD):
-            builder.obstacles += resolve_obstacles(meaning.clause.solids, None, builder.brief)
-        elif keeps_end(meaning, meanings):
+    for event in clauses:
+        if event.effect is Effect.HOLD:
+            builder.obstacles += resolve_obstacles(event.clause.solids, None, builder.brief)
+        elif keeps_end(event, clauses):
             continue  # "while the bottom stays put": what is held
-        elif meaning.clause.negated or any(each.times == 0 for each in meaning.clause.repetitions):
-            builder.add_note(f"'{meaning.words}' is negated: it does not happen.")
+        elif event.clause.negated or any(each.times == 0 for each in event.clause.repetitions):
+            builder.add_note(f"'{event.words}' is negated: it does not happen.")
         else:
-            _add_event(events, meaning, builder)
+            _add_event(events, event, builder)
     events = _share_time(_find_releases(events, builder))
     if any(each.effect not in _RESTING for each in events):
         events = [each for each in events if not _is_only_posture(each, events)]
     return events
 
 
-def _add_event(events: list[Event], meaning: Meaning, builder: ForceFieldBuilder) -> None:
+def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) -> None:
     """Adds what a clause tells."""
-    event = interpret(meaning, _find_measure(events, meaning), builder.brief)
+    interpret(event, _find_measure(events, event), builder.brief)
     _measure_return(event, events)
     event = _put_under_gravity(event, builder.gravity)
-    if events and events[-1].effect is Effect.FALL and event.effect is Effect.FALL and meaning.is_bare:
+    if events and events[-1].effect is Effect.FALL and event.effect is Effect.FALL and event.is_bare:
         return  # "it drops and bounces"
-    if event.effect is Effect.FALL and builder.gravity is None and meaning.is_upwards:
+    if event.effect is Effect.FALL and builder.gravity is None and event.is_upwards:
         builder.gravity = "up"  # "it falls upwards"
     events.append(event)
 
 
 def _is_only_posture(event: Event, events: list[Event]) -> bool:
     """Return whether "standing" is no wish for stillness: "the robot standing on the ground is pushed"."""
-    last = event is events[-1] and event.meaning.clause.order == "then"
+    last = event is events[-1] and event.clause.order == "then"
     return event.effect is Effect.STILL and event.motion.generic and not last and not event.is_timed
 
 
-def _find_measure(events: list[Event], meaning: Meaning) -> Event | None:
+def _find_measure(events: list[Event], event: Event) -> Event | None:
     """The last event with a direction; for what comes "back" or goes on the same way, the last like it."""
     directed = [each for each in events if each.direction is not None]
-    turns = meaning.has_effect(Effect.TURN)
-    if meaning.is_back:
+    turns = event.effect is Effect.TURN
+    if event.is_back:
         directed = [each for each in directed if (each.effect is Effect.TURN) == turns] or directed
-    if any(way.names == ("same",) for way in meaning.pick(WayKind.AGAIN)):
+    if any(way.names == ("same",) for way in event.pick(WayKind.AGAIN)):
         directed = [each for each in directed if each.effect is not Effect.TURN] or directed
     return directed[-1] if directed else None
 
 
 def _measure_return(event: Event, events: list[Event]) -> None:
     """The distance of a return, where the distance away was told."""
-    way, told = event.direction, event.amount is not None or event.meaning.clause.quantities
-    if told or not event.meaning.is_back or way is None:
+    way, told = event.direction, event.amount is not None or event.clause.quantities
+    if told or not event.is_back or way is None:
         return
     alike = [(e.direction, e.amount) for e in events if e.effect is event.effect and e.direction is not None]
     if len({amount and amount.unit for _, amount in alike}) != 1:
@@ -101,8 +100,8 @@ def _make_another(event: Event, phrase: str, **changes) -> Event:
 
 def _put_under_gravity(event: Event, gravity: str | None) -> Event:
     """Let gravity make things fall; what floats in zero gravity is still, unless something else moves it."""
-    told = bool(event.meaning.pick(*WAYS))
-    falls = event.meaning.clause.cause == "gravity" and gravity in ("down", None)
+    told = bool(event.pick(*WAYS))
+    falls = event.clause.cause == "gravity" and gravity in ("down", None)
     if falls and event.effect is Effect.PUSH and (not told or event.motion.pulls):
         return _make_another(event, "fall")
     if gravity == "none" and event.motion.floats and not told:
@@ -128,9 +127,9 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
             result.append(event)
         elif event.motion.lets_go:
             result.append(replace(event, motion=read_lexicon().motions["fall"]))
-            builder.add_note(f"'{event.words}': nothing acts before it, so the object is let fall.")
+            builder.add_note(f"'{event.text}': nothing acts before it, so the object is let fall.")
         else:
-            builder.add_doubt(f"What '{event.words}' comes back from is not understood.")
+            builder.add_doubt(f"What '{event.text}' comes back from is not understood.")
     return result
 
 
@@ -143,90 +142,87 @@ def _is_lifted(events: list[Event], builder: ForceFieldBuilder) -> bool:
     return raised and builder.grounded and not builder.anchored
 
 
-def apply_holding(meanings: list[Meaning], held: Held | None) -> list[Meaning]:
+def apply_holding(clauses: list[Event], held: Held | None) -> list[Event]:
     """Holding what was just moved keeps it there; holding what is then let go is no anchor."""
-    result: list[Meaning] = []
-    for index, meaning in enumerate(meanings):
+    result: list[Event] = []
+    for index, event in enumerate(clauses):
         last = result[-1] if result else None
-        follows = next((each for each in meanings[index + 1 :] if not each.clause.negated), None)
-        alike = last is not None and last.motion and meaning.has_effect(last.motion.effect)
-        if last is not None and meaning.stays and meaning.is_bare and alike:
+        after = next((each for each in clauses[index + 1 :] if not each.clause.negated), None)
+        if last is not None and event.stays and event.is_bare and event.effect is last.effect:
             last.stays = True  # "compress it and keep it compressed"
             continue
-        if _hangs_in_the_air(meaning, last):
-            if follows is not None and follows.has_effect(Effect.FALL):
+        if _hangs_in_the_air(event, last):
+            if after is not None and after.effect is Effect.FALL:
                 continue  # "thrown up, it hangs there and falls": so does all that turns back
-            meaning = _wait(meaning)
-        if _is_bare_hold(meaning) and held is None:
-            result += _hold(meaning, last, follows)
+            event = _wait(event)
+        if _is_bare_hold(event) and held is None:
+            result += _hold(event, last, after)
         else:
-            result.append(meaning)
+            result.append(event)
     return result
 
 
-def _hold(meaning: Meaning, last: Meaning | None, follows: Meaning | None) -> list[Meaning]:
+def _hold(event: Event, last: Event | None, after: Event | None) -> list[Event]:
     """A bare hold as an anchor, as a time of rest, or (nothing) as a property of what was done before."""
-    timed = meaning.timing != Timing()
-    moved = last is not None and not last.clause.negated and last.has_effect(*_HOLDABLE)
-    let_go = follows is not None and follows.has_effect(Effect.RELEASE) and follows.is_bare
-    if moved and last is not None and let_go and last.timing == Timing():
-        last.timing = meaning.timing  # "hold it for a second, then release it"
-    elif follows is not None and timed:
-        return [_wait(meaning)]  # "hold it for a second, then"
-    elif moved and last is not None and meaning.clause.order != "together":
-        last.stays = follows is None
-    elif follows is None or not follows.has_effect(Effect.FALL, Effect.RELEASE):
-        return [meaning]
+    moved = last is not None and not last.clause.negated and last.effect in _HOLDABLE
+    let_go = after is not None and after.effect is Effect.RELEASE and after.is_bare
+    if moved and last is not None and let_go and not last.is_timed:
+        last.when = event.when  # "hold it for a second, then release it"
+    elif after is not None and event.is_timed:
+        return [_wait(event)]  # "hold it for a second, then"
+    elif moved and last is not None and event.clause.order != "together":
+        last.stays = after is None
+    elif after is None or after.effect not in (Effect.FALL, Effect.RELEASE):
+        return [event]
     return []
 
 
-def choose_anchor(told: Held | None, meanings: list[Meaning]) -> AnchorRequest:
+def choose_anchor(told: Held | None, clauses: list[Event]) -> AnchorRequest:
     """Choose the hold: an adjective ("rooted"), a motion ("hold the pot"), or an end that "does not move"."""
     if told is not None:
         return AnchorRequest(kind=told.end, words=told.text, described=told.described)
-    for meaning in meanings:
-        motion = meaning.motion
-        if motion is not None and motion.effect is Effect.HOLD:
-            end = "none" if meaning.clause.negated else _find_held_end(meaning, motion.holds)
-        elif keeps_end(meaning, meanings):
-            end = _find_held_end(meaning, None)
+    for event in clauses:
+        if event.effect is Effect.HOLD:
+            end = "none" if event.clause.negated else _find_held_end(event, event.motion.holds)
+        elif keeps_end(event, clauses):
+            end = _find_held_end(event, None)
         else:
             continue
-        return AnchorRequest.model_validate({"kind": end, "words": meaning.text})
+        return AnchorRequest.model_validate({"kind": end, "words": event.text})
     return AnchorRequest()
 
 
-def keeps_end(meaning: Meaning, meanings: list[Meaning]) -> bool:
+def keeps_end(event: Event, clauses: list[Event]) -> bool:
     """Return whether a clause says of an end that it is still while the rest moves."""
-    still = meaning.has_effect(Effect.STILL) and not meaning.clause.negated
-    beside = meaning is meanings[0] or meaning.clause.order != "then"
-    return still and beside and _find_held_end(meaning, None) is not None
+    still = event.effect is Effect.STILL and not event.clause.negated
+    beside = event is clauses[0] or event.clause.order != "then"
+    return still and beside and _find_held_end(event, None) is not None
 
 
-def _find_held_end(meaning: Meaning, otherwise: str | None) -> str | None:
+def _find_held_end(event: Event, otherwise: str | None) -> str | None:
     """The end that a clause names: "base" or "top"; other parts cannot be held."""
-    if not meaning.parts:
+    if not event.parts:
         return otherwise
-    names = meaning.parts[0].place.names
+    names = event.parts[0].place.names
     return "base" if "down" in names else "top" if "up" in names else None
 
 
-def _is_bare_hold(meaning: Meaning) -> bool:
+def _is_bare_hold(event: Event) -> bool:
     """Return whether a clause only holds the object."""
-    motion = meaning.motion
-    holds = motion is not None and motion.effect is Effect.HOLD and motion.holds == "base"
-    return holds and not meaning.parts and not meaning.clause.negated
+    holds = event.effect is Effect.HOLD and event.motion.holds == "base"
+    return holds and not event.parts and not event.clause.negated
 
 
-def _hangs_in_the_air(meaning: Meaning, last: Meaning | None) -> bool:
+def _hangs_in_the_air(event: Event, last: Event | None) -> bool:
     """Return whether what hangs has just been moved, and nothing is told that it hangs from."""
-    if meaning.phrase != "hang" or meaning.clause.negated or meaning.clause.order == "together":
+    if event.phrase != "hang" or event.clause.negated or event.clause.order == "together":
         return False
-    if last is None or last.clause.negated or meaning.pick(WayKind.FROM, WayKind.PLANE):
+    if last is None or last.clause.negated or event.pick(WayKind.FROM, WayKind.PLANE):
         return False
-    return last.has_effect(*_RISING)
+    return last.effect in _RISING
 
 
-def _wait(meaning: Meaning) -> Meaning:
+def _wait(event: Event) -> Event:
     """The same for a time in which nothing moves."""
-    return replace(meaning, verb=read_lexicon().motions["wait"], phrase="wait", cause=None)
+    wait = read_lexicon().motions["wait"]
+    return replace(event, motion=wait, verb=wait, phrase="wait", cause=None)

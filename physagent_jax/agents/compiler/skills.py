@@ -30,7 +30,7 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
         builder.room = following[0].window[1] if following else builder.last
         stops = [each for each in slot.events if each.effect is Effect.STILL]
         if stops and len(stops) < len(slot.events):
-            builder.add_doubt(f"What '{stops[0].words}' keeps still while the rest moves is not understood.")
+            builder.add_doubt(f"What '{stops[0].text}' keeps still while the rest moves is not understood.")
         for event in slot.events:
             for note in event.notes:
                 builder.add_note(note)
@@ -127,7 +127,7 @@ def _compile_scale(task: Task) -> None:
         strength = find_strain_magnitude(event.amount)
         task = replace(task, event=replace(event, stays=event.stays or count == 1 and task.is_kept))
         if strength > MAGNITUDE_MAX:
-            builder.add_note(f"'{event.words}': more than the library's strongest force is calibrated for.")
+            builder.add_note(f"'{event.text}': more than the library's strongest force is calibrated for.")
     for part in windows:
         for axis in axes:
             task.act(ActionType.SCALE, axis, event.motion.sign * strength, part)
@@ -171,7 +171,7 @@ def _compile_twist(task: Task) -> None:
     if builder.anchored:
         end = task.brief.directions.down if "top" in (task.brief.anchored or "") else up
         return _turn_steadily(replace(task, event=replace(event, part=end, region=make_end_region(end, 0.5))))
-    builder.add_note(f"'{event.words}': one end turns against the other.")
+    builder.add_note(f"'{event.text}': one end turns against the other.")
     if amount is not None and amount.unit == "degrees":
         event.amount = amount.model_copy(update={"value": amount.value / 2})
     for sign in (1.0, -1.0):

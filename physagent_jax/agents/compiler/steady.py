@@ -89,10 +89,10 @@ class Task:
             "part": event.part,
             "excludes_part": event.excludes_part,
             "stays": event.stays,
-            "even": event.meaning.clause.even and kind in (MotionKind.MOVE, MotionKind.ROTATE),
+            "even": event.clause.even and kind in (MotionKind.MOVE, MotionKind.ROTATE),
             "amount": event.amount or self._find_duration(),
         }
-        builder.expect(kind, direction, window, event.words, **(values | more))
+        builder.expect(kind, direction, window, event.text, **(values | more))
 
     def _find_duration(self) -> Amount | None:
         """The cause's duration, if the sentence says so in seconds or frames."""
@@ -142,7 +142,7 @@ class Task:
             return False
         thrown = event.effect is Effect.STRIKE and (motion.gravity or motion.direction == "up")
         way_told = event.effect is Effect.PUSH and not event.sources["vector"].why.endswith(BY_DEFAULT)
-        elsewhere = event.meaning.clause.elsewhere or way_told and motion.hauls
+        elsewhere = event.clause.elsewhere or way_told and motion.hauls
         far = event.amount is not None and event.amount.unit in ("lengths", "metres")
         goes = way_told and motion.generic or elsewhere and not self._is_let_go
         return thrown or far or goes or event.effect is Effect.JUMP

@@ -7,12 +7,11 @@ from anywhere: articles are ignored, inflected verbs are known, and a word that 
 from __future__ import annotations
 
 import difflib
-import enum
 import re
-from dataclasses import dataclass, field
 
 from physagent_jax.agents import intent
-from physagent_jax.agents.lexicon import Effect, Motion, Names, Place, read_forms, read_lexicon
+from physagent_jax.agents.compiler.events import Event, KnownPart, KnownWay, WayKind
+from physagent_jax.agents.lexicon import Motion, Names, Place, read_forms, read_lexicon
 
 _ARTICLE = re.compile(r"^(the )?(an? )?(its )?")
 _AROUND = re.compile(r"^((to|from|towards?) )?((the|an?|its) )?|( side)?( direction)?$")
@@ -26,119 +25,10 @@ _ENDS_AT = 2 / 3  # of the extent: where "the top" or "its left" begins
 _NOT_LESS, _NOT_MORE = 0.8, 1.2  # factors of "not hard" and "not gently"
 
 
-class WayKind(enum.Enum):
-    """The kinds of ways."""
-
-    TO = enum.auto()  # a direction
-    FROM = enum.auto()  # where the cause comes from
-    LINE = enum.auto()  # of a stretch, or axis of a turn
-    PLANE = enum.auto()  # of a turn
-    SIDES = enum.auto()  # several at once
-    AGAIN = enum.auto()  # as before, or the other way
-
-
-WAYS = (WayKind.TO, WayKind.FROM)
-
-
-@dataclass(frozen=True)
-class KnownWay:
-    """A way with its meaning.
-
-    Attributes:
-        kind: Its kind.
-        names: Directions that are added; for sides "both" or "all", for `WayKind.AGAIN` "same" or "other".
-        phrase: The lexicon's phrase.
-        text: The words in the sentence.
-    """
-
-    kind: WayKind
-    names: Names
-    phrase: str
-    text: str
-
-
-@dataclass(frozen=True)
-class KnownPart:
-    """A part with its place."""
-
-    place: Place
-    phrase: str
-    text: str
-
-
-@dataclass
-class Meaning:
-    """A clause with the meanings of its words.
-
-    Attributes:
-        clause: The clause.
-        timing, stays: Its time, and whether the result is held; what follows may change both.
-        verb: What is done; None if only a cause is named.
-        cause: What does it.
-        phrase, cause_phrase: The lexicon's words for them.
-        ways, parts, excluded: Ways, parts that are acted on, and parts that are not.
-        strengths: Words for strength, as `find_strength` knows them.
-        doubts: Words that the lexicon has no meaning for, in sentences.
-    """
-
-    clause: intent.Clause
-    timing: intent.Timing
-    stays: bool
-    verb: Motion | None = None
-    cause: Motion | None = None
-    phrase: str = ""
-    cause_phrase: str = ""
-    ways: list[KnownWay] = field(default_factory=list)
-    parts: list[KnownPart] = field(default_factory=list)
-    excluded: list[KnownPart] = field(default_factory=list)
-    strengths: list[tuple[str, float]] = field(default_factory=list)
-    doubts: list[str] = field(default_factory=list)
-
-    @property
-    def motion(self) -> Motion | None:
-        """The motion of the verb, else of the cause; None if neither is known."""
-        return self.verb or self.cause
-
-    @property
-    def words(self) -> str:
-        """The words in the sentence that name the motion."""
-        return self.clause.said or self.clause.motion or self.clause.cause or ""
-
-    @property
-    def text(self) -> str:
-        """The clause's words in the sentence."""
-        return self.clause.text or self.words
-
-    def pick(self, *kinds: WayKind) -> list[KnownWay]:
-        """Its ways of these kinds."""
-        return [way for way in self.ways if way.kind in kinds]
-
-    def has_effect(self, *effects: Effect) -> bool:
-        """Whether its motion is one of these."""
-        return self.motion is not None and self.motion.effect in effects
-
-    @property
-    def is_bare(self) -> bool:
-        """Whether nothing but its strength is told."""
-        told = self.clause
-        rest = told.quantities or told.repetitions or told.solids or told.turning or told.seen_from
-        return not (self.ways or self.parts or self.excluded or rest or self.timing != intent.Timing())
-
-    @property
-    def is_back(self) -> bool:
-        """Whether it goes back where it came from."""
-        return any(way.phrase == "back" for way in self.pick(WayKind.TO))
-
-    @property
-    def is_upwards(self) -> bool:
-        """Whether it goes up."""
-        return any(way.names == ("up",) for way in self.pick(WayKind.TO))
-
-
-def look_up(clause: intent.Clause) -> Meaning:
+def look_up(clause: intent.Clause) -> Event:
     """The meanings of a clause's words."""
     senses = {1: "counterclockwise", -1: "clockwise"}
-    found = Meaning(clause, clause.timing, clause.stays)
+    found = Event(clause, clause.timing, clause.stays)
     _look_up_motion(found)
     for way in clause.ways:
         known, sense = find_way(way), read_lexicon().senses.get(normalise(way.word))
@@ -164,7 +54,7 @@ def look_up(clause: intent.Clause) -> Meaning:
     return found
 
 
-def _look_up_motion(found: Meaning) -> None:
+def _look_up_motion(found: Event) -> None:
     """Fills verb and cause; either word may name the other."""
     lexicon, clause = read_lexicon(), found.clause
     found.phrase = _find_phrase(clause.motion, lexicon.motions)
@@ -180,6 +70,7 @@ def _look_up_motion(found: Meaning) -> None:
         if not (noun or found.verb or found.cause_phrase):
             found.doubts.append(f"The cause '{clause.cause}' is not understood.")
     found.cause = causes.get(found.cause_phrase)
+    found.motion = found.verb or found.cause or found.motion
 
 
 def _find_phrase(word: str, table: dict[str, Motion]) -> str:
