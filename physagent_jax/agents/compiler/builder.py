@@ -10,7 +10,7 @@ from physagent_jax.agents.vectors import clamp
 from physagent_jax.agents.windows import Window
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.schema import Action, ForceField, VelocityConstraint, is_too_short
+from physagent_jax.forces.schema import Action, VelocityConstraint, is_too_short
 
 MAX_ACTIONS = 60  # more would only slow the simulation; no sentence for a clip of a few seconds needs them
 
@@ -88,10 +88,6 @@ class ForceFieldBuilder:
         if round(end) > round(first):
             return (float(round(first)), float(round(end)))
         return (self.last - 1.0, self.last) if is_too_short(first, end) else (first, end)
-
-    def build(self) -> ForceField:
-        """The result."""
-        return ForceField(default_drop=self.default_drop, actions=tuple(self.actions))
 
 
 def describe_skill(skill: Action | VelocityConstraint) -> dict[str, str]:

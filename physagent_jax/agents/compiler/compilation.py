@@ -62,18 +62,22 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     compile_slots(slots, builder)
     _state_gravity(intent, builder)
     _expect_stillness(clauses, builder)
+    solids = [*intent.surroundings.solids, *(each for clause in intent.clauses for each in clause.solids)]
+    words = [intent.surroundings.text, *(each.text or each.kind for each in solids)]
+    if len(set(solids)) > len(builder.obstacles):
+        builder.add_doubt(f"Where '{words[-1]}' is, is not understood.")
     _collect_doubts(intent, unknown, builder)
     if anchor.kind is not None:
         builder.add_evidence(anchor.words, "anchor", anchor.kind, "words about holding or freedom")
     return SemanticReply(
-        force_field=builder.build(),
+        force_field=ForceField(default_drop=builder.default_drop, actions=tuple(builder.actions)),
         expectations=tuple(builder.expectations),
         anchor=anchor,
         world=WorldRequest(
             gravity=builder.gravity,
             ground=intent.surroundings.ground,
             obstacles=tuple(builder.obstacles),
-            words=_quote_world(intent),
+            words=", ".join(dict.fromkeys(filter(None, words))),
         ),
         frame_count=None if frame_count == brief.frame_count else frame_count,
         materials=intent.materials,
@@ -131,22 +135,8 @@ def _collect_doubts(intent: Intent, unknown: list[Event], builder: ForceFieldBui
             builder.add_doubt(doubt)
     if builder.gravity == "none" and any(each.kind is MotionKind.FALL for each in builder.expectations):
         builder.add_doubt("How it falls without gravity is not understood.")
-    solids = _list_solids(intent)
-    if len(set(solids)) > len(builder.obstacles):
-        builder.add_doubt(f"Where '{solids[-1].text or solids[-1].kind}' is, is not understood.")
     for doubt in (*intent.doubts, *(f"'{word}' is not understood." for word in intent.unknown)):
         builder.add_doubt(doubt)
-
-
-def _list_solids(intent: Intent) -> list:
-    """The walls and blocks of surroundings and clauses."""
-    return [*intent.surroundings.solids, *(each for clause in intent.clauses for each in clause.solids)]
-
-
-def _quote_world(intent: Intent) -> str:
-    """The words about gravity, ground, walls and blocks."""
-    words = [intent.surroundings.text, *(each.text or each.kind for each in _list_solids(intent))]
-    return ", ".join(dict.fromkeys(word for word in words if word))
 
 
 def _choose_kinds(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:

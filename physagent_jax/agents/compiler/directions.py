@@ -7,9 +7,10 @@ the magnitude is kept for stretching (+) and squeezing (-).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
+from typing import NamedTuple
 
-from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, WayKind
+from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueSource, WayKind
 from physagent_jax.agents.lexicon import Effect, Names, read_lexicon
 from physagent_jax.agents.schema import SceneBrief
 from physagent_jax.agents.vectors import add, cosine, cross, dot, normalise, scale
@@ -24,22 +25,12 @@ _NORMALS: dict[Names, Names] = {("right",): ("up",), ("up",): ("right",)}
 """Turning horizontally is about the vertical."""
 
 
-@dataclass(frozen=True)
-class Heading:
-    """The direction of a motion.
-
-    Attributes:
-        vector: Unit direction or axis; None = needs none.
-        words, why: The words that led to it, and the rule.
-        alternates: Whether it goes to and fro from there; None = as its counts say.
-        note: What was assumed.
-    """
+class Heading(NamedTuple):
+    """Unit direction or axis (None = needs none), the words that led to it, and the rule."""
 
     vector: Vector | None
     words: str
     why: str
-    alternates: bool | None = None
-    note: str = ""
 
 
 def sum_directions(names: Names, brief: SceneBrief) -> Vector:
@@ -50,13 +41,13 @@ def sum_directions(names: Names, brief: SceneBrief) -> Vector:
     return add(known.get(name) or getattr(table, name) for name in names)
 
 
-def find_heading(event: Event, brief: SceneBrief) -> Heading:
-    """The heading that the clause's words tell, in the order in which they take precedence."""
-    for find in (_find_axis, _find_long_axis, _add_ways, _find_line, _find_swing, _find_obstacle, _find_blow):
-        heading = find(event, brief)
-        if heading is not None:
-            return heading
-    return _assume(event, brief)
+def take_heading(event: Event, brief: SceneBrief) -> None:
+    """Sets the direction that the clause's words tell, in the order in which they take precedence."""
+    rules = (_find_axis, _find_long_axis, _add_ways, _find_line, _find_swing, _find_obstacle, _find_blow)
+    found = (rule(event, brief) for rule in rules)
+    heading = next((each for each in found if each is not None), None) or _assume(event, brief)
+    event.direction = heading.vector
+    event.sources["vector"] = ValueSource(heading.words, heading.why)
 
 
 def _find_axis(event: Event, brief: SceneBrief) -> Heading | None:
@@ -97,7 +88,7 @@ def _find_long_axis(event: Event, brief: SceneBrief) -> Heading | None:
 def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
     """The sum of all ways that are told."""
     motion, up = event.motion, brief.directions.up
-    told, alternates = event.pick(*WAYS), None
+    told = event.pick(*WAYS)
     if not told:
         return None
     pulled_from = motion.pulls and not event.pick(WayKind.TO)  # "pull it from left to right"
@@ -109,13 +100,14 @@ def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
     total = normalise(add(parts))
     if total is None:  # "to the left and to the right": an axis for stretching, to and fro for the rest
         total = normalise(parts[0])
-        alternates = motion.effect is not Effect.SCALE and not event.pick(WayKind.SIDES)  # "its ends apart"
+        both = motion.effect is Effect.SCALE or event.pick(WayKind.SIDES)  # "its ends apart"
+        event.repeat = replace(event.repeat, alternate=not both)
     why = "the viewer's directions, added" if len(told) > 1 else "the viewer's direction"
     if motion.effect is Effect.TURN and total is not None:
         tumbles = motion.tumbles and abs(dot(total, up)) < 0.7
         total = find_lean_axis(total, brief) if tumbles else _find_turn_towards(total, brief)
         why = f"{'the top' if tumbles else 'the side that faces the viewer'} turns this way"
-    return Heading(total, " ".join(way.text for way in told), why, alternates)
+    return Heading(total, " ".join(way.text for way in told), why)
 
 
 def _find_line(event: Event, brief: SceneBrief) -> Heading | None:
@@ -133,7 +125,8 @@ def _find_swing(event: Event, brief: SceneBrief) -> Heading | None:
     if event.effect is Effect.TURN:
         total = _find_turn_towards(total, brief)
     words = next(each.text or each.first or "" for each in event.clause.repetitions if each.first)
-    return Heading(total, words, "to and fro, this way first", event.effect is not Effect.SCALE)
+    event.repeat = replace(event.repeat, alternate=event.effect is not Effect.SCALE)
+    return Heading(total, words, "to and fro, this way first")
 
 
 def _find_obstacle(event: Event, brief: SceneBrief) -> Heading | None:
@@ -142,9 +135,8 @@ def _find_obstacle(event: Event, brief: SceneBrief) -> Heading | None:
     if not solids or event.effect not in TOWARDS:
         return None
     words, told = solids[0].text or solids[0].kind, normalise(sum_directions(solids[0].sides, brief))
-    note = "" if told else f"'{words}': no side given, assumed {ASSUMED}."
-    assumed = getattr(brief.directions, ASSUMED)
-    return Heading(told or assumed, words, "towards what is in the way", note=note)
+    event.notes += [] if told else [f"'{words}': no side given, assumed {ASSUMED}."]
+    return Heading(told or getattr(brief.directions, ASSUMED), words, "towards what is in the way")
 
 
 def _find_blow(event: Event, brief: SceneBrief) -> Heading | None:
@@ -167,9 +159,9 @@ def _assume(event: Event, brief: SceneBrief) -> Heading:
     sides = any("side" in way.phrase and way.names == ("both",) for way in event.pick(WayKind.SIDES))
     name = "right" if sides and motion.effect is Effect.SCALE else motion.direction or ASSUMED
     missing = "no axis given: it points" if motion.effect is Effect.TURN else "no direction given:"
-    note = "" if motion.direction else f"'{event.words}': no direction given, assumed {name}."
+    event.notes += [] if motion.direction else [f"'{event.words}': no direction given, assumed {name}."]
     vector = normalise(sum_directions((name,), brief))
-    return Heading(vector, event.words, f"{missing} {name} {BY_DEFAULT}", note=note)
+    return Heading(vector, event.words, f"{missing} {name} {BY_DEFAULT}")
 
 
 def _find_turn_towards(direction: Vector, brief: SceneBrief) -> Vector:

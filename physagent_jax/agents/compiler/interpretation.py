@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from physagent_jax.agents import intent
 from physagent_jax.agents.compiler.amounts import MOST, find_target
-from physagent_jax.agents.compiler.directions import TOWARDS, find_heading, sum_directions
+from physagent_jax.agents.compiler.directions import TOWARDS, sum_directions, take_heading
 from physagent_jax.agents.compiler.events import WAYS, Event, ValueSource, WayKind
 from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
 from physagent_jax.agents.regions import make_end_region, make_middle_region
@@ -37,7 +37,7 @@ def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     event.motion, event.phrase = _choose_motion(event, brief)
     event.repeat = _sum_repeats(event)
     _resolve_strength(event, before if event.clause.inherited else None)
-    _take_heading(event, brief)
+    take_heading(event, brief)
     _act_from_sides(event, brief)
     if before is not None:
         _take_over_direction(event, before)
@@ -61,7 +61,8 @@ def _choose_motion(event: Event, brief: SceneBrief) -> tuple[Motion, str]:
     counted = any((each.times or 1) > 1 for each in repeats)
     if effect is Effect.ROLL and (event.clause.turning or event.clause.seen_from) and not told:
         return replace(motion, effect=Effect.TURN, direction="toward"), phrase  # rolls on the spot
-    if event.verb is None and motion.wind and not told and _is_swaying_in_wind(brief):
+    sways = brief.anchored is not None or brief.object_kind == "plant"  # what is free is blown away
+    if event.verb is None and motion.wind and not told and sways:
         return replace(motions["sway"], strength=motion.strength), "sway"
     if any(each.alternating for each in repeats) and (effect in (Effect.FALL, Effect.JUMP) or motion.gravity):
         phrase = "sway" if effect is Effect.STRIKE else "bob"  # "is tossed to and fro", "jumps up and down"
@@ -92,11 +93,6 @@ def _join_cause(event: Event) -> tuple[Motion, str]:
         return cause, event.cause_phrase
     skill = cause.skill if verb.effect is cause.effect else verb.skill  # "a vortex spins it"
     return replace(verb, brief=verb.brief or cause.brief, skill=skill), event.phrase
-
-
-def _is_swaying_in_wind(brief: SceneBrief) -> bool:
-    """Return whether a bare wind makes it sway: what is held or grows sways, what is free is blown away."""
-    return brief.anchored is not None or brief.object_kind == "plant"
 
 
 def has_wheels(brief: SceneBrief) -> bool:
@@ -144,16 +140,6 @@ def _sum_repeats(event: Event) -> Repeat:
     count = next((each.times for each in found if each.times is not None), None)
     names = next(((each.first,) for each in found if each.first), ())
     return Repeat(count, any(each.alternating for each in found), names, any(each.often for each in found))
-
-
-def _take_heading(event: Event, brief: SceneBrief) -> None:
-    """The direction that the clause alone tells."""
-    heading = find_heading(event, brief)
-    event.direction = heading.vector
-    event.sources["vector"] = ValueSource(heading.words, heading.why)
-    event.notes += [heading.note] if heading.note else []
-    if heading.alternates is not None:
-        event.repeat = replace(event.repeat, alternate=heading.alternates)
 
 
 def _act_from_sides(event: Event, brief: SceneBrief) -> None:

@@ -204,25 +204,19 @@ def _contrary(before: Event, event: Event) -> bool:
 
 
 def _share(slots: list[Slot], begin: float, end: float) -> None:
-    """Divides [begin, end] among the slots of one run."""
+    """Divides [begin, end] among the slots of one run: told lengths, then by need where that is known."""
     free = [slot for slot in slots if slot.length is None]
-    span = end - begin
-    told = sum(slot.length for slot in slots if slot.length is not None)
-    room = span * (1.0 - _SMALLEST_SHARE * min(len(free), 5)) if free else span
+    span, told = end - begin, sum(slot.length or 0.0 for slot in slots)
+    room = span * (1.0 - _SMALLEST_SHARE * min(len(free), 5))
     shrink = min(1.0, room / told) if told > 0 else 1.0
-    weights = sum(_weight(slot, free) for slot in free)
-    at = begin
+    by_need = all(slot.need > 0.0 for slot in free)
+
+    def weigh(slot: Slot) -> float:
+        rests = all(event.effect is Effect.STILL for event in slot.events)
+        return slot.need if by_need else _STILL_SHARE if rests else 1.0
+
+    total = sum(map(weigh, free))
     for slot in slots:
-        if slot.length is None:
-            size = (span - told * shrink) * _weight(slot, free) / weights
-        else:
-            size = slot.length * shrink
-        slot.window = (at, at + size)
-        at += size
-
-
-def _weight(slot: Slot, free: list[Slot]) -> float:
-    """Its share: by need where the clip's length follows from needs."""
-    if all(each.need > 0.0 for each in free):
-        return slot.need
-    return _STILL_SHARE if all(e.effect is Effect.STILL for e in slot.events) else 1.0
+        size = (span - told * shrink) * weigh(slot) / total if slot.length is None else slot.length * shrink
+        slot.window = (begin, begin + size)
+        begin += size
