@@ -93,8 +93,7 @@ def compile_fall(task: Task) -> None:
 
 def _let_fall(task: Task) -> None:
     """Turns gravity on, or pushes downwards where it would have to begin after other motion."""
-    builder = task.builder
-    earlier = [each.effect for slot in task.before for each in slot.events]
+    builder, earlier = task.builder, task.builder.earlier
     raised = any(effect in _RAISING for effect in earlier)
     thrown = all(effect in (*_RAISING, Effect.FALL) for effect in earlier)
     falls = thrown or builder.default_drop and Effect.STILL not in earlier

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
+from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.schema import Evidence, ExpectedMotion, MotionKind, ObstacleRequest, SceneBrief
 from physagent_jax.agents.vectors import clamp
 from physagent_jax.agents.windows import Window
@@ -23,6 +24,7 @@ class ForceFieldBuilder:
         brief, anchored: The scene, with the clip's length.
         gravity: What the sentence says about gravity: "down", "up", "none"; None = nothing.
         room: Frame at which what follows the present event is over: its brake ends there.
+        earlier: What the slots before do.
         unsure: What was not understood and matters.
         obstacles: Walls and blocks that it names.
     """
@@ -31,6 +33,7 @@ class ForceFieldBuilder:
     anchored: bool
     gravity: Literal["down", "up", "none"] | None = None
     room: float = 0.0
+    earlier: list[Effect] = field(default_factory=list)
     default_drop: bool = False
     actions: list[Action] = field(default_factory=list)
     expectations: list[ExpectedMotion] = field(default_factory=list)

@@ -38,11 +38,12 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
                 builder.add_doubt(doubt)
             builder.obstacles += [each for each in event.obstacles if each not in builder.obstacles]
             after = [event for later in following for event in later.events]
-            task = Task(event, slot.window, after, slots[:index], builder)
+            task = Task(event, slot.window, after, builder)
             if event.motion.skill is not None and not event.repeat.alternate:
                 _compile_by_skill(task, event.motion.skill)
             else:
                 _COMPILERS[event.effect](task)
+        builder.earlier += [event.effect for event in slot.events]
 
 
 def _compile_push(task: Task) -> None:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from physagent_jax.agents.compiler.amounts import MOST, find_effort, find_held_magnitude, find_word_effort
 from physagent_jax.agents.compiler.builder import MAX_ACTIONS, ForceFieldBuilder, describe_skill
 from physagent_jax.agents.compiler.events import BY_DEFAULT, Event
-from physagent_jax.agents.compiler.schedule import Slot, find_frames, has_to_stop
+from physagent_jax.agents.compiler.schedule import find_frames, has_to_stop
 from physagent_jax.agents.dosing import find_magnitude
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.schema import Amount, MotionKind, SceneBrief
@@ -37,14 +37,12 @@ class Task:
     Attributes:
         event, window: The event, and its time [frames].
         after: Events of the slot that follows.
-        before: All slots before.
         builder: The reply in the making.
     """
 
     event: Event
     window: Window
     after: list[Event]
-    before: list[Slot]
     builder: ForceFieldBuilder
 
     @property

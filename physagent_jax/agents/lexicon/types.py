@@ -149,19 +149,11 @@ class Moment:
 
 @dataclass(frozen=True)
 class Lexicon:
-    """All tables of words; each attribute but the last rows of motions is a section of a YAML file of its name.
+    """All tables of words, by phrase; each is a section of a YAML file, whose comments say what its words are.
 
-    Attributes:
-        motions, causes: Verbs (with adjectives of results), and nouns.
-        irregular: Forms of verbs that rules do not derive.
-        nouns: Verbs that are things after "the".
-        directions, ends, axes, planes, views, part_adjectives: Phrases of directions.
-        senses: Sense of a rotation: -1 clockwise, +1 counter-clockwise.
-        intensities, degrees, comparatives: Factors on the magnitude.
-        numbers, fractions, clip_parts: Their values.
-        repeats, moments, parts: See their types.
-        part_nouns: Fraction of the extent at which the part begins.
-        words: Words of grammar and of what is around; the other sets are named by their YAML comments.
+    Motions are verbs (with adjectives of results), causes are nouns. Ways are names of directions; the senses of a
+    rotation are -1 (clockwise) and +1; strengths are factors on the magnitude; the start of a part is a fraction of
+    the extent.
     """
 
     motions: dict[str, Motion]
