@@ -18,7 +18,7 @@ from physagent_jax.core.strict import Vector
 
 ASSUMED = "left"
 TOWARDS = (Effect.PUSH, Effect.STRIKE, Effect.SCALE, Effect.LEAN, Effect.ROLL, Effect.JUMP, Effect.TOPPLE)
-"""What these do goes a way."""
+"""Effects that go a way."""
 _NO_WAY = (Effect.FALL, Effect.HOLD, Effect.RELEASE, Effect.STILL, Effect.SWELL, Effect.BURST)
 _WORLD_AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _NORMALS: dict[Names, Names] = {("right",): ("up",), ("up",): ("right",)}

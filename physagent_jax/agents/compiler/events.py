@@ -138,32 +138,32 @@ class Event:
 
     @property
     def is_known(self) -> bool:
-        """Whether a motion or a cause is known."""
+        """Return whether a motion or a cause is known."""
         return self.verb is not None or self.cause is not None
 
     @property
     def is_bare(self) -> bool:
-        """Whether nothing but its strength is told."""
+        """Return whether nothing but its strength is told."""
         told = self.clause
         rest = told.quantities or told.repetitions or told.solids or told.turning or told.seen_from
         return not (self.ways or self.parts or self.excluded or rest or self.is_timed)
 
     @property
     def is_timed(self) -> bool:
-        """Whether the sentence says when or how long it is."""
+        """Return whether the sentence says when or how long it is."""
         return self.when != Timing()
 
     @property
     def is_back(self) -> bool:
-        """Whether it goes back where it came from."""
+        """Return whether it goes back where it came from."""
         return any(way.phrase == "back" for way in self.pick(WayKind.TO))
 
     @property
     def is_upwards(self) -> bool:
-        """Whether it goes up."""
+        """Return whether it goes up."""
         return any(way.names == ("up",) for way in self.pick(WayKind.TO))
 
     @property
     def is_in_wind(self) -> bool:
-        """Whether a wind does it."""
+        """Return whether a wind does it."""
         return any(each is not None and each.wind for each in (self.cause, self.verb))

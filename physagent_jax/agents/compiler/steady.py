@@ -106,18 +106,18 @@ class Task:
 
     @property
     def is_reached_within(self) -> bool:
-        """Whether the told time is the one in which a quantity is reached, and says nothing of later."""
+        """Return whether the told time is the one in which a quantity is reached, and says nothing of later."""
         event = self.event
         return event.when.within and event.amount is not None and not event.motion.brief
 
     @property
     def is_kept(self) -> bool:
-        """Whether a change of shape that is reached in its time is to stay: nothing says that it is let go."""
+        """Return whether a change of shape that is reached in its time is to stay: nothing says that it is let go."""
         return self.is_reached_within and not self._is_let_go
 
     @property
     def is_released(self) -> bool:
-        """Whether the cause ends and leaves the object to itself; what is brought to a place is not left there."""
+        """Return whether the cause ends and leaves the object to itself, which was brought to no place to stay."""
         if self.event.stays or self._is_measured or self.is_kept:
             return False
         ends_early = not self.after and self.window[1] < self.builder.last - 0.5
@@ -125,14 +125,14 @@ class Task:
 
     @property
     def needs_brake(self) -> bool:
-        """Whether a free object must be stopped before what comes next can be seen."""
+        """Return whether a free object must be stopped before what comes next can be seen."""
         up, grounded = self.brief.directions.up, self.builder.grounded
         stops = self.event.stays or self._is_measured or has_to_stop(self.event, self.after, up, grounded)
         return stops and not self.builder.anchored
 
     @property
     def leaves_place(self) -> bool:
-        """Whether a push or a blow takes the whole object elsewhere: it is thrown, goes somewhere, or goes so far.
+        """Return whether a push or a blow takes the whole object elsewhere: thrown, to another place, or so far.
 
         A lean and a wind bend what is rooted, however far. So may a push or a blow of which neither a distance nor
         another place is told; a motion that says no more than that the object goes a told way does not. What is let go
@@ -155,7 +155,7 @@ class Task:
 
     @property
     def _is_measured(self) -> bool:
-        """Whether a free object is to go so far, or turn by so much, and no further."""
+        """Return whether a free object is to go so far, or turn by so much, and no further."""
         effort = find_effort(self.event.amount, self.event.effect, self.brief)
         return not self.builder.anchored and effort is not None
 
