@@ -6,7 +6,7 @@ A target for whoever judges, and the magnitude that reaches it where nothing opp
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from physagent_jax.agents.intent import Quantity
 from physagent_jax.agents.lexicon import Effect, Motion, Names
@@ -23,58 +23,49 @@ _TRAVELS = (Effect.PUSH, Effect.STRIKE, Effect.ROLL, Effect.SWAY, Effect.LEAN, E
 _TURNS = (Effect.TURN, Effect.LEAN, Effect.SWAY, Effect.TOPPLE, Effect.ROLL)
 _SCALES = (Effect.SCALE, Effect.SWELL)
 _UNITS = {"lengths": _TRAVELS, "metres": _TRAVELS, "degrees": _TURNS}
-_SAME_HEIGHT = 0.1
-"""[body lengths] by which a height may differ from the one that everything is dropped from."""
+_SPUN = (Effect.TURN, Effect.LEAN, Effect.ROLL)  # turned by a torque
 
 _STRAIN_PER_M = 0.2
 """[1] that a stretch or squeeze shows for M = 1: between the linear 0.15 and what soft solids do at full strength."""
 
 
-@dataclass(frozen=True)
-class Target:
-    """The target that a quantity sets for an event.
+class Target(NamedTuple):
+    """The target that a quantity sets; None if it does not fit the motion.
 
     Attributes:
-        amount: The target; None if the quantity does not fit the motion.
+        amount: The target.
         names: The axis that it names; empty = none.
         everywhere: Whether all dimensions change.
-        usual: Whether the quantity is what the motion has by itself: there is nothing to aim at.
     """
 
     amount: Amount | None = None
     names: Names = ()
     everywhere: bool = False
-    usual: bool = False
 
 
 def find_target(quantity: Quantity, motion: Motion, before: Amount | None) -> Target:
     """The target that ``quantity`` sets for ``motion``; ``before`` is the target of the event before."""
-    value, effect, share = quantity.value, motion.effect, quantity.unit == "share"
-    if quantity.dimension == "far":
-        known = before is not None and effect in _UNITS.get(before.unit, ())
-        if known and before is not None and before.value * value <= MOST:
-            return Target(before.model_copy(update={"value": before.value * value}))
-        return Target()
+    value, effect, unit = quantity.value, motion.effect, quantity.unit
+    if quantity.dimension == "far" and before is not None:  # "twice as far"
+        value, unit = before.value * value, before.unit
     if not _LEAST <= value <= MOST:
         return Target()
-    if effect in _UNITS.get(quantity.unit, ()):
-        return Target(Amount.model_validate({"value": value, "unit": quantity.unit}))
-    if effect is Effect.FALL and (quantity.unit == "lengths" or share and quantity.dimension == "length"):
-        return Target(usual=abs(value - calibration.DROP_HEIGHT) <= _SAME_HEIGHT)
+    if effect in _UNITS.get(unit, ()):
+        return Target(Amount.model_validate({"value": value, "unit": unit}))
+    if unit != "share" or quantity.dimension in ("far", "volume"):
+        return Target()
     becomes = quantity.relation in ("to", "is")  # "pull it to twice its length", "until it is half as tall"
-    if share and effect in _TRAVELS and quantity.dimension and not becomes:
+    if effect in _TRAVELS and quantity.dimension and not becomes:
         return Target(Amount(value=value, unit="lengths"))
-    if share and effect in _SCALES and quantity.dimension != "volume":
-        return _find_scale(quantity, motion)
-    return Target()
+    return _find_scale(quantity, motion) if effect in _SCALES else Target()
 
 
 def _find_scale(quantity: Quantity, motion: Motion) -> Target:
     """A share as a factor of the extent: "to half", "by half", "by 30 percent"."""
     factor = 1.0 + motion.sign * quantity.value if quantity.relation == "by" else quantity.value
-    if (factor - 1.0) * motion.sign <= 0:  # "stretch it to half its length", "squeeze it by 120 percent"
+    if (factor - 1.0) * motion.sign <= 0 or factor < _LEAST:  # "stretch it to half its length"
         return Target()
-    amount = Amount(value=round(factor, 6), unit="factor") if factor >= _LEAST else None
+    amount = Amount(value=round(factor, 6), unit="factor")
     return Target(amount, _AXES.get(quantity.dimension, ()), quantity.dimension == "size")
 
 
@@ -90,9 +81,8 @@ def find_effort(amount: Amount | None, effect: Effect, brief: SceneBrief) -> flo
     lengths = find_lengths(amount, brief)
     if lengths is not None:
         return lengths / calibration.TRAVEL
-    if amount is not None and amount.unit == "degrees" and effect in (Effect.TURN, Effect.LEAN, Effect.ROLL):
-        return math.radians(amount.value) / calibration.TURN
-    return None
+    turned = amount is not None and amount.unit == "degrees" and effect in _SPUN
+    return math.radians(amount.value) / calibration.TURN if amount and turned else None
 
 
 def find_word_effort(strength: float, effect: Effect) -> float | None:
@@ -115,21 +105,20 @@ def find_span(effort: float, usual: float, brief: SceneBrief) -> float:
 
 
 def find_held_magnitude(amount: Amount, effect: Effect, brief: SceneBrief) -> float | None:
-    """M that bends or turns something held about as far."""
-    if effect is Effect.SWAY:
-        return find_swing_magnitude(amount, True, brief)
+    """M that bends, turns or (to either side) sways something held about as far."""
     lengths = find_lengths(amount, brief)
     if lengths is not None:
-        return lengths / calibration.EXPECTED_HELD_SHIFT
+        sways = effect is Effect.SWAY
+        return lengths / (calibration.EXPECTED_SWAY if sways else calibration.EXPECTED_HELD_SHIFT)
     return amount.value / calibration.EXPECTED_HELD_TURN if amount.unit == "degrees" else None
 
 
 def find_swing_magnitude(amount: Amount, held: bool, brief: SceneBrief) -> float | None:
     """M that swings something about as far to either side."""
+    if held:
+        return find_held_magnitude(amount, Effect.SWAY, brief)
     lengths = find_lengths(amount, brief)
-    if lengths is not None:
-        return lengths / (calibration.EXPECTED_SWAY if held else calibration.SWING)
-    return amount.value / calibration.EXPECTED_HELD_TURN if held and amount.unit == "degrees" else None
+    return None if lengths is None else lengths / calibration.SWING
 
 
 def find_strain_magnitude(amount: Amount) -> float:

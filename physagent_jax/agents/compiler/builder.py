@@ -1,27 +1,17 @@
-"""The reply in the making: actions with their evidence, expectations, notes."""
+"""The reply in the making."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import Literal
 
-from physagent_jax.agents.compiler.amounts import MOST
-from physagent_jax.agents.compiler.events import Event
-from physagent_jax.agents.compiler.schedule import find_frames
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.schema import (
-    Amount,
-    Evidence,
-    ExpectedMotion,
-    MotionKind,
-    ObstacleRequest,
-    SceneBrief,
-)
+from physagent_jax.agents.schema import Evidence, ExpectedMotion, MotionKind, ObstacleRequest, SceneBrief
 from physagent_jax.agents.vectors import clamp
 from physagent_jax.agents.windows import Window
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.schema import Action, ActionType, ForceField, VelocityConstraint, is_too_short
+from physagent_jax.forces.schema import Action, VelocityConstraint, is_too_short
 
 MAX_ACTIONS = 60  # more would only slow the simulation; no sentence for a clip of a few seconds needs them
 
@@ -34,6 +24,7 @@ class ForceFieldBuilder:
         brief, anchored: The scene, with the clip's length.
         gravity: What the sentence says about gravity: "down", "up", "none"; None = nothing.
         room: Frame at which what follows the present event is over: its brake ends there.
+        earlier: What the slots before do.
         unsure: What was not understood and matters.
         obstacles: Walls and blocks that it names.
     """
@@ -42,6 +33,7 @@ class ForceFieldBuilder:
     anchored: bool
     gravity: Literal["down", "up", "none"] | None = None
     room: float = 0.0
+    earlier: list[Effect] = field(default_factory=list)
     default_drop: bool = False
     actions: list[Action] = field(default_factory=list)
     expectations: list[ExpectedMotion] = field(default_factory=list)
@@ -60,79 +52,26 @@ class ForceFieldBuilder:
         """Index of the clip's last frame."""
         return float(self.brief.frame_count - 1)
 
-    def add_action(
-        self, event: Event, kind: ActionType, vector: Vector, magnitude: float, window: Window
-    ) -> None:
-        """Adds an action with its evidence; windows are kept inside the clip."""
-        if len(self.actions) >= MAX_ACTIONS:
-            self.add_note(f"More than {MAX_ACTIONS} actions: the rest of the sentence is left out.")
-            return
-        size = clamp(abs(magnitude), MAGNITUDE_MIN, MAGNITUDE_MAX)
-        action = Action(
-            action_type=kind,
-            vector=vector,
-            magnitude=round(size if magnitude > 0 else -size, 3),
-            active_time=self.fit_window(window),
-            region=event.region,
+    def expect(self, kind: MotionKind, direction: Vector | None, window: Window, words: str, **more) -> None:
+        """Adds a motion that a viewer should see; once."""
+        strength = clamp(more.pop("strength", 1.0), MAGNITUDE_MIN, MAGNITUDE_MAX)
+        shown = self.fit_window(window) or (0.0, self.last)
+        motion = ExpectedMotion(
+            kind=kind, direction=direction, window=shown, words=words[:200], strength=strength, **more
         )
-        if action in self.actions:  # "squashed and flattened" says one thing twice
-            return
-        index = len(self.actions)
-        self.actions.append(action)
-        values = describe_skill(self.actions[-1])
-        for name, source in event.sources.items():
-            if name in values:
-                self.evidence.append(
-                    Evidence(
-                        words=source.words,
-                        field=f"actions[{index}].{name}",
-                        value=values[name],
-                        why=source.why,
-                    )
-                )
+        told = [(each.kind, each.direction, each.window, each.part) for each in self.expectations]
+        if len(told) < MAX_ACTIONS and (kind, direction, shown, motion.part) not in told:
+            self.expectations.append(motion)
 
-    def add_expectation(
-        self, event: Event, kind: MotionKind, direction: Vector | None, window: Window, **more
-    ) -> None:
-        """Adds an expectation."""
-        strength = clamp(more.pop("strength", event.strength), MAGNITUDE_MIN, MAGNITUDE_MAX)
-        expected = ExpectedMotion(
-            kind=kind,
-            direction=direction,
-            strength=strength,
-            window=self.fit_window(window) or (0.0, self.last),
-            partial=event.region is not None,
-            part=event.part,
-            excludes_part=event.excludes_part,
-            stays=event.stays,
-            even=event.even and kind in (MotionKind.MOVE, MotionKind.ROTATE),
-            amount=more.pop("amount", event.amount or self._find_duration(event)),
-            words=event.words[:200],
-            **more,
-        )
-        same = [
-            e
-            for e in self.expectations
-            if (e.kind, e.direction, e.window, e.part) == (kind, direction, expected.window, expected.part)
-        ]
-        if len(self.expectations) < MAX_ACTIONS and not same:
-            self.expectations.append(expected)
-
-    def _find_duration(self, event: Event) -> Amount | None:
-        """The cause's duration, if the sentence says so in seconds or frames."""
-        told = event.when.lasts
-        if told is None or told.unit == "clip" or told.value <= 0 or event.effect is Effect.STILL:
-            return None
-        seconds = (find_frames(told, self.brief) or 0.0) * self.brief.frame_dt
-        return Amount(value=round(min(seconds, MOST), 6), unit="seconds")
+    def add_evidence(self, words: str, field: str, value: str, why: str) -> None:
+        """Adds the words that led to a value."""
+        self.evidence.append(Evidence(words=words, field=field, value=value, why=why))
 
     def enable_gravity(self, words: str, why: str) -> None:
         """Lets the object fall from the first frame."""
-        if self.gravity in ("none", "up"):
-            return
-        if not self.default_drop:
-            self.evidence.append(Evidence(words=words, field="default_drop", value="true", why=why))
-        self.default_drop = True
+        if self.gravity not in ("none", "up") and not self.default_drop:
+            self.add_evidence(words, "default_drop", "true", why)
+            self.default_drop = True
 
     def add_note(self, text: str) -> None:
         """Adds an assumption once."""
@@ -153,19 +92,12 @@ class ForceFieldBuilder:
             return (float(round(first)), float(round(end)))
         return (self.last - 1.0, self.last) if is_too_short(first, end) else (first, end)
 
-    def build(self) -> ForceField:
-        """The result."""
-        return ForceField(default_drop=self.default_drop, actions=tuple(self.actions))
-
 
 def describe_skill(skill: Action | VelocityConstraint) -> dict[str, str]:
     """Describe the fields of a skill in words."""
-    kind = (
-        {"action_type": skill.action_type.value}
-        if isinstance(skill, Action)
-        else {"constraint_type": skill.constraint_type.value}
-    )
-    return kind | {
+    name = "action_type" if isinstance(skill, Action) else "constraint_type"
+    return {
+        name: getattr(skill, name).value,
         "vector": _format(skill.vector),
         "magnitude": f"{skill.magnitude:g}",
         "active_time": _format(skill.active_time),

@@ -7,201 +7,161 @@ the magnitude is kept for stretching (+) and squeezing (-).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
-from physagent_jax.agents.compiler.events import BY_DEFAULT, ValueSource
-from physagent_jax.agents.compiler.words import KnownPart, Meaning, WayKind
-from physagent_jax.agents.lexicon import Effect, Motion, Names, Repeat, read_lexicon
+from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueSource, WayKind
+from physagent_jax.agents.lexicon import Effect, Names, read_lexicon
 from physagent_jax.agents.schema import SceneBrief
 from physagent_jax.agents.vectors import add, cosine, cross, dot, normalise, scale
 from physagent_jax.core.strict import Vector
 
 ASSUMED = "left"
-WAYS = (WayKind.TO, WayKind.FROM)
 TOWARDS = (Effect.PUSH, Effect.STRIKE, Effect.SCALE, Effect.LEAN, Effect.ROLL, Effect.JUMP, Effect.TOPPLE)
-"""What these do goes a way."""
+"""Effects that go a way."""
 _NO_WAY = (Effect.FALL, Effect.HOLD, Effect.RELEASE, Effect.STILL, Effect.SWELL, Effect.BURST)
 _WORLD_AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _NORMALS: dict[Names, Names] = {("right",): ("up",), ("up",): ("right",)}
 """Turning horizontally is about the vertical."""
 
 
-@dataclass(frozen=True)
-class Heading:
-    """Where a motion goes.
-
-    Attributes:
-        vector: Unit direction or axis; None = needs none.
-        repeat: The clause's counts, alternating where two opposite ways are told.
-        source: The words that led to it.
-        notes: What was assumed.
-    """
+class Heading(NamedTuple):
+    """Unit direction or axis (None = needs none), the words that led to it, and the rule."""
 
     vector: Vector | None
-    repeat: Repeat
-    source: ValueSource
-    notes: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class _Case:
-    """A clause whose direction is asked for."""
-
-    meaning: Meaning
-    motion: Motion
-    part: KnownPart | None
-    repeat: Repeat
-    brief: SceneBrief
-
-    def sum(self, names: Names) -> Vector | None:
-        """Unit vector of the sum of named directions."""
-        return normalise(sum_directions(names, self.brief))
+    words: str
+    why: str
 
 
 def sum_directions(names: Names, brief: SceneBrief) -> Vector:
     """Sum of named directions (not normalised)."""
-    along = {
-        "long": brief.long_axis or brief.directions.up,
-        "lengthwise": brief.long_axis or brief.directions.right,
-    }
-    known = _WORLD_AXES | along
-    return add(known.get(name) or getattr(brief.directions, name) for name in names)
+    table = brief.directions
+    long = {"long": brief.long_axis or table.up, "lengthwise": brief.long_axis or table.right}
+    known = _WORLD_AXES | long
+    return add(known.get(name) or getattr(table, name) for name in names)
 
 
-def resolve_direction(
-    meaning: Meaning, motion: Motion, part: KnownPart | None, repeat: Repeat, brief: SceneBrief
-) -> Heading:
-    """The heading that the clause's words tell, in the order in which they take precedence."""
-    case = _Case(meaning, motion, part, repeat, brief)
-    for find in (_find_axis, _find_long_axis, _add_ways, _find_line, _find_swing, _find_obstacle, _find_blow):
-        heading = find(case)
-        if heading is not None:
-            return heading
-    return _assume(case)
+def take_heading(event: Event, brief: SceneBrief) -> None:
+    """Sets the direction that the clause's words tell, in the order in which they take precedence."""
+    rules = (_find_axis, _find_long_axis, _add_ways, _find_line, _find_swing, _find_obstacle, _find_blow)
+    found = (rule(event, brief) for rule in rules)
+    heading = next((each for each in found if each is not None), None) or _assume(event, brief)
+    event.direction = heading.vector
+    event.sources["vector"] = ValueSource(heading.words, heading.why)
 
 
-def _find_axis(case: _Case) -> Heading | None:
+def _find_axis(event: Event, brief: SceneBrief) -> Heading | None:
     """Rotation axis from "about the vertical axis", "horizontally", "clockwise", "seen from above".
 
     Counter-clockwise is right-handed about the axis that points at whoever looks: at the viewer for
     turns in the picture plane, up (seen from above) for spinning and twisting.
     """
-    clause, motion, brief = case.meaning.clause, case.motion, case.brief
-    lines = [(way, way.names) for way in case.meaning.pick(WayKind.LINE)]
-    lines += [(way, _NORMALS.get(way.names, way.names)) for way in case.meaning.pick(WayKind.PLANE)]
-    if motion.effect is not Effect.TURN or not (lines or clause.turning or clause.seen_from):
+    motion = event.motion
+    turning, seen_from = event.clause.turning, event.clause.seen_from
+    lines = [*event.pick(WayKind.LINE), *event.pick(WayKind.PLANE)]
+    if motion.effect is not Effect.TURN or not (lines or turning or seen_from):
         return None
-    told = case.meaning.pick(WayKind.TO)
+    told = event.pick(WayKind.TO)
     if lines:
-        axis = sum_directions(lines[0][1], brief)
-    elif clause.seen_from:
-        axis = sum_directions((clause.seen_from,), brief)
-    elif motion.wrings and brief.long_axis is not None and not told:
+        names = lines[0].names
+        axis = sum_directions(_NORMALS.get(names, names) if lines[0].kind is WayKind.PLANE else names, brief)
+    elif motion.wrings and brief.long_axis is not None and not (told or seen_from):
         axis = brief.long_axis
     else:
-        axis = sum_directions(("toward",) if motion.picture else (motion.direction or "toward",), brief)
-    sign = 1.0
-    if clause.turning:
-        sign = 1.0 if clause.turning == "counterclockwise" else -1.0
-    elif told:
-        towards = _find_turn_towards(sum_directions(told[0].names, brief), brief)
-        sign = 1.0 if dot(axis, towards) >= 0 else -1.0
-    words = [clause.turning or "", *(way.text for way, _ in lines), *(way.text for way in told)]
-    if clause.seen_from:
-        words.insert(1, f"seen from {clause.seen_from}")
+        usual = "toward" if motion.picture else motion.direction or "toward"
+        axis = sum_directions((seen_from or usual,), brief)
+    towards = _find_turn_towards(sum_directions(told[0].names, brief), brief) if told else axis
+    backwards = turning == "clockwise" if turning else dot(axis, towards) < 0
+    seen = f"seen from {seen_from}" if seen_from else ""
+    words = [turning or "", seen, *(way.text for way in (*lines, *told))]
     why = "counter-clockwise is right-handed about the axis towards whoever looks"
-    source = ValueSource(" ".join(word for word in words if word), why)
-    return Heading(normalise(scale(axis, sign)), case.repeat, source)
+    return Heading(normalise(scale(axis, -1.0 if backwards else 1.0)), " ".join(filter(None, words)), why)
 
 
-def _find_long_axis(case: _Case) -> Heading | None:
-    wrung = case.motion.wrings and case.part is None and not case.meaning.pick(*WAYS)
-    if not wrung or case.brief.long_axis is None:
+def _find_long_axis(event: Event, brief: SceneBrief) -> Heading | None:
+    wrung = event.motion.wrings and not (event.parts or event.pick(*WAYS))
+    if not wrung or brief.long_axis is None:
         return None
-    return Heading(case.brief.long_axis, case.repeat, ValueSource("", "the object is longest along it"))
+    return Heading(brief.long_axis, "", "the object is longest along it")
 
 
-def _add_ways(case: _Case) -> Heading | None:
+def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
     """The sum of all ways that are told."""
-    told, repeat, brief = case.meaning.pick(*WAYS), case.repeat, case.brief
+    motion, up = event.motion, brief.directions.up
+    told = event.pick(*WAYS)
     if not told:
         return None
-    pulled_from = case.motion.pulls and not case.meaning.pick(WayKind.TO)  # "pull it from left to right"
+    pulled_from = motion.pulls and not event.pick(WayKind.TO)  # "pull it from left to right"
     distinct = dict.fromkeys((way.kind, way.names) for way in told)
     parts = [
         scale(sum_directions(names, brief), -1.0 if kind is WayKind.FROM and not pulled_from else 1.0)
         for kind, names in distinct
     ]
-    total, words = normalise(add(parts)), " ".join(way.text for way in told)
+    total = normalise(add(parts))
     if total is None:  # "to the left and to the right": an axis for stretching, to and fro for the rest
-        both = case.motion.effect is Effect.SCALE or bool(
-            case.meaning.pick(WayKind.SIDES)
-        )  # "its ends apart"
-        total, repeat = normalise(parts[0]), replace(repeat, alternate=not both)
+        total = normalise(parts[0])
+        both = motion.effect is Effect.SCALE or event.pick(WayKind.SIDES)  # "its ends apart"
+        event.repeat = replace(event.repeat, alternate=not both)
     why = "the viewer's directions, added" if len(told) > 1 else "the viewer's direction"
-    if case.motion.effect is Effect.TURN and total is not None:
-        tumbles = case.motion.tumbles and abs(dot(total, brief.directions.up)) < 0.7
+    if motion.effect is Effect.TURN and total is not None:
+        tumbles = motion.tumbles and abs(dot(total, up)) < 0.7
         total = find_lean_axis(total, brief) if tumbles else _find_turn_towards(total, brief)
         why = f"{'the top' if tumbles else 'the side that faces the viewer'} turns this way"
-    return Heading(total, repeat, ValueSource(words, why))
+    return Heading(total, " ".join(way.text for way in told), why)
 
 
-def _find_line(case: _Case) -> Heading | None:
-    lines = case.meaning.pick(WayKind.LINE, WayKind.PLANE)
-    if not lines or case.repeat.names and case.motion.effect is Effect.SCALE:
+def _find_line(event: Event, brief: SceneBrief) -> Heading | None:
+    lines = event.pick(WayKind.LINE, WayKind.PLANE)
+    if not lines or event.repeat.names and event.effect is Effect.SCALE:
         return None
-    return Heading(case.sum(lines[0].names), case.repeat, ValueSource(lines[0].text, "an axis by name"))
+    return Heading(normalise(sum_directions(lines[0].names, brief)), lines[0].text, "an axis by name")
 
 
-def _find_swing(case: _Case) -> Heading | None:
+def _find_swing(event: Event, brief: SceneBrief) -> Heading | None:
     """The first swing of "left and right"."""
-    total = case.sum(case.repeat.names)
+    total = normalise(sum_directions(event.repeat.names, brief))
     if total is None:
         return None
-    if case.motion.effect is Effect.TURN:
-        total = _find_turn_towards(total, case.brief)
-    words = next(each.text or each.first or "" for each in case.meaning.clause.repetitions if each.first)
-    repeat = replace(case.repeat, alternate=case.motion.effect is not Effect.SCALE)
-    return Heading(total, repeat, ValueSource(words, "to and fro, this way first"))
+    if event.effect is Effect.TURN:
+        total = _find_turn_towards(total, brief)
+    words = next(each.text or each.first or "" for each in event.clause.repetitions if each.first)
+    event.repeat = replace(event.repeat, alternate=event.effect is not Effect.SCALE)
+    return Heading(total, words, "to and fro, this way first")
 
 
-def _find_obstacle(case: _Case) -> Heading | None:
+def _find_obstacle(event: Event, brief: SceneBrief) -> Heading | None:
     """Towards the wall that it meets."""
-    solids = case.meaning.clause.solids
-    if not solids or case.motion.effect not in TOWARDS:
+    solids = event.clause.solids
+    if not solids or event.effect not in TOWARDS:
         return None
-    words = solids[0].text or solids[0].kind
-    told = case.sum(solids[0].sides)
-    notes = () if told else (f"'{words}': no side given, assumed {ASSUMED}.",)
-    source = ValueSource(words, "towards what is in the way")
-    return Heading(told or case.sum((ASSUMED,)), case.repeat, source, notes)
+    words, told = solids[0].text or solids[0].kind, normalise(sum_directions(solids[0].sides, brief))
+    event.notes += [] if told else [f"'{words}': no side given, assumed {ASSUMED}."]
+    return Heading(told or getattr(brief.directions, ASSUMED), words, "towards what is in the way")
 
 
-def _find_blow(case: _Case) -> Heading | None:
+def _find_blow(event: Event, brief: SceneBrief) -> Heading | None:
     """A blow on a side drives away from it."""
-    if case.part is None or case.motion.effect is not Effect.STRIKE:
+    if not event.parts or event.effect is not Effect.STRIKE:
         return None
-    if case.part.phrase in read_lexicon().fronts:
-        source = ValueSource(case.meaning.words, "a blow on the front drives it away")
-        return Heading(case.brief.directions.away, case.repeat, source)
-    total = case.sum(case.part.place.names)
-    if total is None:
-        return None
-    source = ValueSource(case.part.text, "a blow drives away from the side that it hits")
-    return Heading(scale(total, -1.0), case.repeat, source)
+    part = event.parts[0]
+    if part.phrase in read_lexicon().fronts:
+        why = "a blow on the front drives it away"
+        return Heading(brief.directions.away, event.words, why)
+    side = normalise(sum_directions(part.place.names, brief))
+    return side and Heading(scale(side, -1.0), part.text, "a blow drives away from the side that it hits")
 
 
-def _assume(case: _Case) -> Heading:
+def _assume(event: Event, brief: SceneBrief) -> Heading:
     """The motion's own direction, else the assumed one with a note."""
-    motion, words = case.motion, case.meaning.words
+    motion = event.motion
     if motion.effect in _NO_WAY:
-        return Heading(None, case.repeat, ValueSource(words, "needs no direction"))
-    sides = any("side" in way.phrase and way.names == ("both",) for way in case.meaning.pick(WayKind.SIDES))
+        return Heading(None, event.words, "needs no direction")
+    sides = any("side" in way.phrase and way.names == ("both",) for way in event.pick(WayKind.SIDES))
     name = "right" if sides and motion.effect is Effect.SCALE else motion.direction or ASSUMED
     missing = "no axis given: it points" if motion.effect is Effect.TURN else "no direction given:"
-    source = ValueSource(words, f"{missing} {name} {BY_DEFAULT}")
-    notes = () if motion.direction else (f"'{words}': no direction given, assumed {name}.",)
-    return Heading(case.sum((name,)), case.repeat, source, notes)
+    event.notes += [] if motion.direction else [f"'{event.words}': no direction given, assumed {name}."]
+    vector = normalise(sum_directions((name,), brief))
+    return Heading(vector, event.words, f"{missing} {name} {BY_DEFAULT}")
 
 
 def _find_turn_towards(direction: Vector, brief: SceneBrief) -> Vector:

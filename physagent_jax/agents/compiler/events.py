@@ -1,16 +1,57 @@
-"""Events: one motion of a sentence, as values that a force field can be made of."""
+"""Events: one motion of a sentence, from the meanings of its words to values that a force field can be made of."""
 
 from __future__ import annotations
 
+import enum
 from dataclasses import dataclass, field
 
-from physagent_jax.agents.intent import Timing
-from physagent_jax.agents.lexicon import Effect, Motion, Repeat
+from physagent_jax.agents.intent import Clause, Timing
+from physagent_jax.agents.lexicon import Effect, Motion, Names, Place, Repeat
 from physagent_jax.agents.schema import Amount, ObstacleRequest
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import Region
 
 BY_DEFAULT = "by default"
+
+
+class WayKind(enum.Enum):
+    """The kinds of ways."""
+
+    TO = enum.auto()  # a direction
+    FROM = enum.auto()  # where the cause comes from
+    LINE = enum.auto()  # of a stretch, or axis of a turn
+    PLANE = enum.auto()  # of a turn
+    SIDES = enum.auto()  # several at once
+    AGAIN = enum.auto()  # as before, or the other way
+
+
+WAYS = (WayKind.TO, WayKind.FROM)
+
+
+@dataclass(frozen=True)
+class KnownWay:
+    """A way with its meaning.
+
+    Attributes:
+        kind: Its kind.
+        names: Directions that are added; for sides "both" or "all", for `WayKind.AGAIN` "same" or "other".
+        phrase: The lexicon's phrase.
+        text: The words in the sentence.
+    """
+
+    kind: WayKind
+    names: Names
+    phrase: str
+    text: str
+
+
+@dataclass(frozen=True)
+class KnownPart:
+    """A part with its place, the lexicon's phrase and the words in the sentence."""
+
+    place: Place
+    phrase: str
+    text: str
 
 
 @dataclass(frozen=True)
@@ -21,14 +62,21 @@ class ValueSource:
     why: str
 
 
-@dataclass(frozen=True)
+@dataclass
 class Event:
-    """One thing that happens.
+    """One thing that happens: first its words with their meanings, then what follows from them.
 
     Attributes:
-        motion, phrase: What is done, and the lexicon's word for it.
-        words: The clause's words.
-        order: Relation to the event before (`intent.Clause.order`).
+        clause: The clause.
+        when: Its time.
+        stays: Whether the result is to be held.
+        verb, cause: What is done, and what does it; None = not named.
+        phrase, cause_phrase: The lexicon's words for motion and cause.
+        motion: What it comes to: the verb's, else the cause's, as what stands beside it makes it.
+        ways, parts, excluded: Ways, parts that are acted on, and parts that are not.
+        strengths: Words for strength, as `words.find_strength` knows them.
+        doubts, notes: What was not understood and matters; what was assumed.
+        repeat: Count and alternation.
         direction: Unit world direction, stretch axis or rotation axis; None if the motion needs none or acts in all
             directions.
         strength: Magnitude in [0.4, 1.6].
@@ -36,38 +84,43 @@ class Event:
         part: The end that is named (unit vector towards it); None = none, or a part that is no end.
         excludes_part: Whether ``part`` is the one that is not meant.
         amount: A quantity that the sentence names.
-        stays: Whether it is to be held where it was brought.
-        even: Whether it is to go at one speed.
         obstacles: Solids that it meets.
-        repeat: Count and alternation.
-        when: Time that the sentence names.
-        wind: Whether a wind does it.
-        elsewhere: Whether the sentence says that the object ends at another place: "away", "aside", "off the table".
         sources: Where each value comes from.
-        notes: Assumptions.
-        doubts: What was not understood and matters.
     """
 
-    motion: Motion
-    phrase: str
-    words: str
-    order: str
-    direction: Vector | None
-    strength: float
+    clause: Clause
+    when: Timing
+    stays: bool = False
+    verb: Motion | None = None
+    cause: Motion | None = None
+    phrase: str = ""
+    cause_phrase: str = ""
+    motion: Motion = Motion(Effect.STILL)
+    ways: list[KnownWay] = field(default_factory=list)
+    parts: list[KnownPart] = field(default_factory=list)
+    excluded: list[KnownPart] = field(default_factory=list)
+    strengths: list[tuple[str, float]] = field(default_factory=list)
+    doubts: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    repeat: Repeat = Repeat()
+    direction: Vector | None = None
+    strength: float = 1.0
     region: Region | None = None
     part: Vector | None = None
     excludes_part: bool = False
     amount: Amount | None = None
-    stays: bool = False
-    even: bool = False
-    obstacles: tuple[ObstacleRequest, ...] = ()
-    repeat: Repeat = Repeat()
-    when: Timing = Timing()
-    wind: bool = False
-    elsewhere: bool = False
+    obstacles: list[ObstacleRequest] = field(default_factory=list)
     sources: dict[str, ValueSource] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
-    doubts: tuple[str, ...] = ()
+
+    @property
+    def words(self) -> str:
+        """The words in the sentence that name the motion."""
+        return self.clause.said or self.clause.motion or self.clause.cause or ""
+
+    @property
+    def text(self) -> str:
+        """The clause's words in the sentence."""
+        return self.clause.text or self.words
 
     @property
     def effect(self) -> Effect:
@@ -75,12 +128,42 @@ class Event:
         return self.motion.effect
 
     @property
-    def is_way_assumed(self) -> bool:
-        """Whether the sentence does not say which way it goes."""
-        source = self.sources.get("vector")
-        return source is not None and source.why.endswith(BY_DEFAULT)
+    def count(self) -> int:
+        """Number of repetitions, 1 unless the sentence counts."""
+        return self.repeat.count or 1
+
+    def pick(self, *kinds: WayKind) -> list[KnownWay]:
+        """Its ways of these kinds."""
+        return [way for way in self.ways if way.kind in kinds]
+
+    @property
+    def is_known(self) -> bool:
+        """Return whether a motion or a cause is known."""
+        return self.verb is not None or self.cause is not None
+
+    @property
+    def is_bare(self) -> bool:
+        """Return whether nothing but its strength is told."""
+        told = self.clause
+        rest = told.quantities or told.repetitions or told.solids or told.turning or told.seen_from
+        return not (self.ways or self.parts or self.excluded or rest or self.is_timed)
 
     @property
     def is_timed(self) -> bool:
-        """Whether the sentence says when or how long it is."""
+        """Return whether the sentence says when or how long it is."""
         return self.when != Timing()
+
+    @property
+    def is_back(self) -> bool:
+        """Return whether it goes back where it came from."""
+        return any(way.phrase == "back" for way in self.pick(WayKind.TO))
+
+    @property
+    def is_upwards(self) -> bool:
+        """Return whether it goes up."""
+        return any(way.names == ("up",) for way in self.pick(WayKind.TO))
+
+    @property
+    def is_in_wind(self) -> bool:
+        """Return whether a wind does it."""
+        return any(each is not None and each.wind for each in (self.cause, self.verb))

@@ -2,34 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+import re
+from dataclasses import replace
 
 from physagent_jax.agents import intent
-from physagent_jax.agents.compiler.amounts import MOST, Target, find_target
-from physagent_jax.agents.compiler.directions import (
-    TOWARDS,
-    WAYS,
-    Heading,
-    resolve_direction,
-    sum_directions,
-)
-from physagent_jax.agents.compiler.events import Event, ValueSource
-from physagent_jax.agents.compiler.motions import choose_motion, resolve_strength
-from physagent_jax.agents.compiler.words import KnownPart, Meaning, WayKind
-from physagent_jax.agents.lexicon import Effect, Motion, Repeat
+from physagent_jax.agents.compiler.amounts import MOST, find_target
+from physagent_jax.agents.compiler.directions import TOWARDS, sum_directions, take_heading
+from physagent_jax.agents.compiler.events import WAYS, Event, ValueSource, WayKind
+from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
 from physagent_jax.agents.regions import make_end_region, make_middle_region
 from physagent_jax.agents.schema import Amount, ObstacleRequest, SceneBrief
-from physagent_jax.agents.vectors import normalise, scale
+from physagent_jax.agents.vectors import clamp, normalise, scale
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.schema import Region
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 
 # What each kind of way means nothing for; nor does a part for what all of the object does.
 _NO_WAYS = (Effect.SWELL, Effect.BURST, Effect.STILL)
 _NO_LINES = (*_NO_WAYS, Effect.TOPPLE, Effect.RELEASE)
 _NO_SIDES = (Effect.LEAN, Effect.TURN, Effect.ROLL, Effect.FALL, Effect.TOPPLE, Effect.JUMP, *_NO_LINES[2:])
 _USELESS = {
-    WayKind.TO: _NO_WAYS,
-    WayKind.FROM: _NO_WAYS,
+    **dict.fromkeys(WAYS, _NO_WAYS),
     WayKind.LINE: _NO_LINES,
     WayKind.PLANE: _NO_LINES,
     WayKind.SIDES: _NO_SIDES,
@@ -38,242 +30,243 @@ _USELESS = {
 _WHOLE = (Effect.ROLL, Effect.BURST, Effect.TOPPLE, Effect.JUMP, Effect.FALL)
 _ONCE = (Effect.FALL, Effect.TOPPLE, Effect.ROLL, Effect.BURST, Effect.RELEASE, Effect.STILL)
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
-_SIDED = (Effect.PUSH, Effect.STRIKE, Effect.SWAY, Effect.SCALE, Effect.SWELL)
 
 
-@dataclass
-class _Draft:
-    """An event in the making."""
+def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
+    """Fill in what a clause's words come to; "harder", "back" and "the other way" are measured by ``before``."""
+    event.motion, event.phrase = _choose_motion(event, brief)
+    event.repeat = _sum_repeats(event)
+    _resolve_strength(event, before if event.clause.inherited else None)
+    take_heading(event, brief)
+    _act_from_sides(event, brief)
+    if before is not None:
+        _take_over_direction(event, before)
+    _find_quantities(event, before, brief)
+    _count_turns(event)
+    _resolve_again(event, before)
+    event.doubts += _find_unused(event)
+    if event.motion.droops and brief.object_kind not in _LIMP:
+        event.doubts.append(f"How '{event.words}' is done is not understood.")
+    event.sources["action_type"] = ValueSource(event.words, f"'{event.phrase}' is a {event.effect.value}")
+    event.sources["active_time"] = _describe_time(event)
+    _take_part(event, brief)
+    event.obstacles += resolve_obstacles(event.clause.solids, event.direction, brief)
 
-    meaning: Meaning
-    before: Event | None
-    brief: SceneBrief
-    motion: Motion
-    phrase: str
-    heading: Heading
-    part: KnownPart | None
-    target: Target = Target()
-    doubts: list[str] = field(default_factory=list)
 
-    def turn(self, vector: Vector | None, why: str) -> None:
-        """Sets another direction than the clause alone tells."""
-        self.heading = Heading(vector, self.heading.repeat, replace(self.heading.source, why=why))
+def _choose_motion(event: Event, brief: SceneBrief) -> tuple[Motion, str]:
+    """The clause's motion as what stands beside it makes it, and the phrase that it then goes by."""
+    motion, phrase = _join_cause(event)
+    motions, effect = read_lexicon().motions, motion.effect
+    told, repeats = event.pick(*WAYS), event.clause.repetitions
+    counted = any((each.times or 1) > 1 for each in repeats)
+    if effect is Effect.ROLL and (event.clause.turning or event.clause.seen_from) and not told:
+        return replace(motion, effect=Effect.TURN, direction="toward"), phrase  # rolls on the spot
+    sways = brief.anchored is not None or brief.object_kind == "plant"  # what is free is blown away
+    if event.verb is None and motion.wind and not told and sways:
+        return replace(motions["sway"], strength=motion.strength), "sway"
+    if any(each.alternating for each in repeats) and (effect in (Effect.FALL, Effect.JUMP) or motion.gravity):
+        phrase = "sway" if effect is Effect.STRIKE else "bob"  # "is tossed to and fro", "jumps up and down"
+    elif motion.bounces and (counted or event.is_upwards):
+        phrase = "jump"  # "it bounces three times"
+    elif motion.coasts and told:
+        phrase = "move"  # "it coasts to the left"; else it goes on by itself
+    elif effect is Effect.ROLL and has_wheels(brief):
+        phrase = "push"  # its wheels turn, and it does not
+    elif effect is Effect.SWELL and (told or event.pick(WayKind.LINE, WayKind.PLANE)):
+        return replace(motion, effect=Effect.SCALE), phrase  # "expands horizontally", "grows upwards"
+    else:
+        return motion, phrase
+    return motions[phrase], phrase
 
 
-def interpret(meaning: Meaning, before: Event | None, brief: SceneBrief) -> Event:
-    """The event of a clause; ``before`` is what "harder", "back" and "the other way" are measured by."""
-    motion, phrase = choose_motion(meaning, brief)
-    strength, strength_source = resolve_strength(
-        meaning, motion, before if meaning.clause.inherited else None
+def _join_cause(event: Event) -> tuple[Motion, str]:
+    """The motion; a wind that "hits" pushes, a cause of generic motion ("sends it") gives its own kind."""
+    cause, verb = event.cause, event.verb
+    if verb is None:
+        assert cause is not None
+        return cause, event.cause_phrase
+    if cause is None:
+        return verb, event.phrase
+    quakes = cause.effect is Effect.SWAY and event.phrase in ("hit", "strike")  # "an earthquake hits"
+    struck = verb.effect is Effect.STRIKE and (cause.wind or cause.skill is not None)  # "a vortex hits it"
+    if (verb.generic and verb.effect is Effect.PUSH) or struck or quakes:
+        return cause, event.cause_phrase
+    skill = cause.skill if verb.effect is cause.effect else verb.skill  # "a vortex spins it"
+    return replace(verb, brief=verb.brief or cause.brief, skill=skill), event.phrase
+
+
+def has_wheels(brief: SceneBrief) -> bool:
+    """Return whether it rolls on wheels, and so stays upright when it is rolled."""
+    return not read_lexicon().wheeled.isdisjoint(re.findall(r"[^\W\d_]+", brief.object_name.lower()))
+
+
+def _resolve_strength(event: Event, before: Event | None) -> None:
+    """Base strength of motion and cause times the intensities; degrees widen the next one's distance from 1."""
+    clause, motion, degree, absolute = event.clause, event.motion, 1.0, []
+    value = motion.strength
+    if event.cause is not None and event.verb is not None and event.cause not in (motion, event.verb):
+        value *= event.cause.strength
+    shares = [each for each in clause.quantities if each.dimension == "strength"]
+    told = [*event.strengths, *(("relative", each.value) for each in shares)]
+    for kind, factor in told:
+        if kind == "degree":
+            degree = factor
+        elif kind == "absolute":
+            value *= 1.0 + (factor - 1.0) * degree
+            degree = 1.0
+            absolute.append(factor)
+        else:
+            value = factor * (before.strength if before else value)
+    # A word for how strong it is outweighs the motion's own strength.
+    if absolute and degree == 1.0 and motion.strength >= 0.8:
+        if min(absolute) >= 1.3:
+            value = max(value, 1.2)
+        elif max(absolute) <= 0.6:
+            value = min(value, 0.7)
+    event.strength = round(clamp(value, MAGNITUDE_MIN, MAGNITUDE_MAX), 3)
+    words, why = (
+        event.words,
+        "no intensity word: plain" if event.strength == 1.0 else "the word's own strength",
     )
-    part = meaning.parts[0] if meaning.parts else None
-    if motion.effect is Effect.FALL and part is not None and part.place.names == ("down",):
-        part = None  # "lands on its feet", as it stood
-    heading = resolve_direction(meaning, motion, part, _sum_repeats(meaning), brief)
-    draft = _Draft(meaning, before, brief, motion, phrase, heading, part, doubts=list(meaning.doubts))
-    _act_from_sides(draft)
-    _take_over_direction(draft)
-    _find_quantities(draft)
-    _count_turns(draft)
-    _scale_by_dimension(draft)
-    _resolve_again(draft)
-    draft.doubts += _find_unused(meaning, draft.motion)
-    if motion.droops and brief.object_kind not in _LIMP:
-        draft.doubts.append(f"How '{meaning.words}' is done is not understood.")
-    sources = {
-        "action_type": ValueSource(meaning.words, f"'{phrase}' is a {draft.motion.effect.value}"),
-        "magnitude": strength_source,
-        "vector": draft.heading.source,
-        "active_time": _describe_time(meaning),
-    }
-    if part:
-        sources["region"] = ValueSource(part.text, "a part of the object")
-    return _make_event(draft, strength, sources)
+    if told:
+        words, why = ", ".join([*clause.strength, *(each.text for each in shares)]), "intensity words"
+    event.sources["magnitude"] = ValueSource(words, why)
 
 
-def _make_event(draft: _Draft, strength: float, sources: dict[str, ValueSource]) -> Event:
-    """The event of a finished draft."""
-    meaning, vector = draft.meaning, draft.heading.vector
-    region, end, excludes = _resolve_part(draft)
-    return Event(
-        motion=draft.motion,
-        phrase=draft.phrase,
-        words=meaning.text,
-        order=meaning.clause.order,
-        direction=vector,
-        strength=strength,
-        region=region,
-        part=end,
-        excludes_part=excludes,
-        amount=draft.target.amount,
-        stays=meaning.stays,
-        even=meaning.clause.even,
-        obstacles=tuple(resolve_obstacles(meaning.clause.solids, vector, draft.brief)),
-        repeat=draft.heading.repeat,
-        when=meaning.timing,
-        wind=any(each.wind for each in (meaning.cause, meaning.verb) if each is not None),
-        elsewhere=meaning.clause.elsewhere,
-        sources=sources,
-        notes=draft.heading.notes,
-        doubts=tuple(draft.doubts),
-    )
-
-
-def _sum_repeats(meaning: Meaning) -> Repeat:
+def _sum_repeats(event: Event) -> Repeat:
     """All counts of a clause as one: "left and right twice" alternates and counts."""
-    sides = bool(meaning.pick(WayKind.SIDES))  # "in both directions, left and right" goes there once
-    found = [each for each in meaning.clause.repetitions if not (each.first and sides)]
+    sides = bool(event.pick(WayKind.SIDES))  # "in both directions, left and right" goes there once
+    found = [each for each in event.clause.repetitions if not (each.first and sides)]
     count = next((each.times for each in found if each.times is not None), None)
     names = next(((each.first,) for each in found if each.first), ())
     return Repeat(count, any(each.alternating for each in found), names, any(each.often for each in found))
 
 
-def _act_from_sides(draft: _Draft) -> None:
+def _act_from_sides(event: Event, brief: SceneBrief) -> None:
     """Motions whose kind depends on where they act: from both sides, outward, from one side."""
-    meaning, motion, brief = draft.meaning, draft.motion, draft.brief
-    sides, told = meaning.pick(WayKind.SIDES), meaning.pick(*WAYS)
-    beside = (
-        told and sides and sides[0].phrase == "either side"
-    )  # "away, by less than a tenth to either side"
-    if motion.effect is Effect.BURST:
-        motion = replace(motion, effect=Effect.STRIKE) if told else motion
-    elif sides and motion.effect in _SIDED and motion.effect is not Effect.SWAY:
-        if motion.effect in (Effect.PUSH, Effect.STRIKE) and not beside:
-            outward = motion.pulls or sides[0].phrase in ("outward", "outwards", "apart")
-            motion = replace(motion, effect=Effect.SCALE, sign=1 if outward else -1)
-        if motion.effect in (Effect.SCALE, Effect.SWELL) and sides[0].names == ("all",):
-            motion = replace(motion, effect=Effect.SWELL)
-    draft.motion = motion
-    if motion.effect is Effect.SWELL:
-        draft.heading = replace(draft.heading, vector=None)
-    elif motion.effect is Effect.SCALE and draft.heading.vector is None:
-        draft.heading = replace(draft.heading, vector=sum_directions(("right",), brief))
+    sides, told = event.pick(WayKind.SIDES), event.pick(*WAYS)
+    if event.effect is Effect.BURST and told:
+        event.motion = replace(event.motion, effect=Effect.STRIKE)
+    elif sides:
+        beside = told and sides[0].phrase == "either side"  # "away, by less than a tenth to either side"
+        if event.effect in (Effect.PUSH, Effect.STRIKE) and not beside:
+            outward = event.motion.pulls or sides[0].phrase in ("outward", "outwards", "apart")
+            event.motion = replace(event.motion, effect=Effect.SCALE, sign=1 if outward else -1)
+        if event.effect is Effect.SCALE and sides[0].names == ("all",):
+            event.motion = replace(event.motion, effect=Effect.SWELL)
+    if event.effect is Effect.SWELL:
+        event.direction = None
+    elif event.effect is Effect.SCALE and event.direction is None:
+        event.direction = brief.directions.right
 
 
-def _take_over_direction(draft: _Draft) -> None:
+def _turn(event: Event, vector: Vector | None, why: str) -> None:
+    """Sets another direction than the clause alone tells."""
+    event.direction, event.notes = vector, []
+    event.sources["vector"] = replace(event.sources["vector"], why=why)
+
+
+def _take_over_direction(event: Event, before: Event) -> None:
     """The direction of the event before, where none is told; and "back" from there."""
-    before, effect = draft.before, draft.motion.effect
-    if before is None:
-        return
-    driven = effect is Effect.TOPPLE and before.effect in (Effect.PUSH, Effect.STRIKE)
-    likewise = before.effect is effect and (effect is not Effect.SWAY or before.phrase == draft.phrase)
-    if draft.heading.notes and (likewise or driven):  # "push it to the right, then push it harder"
-        draft.turn(before.direction, "no direction given: as before")
-    if before.direction is not None and is_back(draft.meaning):
-        draft.turn(scale(before.direction, -1.0), "back where it came from")
+    driven = event.effect is Effect.TOPPLE and before.effect in (Effect.PUSH, Effect.STRIKE)
+    likewise = before.effect is event.effect and (
+        event.effect is not Effect.SWAY or before.phrase == event.phrase
+    )
+    if event.notes and (likewise or driven):  # "push it to the right, then push it harder"
+        _turn(event, before.direction, "no direction given: as before")
+    if before.direction is not None and event.is_back:
+        _turn(event, scale(before.direction, -1.0), "back where it came from")
 
 
-def is_back(meaning: Meaning) -> bool:
-    """Return whether it goes back where it came from."""
-    return any(way.phrase == "back" for way in meaning.pick(WayKind.TO))
-
-
-def _find_quantities(draft: _Draft) -> None:
-    """The target that the clause's quantities set, and what they say that cannot be used."""
-    landing = replace(draft.motion, effect=Effect.PUSH) if lands_aside(draft.meaning) else draft.motion
-    for quantity in draft.meaning.clause.quantities:
+def _find_quantities(event: Event, before: Event | None, brief: SceneBrief) -> None:
+    """The target that the clause's quantities set, its axis, and what they say that cannot be used."""
+    motion = event.motion
+    for quantity in event.clause.quantities:
         if quantity.dimension == "strength":
             continue
-        found = find_target(quantity, landing, draft.before.amount if draft.before else None)
-        if found.usual:
-            continue
-        if found.amount is None or draft.target.amount is not None:
+        found = find_target(quantity, motion, before.amount if before else None)
+        if found.amount is None or event.amount is not None:
             words = quantity.text or f"{quantity.value:g} {quantity.unit}"
-            draft.doubts.append(f"'{words}' is a quantity that nothing here is measured in.")
-        else:
-            draft.target = found
+            event.doubts.append(f"'{words}' is a quantity that nothing here is measured in.")
+            continue
+        event.amount = found.amount
+        if found.everywhere:
+            event.motion, event.direction = replace(motion, effect=Effect.SWELL), None
+        elif found.names and not event.pick(*WAYS):  # "to twice its height"
+            event.motion = replace(motion, effect=Effect.SCALE)
+            event.direction = normalise(sum_directions(found.names, brief))
 
 
-def _count_turns(draft: _Draft) -> None:
+def _count_turns(event: Event) -> None:
     """Counts turns ("spin three times"); a somersault is a whole one."""
-    repeat = draft.heading.repeat
-    counted = repeat.count is not None and not repeat.alternate and draft.target.amount is None
-    if draft.motion.effect is Effect.TURN and counted and repeat.count is not None:
-        if not repeat.vague:
-            draft.target = Target(Amount(value=min(360.0 * repeat.count, MOST), unit="degrees"))
-        if not repeat.vague and 360.0 * repeat.count > MOST:
-            draft.doubts.append(f"So many turns ('{draft.meaning.text}') cannot be shown.")
-        draft.heading = replace(draft.heading, repeat=replace(repeat, count=None))
-    if draft.motion.angle and draft.target.amount is None:
-        draft.target = Target(Amount(value=draft.motion.angle, unit="degrees"))
+    repeat, angle = event.repeat, event.motion.angle
+    counts = event.effect is Effect.TURN and repeat.count is not None and not repeat.alternate
+    if counts and event.amount is None:
+        event.repeat = replace(repeat, count=None)
+        angle = angle if repeat.vague else 360.0 * (repeat.count or 0)
+    if angle > MOST:
+        event.doubts.append(f"So many turns ('{event.text}') cannot be shown.")
+    if angle and event.amount is None:
+        event.amount = Amount(value=min(angle, MOST), unit="degrees")
 
 
-def _scale_by_dimension(draft: _Draft) -> None:
-    """Acts along the dimension that a quantity names: "to twice its height"."""
-    if draft.target.everywhere:
-        draft.motion = replace(draft.motion, effect=Effect.SWELL)
-        draft.heading = replace(draft.heading, vector=None)
-    elif draft.target.names and not draft.meaning.pick(*WAYS):
-        draft.motion = replace(draft.motion, effect=Effect.SCALE)
-        vector = normalise(sum_directions(draft.target.names, draft.brief))
-        draft.heading = replace(draft.heading, vector=vector)
-
-
-def _resolve_again(draft: _Draft) -> None:
+def _resolve_again(event: Event, before: Event | None) -> None:
     """Goes "the other way" or "the same way" as the event before."""
-    ways, before = draft.meaning.pick(WayKind.AGAIN), draft.before
+    ways = event.pick(WayKind.AGAIN)
     if not ways:
         return
-    known = before is not None and before.direction is not None
-    if ways[0].names == ("same",):
-        known = known and before is not None and before.effect in TOWARDS and draft.motion.effect in TOWARDS
+    same = ways[0].names == ("same",)
+    alike = before is not None and (
+        before.effect in TOWARDS and event.effect in TOWARDS if same else before.effect is event.effect
+    )
+    if before is None or before.direction is None or not alike:
+        event.doubts.append(f"Which way '{ways[0].text}' is, is not understood.")
+    elif same:
+        _turn(event, before.direction, "the same way as before")
     else:
-        known = known and before is not None and before.effect is draft.motion.effect
-    if not known or before is None or before.direction is None:
-        draft.doubts.append(f"Which way '{ways[0].text}' is, is not understood.")
-    elif ways[0].names == ("same",):
-        draft.turn(before.direction, "the same way as before")
-    else:
-        draft.turn(scale(before.direction, -1.0), "the other way than before")
+        _turn(event, scale(before.direction, -1.0), "the other way than before")
 
 
-def _find_unused(meaning: Meaning, motion: Motion) -> list[str]:
+def _find_unused(event: Event) -> list[str]:
     """Find words about place, direction and number that mean nothing for the clause's motion."""
-    clause, effect = meaning.clause, motion.effect
-    unused = [way.text for way in meaning.ways if effect in _USELESS[way.kind]]
+    clause, effect = event.clause, event.effect
+    unused = [way.text for way in event.ways if effect in _USELESS[way.kind]]
     if effect in _WHOLE:
-        lands = motion.lands  # "lands on its feet"
-        parts = [*meaning.parts, *meaning.excluded]
+        lands = event.motion.lands  # "lands on its feet"
+        parts = [*event.parts, *event.excluded]
         unused += [part.text for part in parts if not (lands and part.place.names == ("down",))]
     if (clause.turning or clause.seen_from) and effect is not Effect.TURN:
         unused.append(clause.turning or f"seen from {clause.seen_from}")
-    counts = [each for each in clause.repetitions if each.times]
-    unused += [each.text for each in counts[1:]]
+    unused += [each.text for each in clause.repetitions if each.times][1:]
     if effect in _ONCE:
         unused += [each.text for each in clause.repetitions if (each.times or 1) > 1 or each.alternating]
-    return [f"What '{words}' means for '{meaning.words}' is not understood." for words in unused]
+    return [f"What '{words}' means for '{event.words}' is not understood." for words in unused]
 
 
-def lands_aside(meaning: Meaning) -> bool:
-    """Return whether it tells where something comes down: "as it reaches the ground it is farther to the right"."""
-    lands = meaning.verb is not None and meaning.verb.lands and not meaning.clause.negated
-    return lands and any(way.names not in (("up",), ("down",)) for way in meaning.pick(WayKind.TO))
-
-
-def _resolve_part(draft: _Draft) -> tuple[Region | None, Vector | None, bool]:
-    """(region, named end, whether that end is excepted)."""
-    meaning, part, brief = draft.meaning, draft.part, draft.brief
-    named = {each.place.names for each in meaning.parts}
-    opposite = draft.motion.effect is Effect.TURN and len(named) == 2  # "one end against the other"
-    if len(meaning.parts) + len(meaning.excluded) > 1 and not opposite:
-        words = ", ".join(each.text for each in (*meaning.parts, *meaning.excluded))
-        draft.doubts.append(f"Of several parts ({words}) only the first is used.")
-    if part is not None:
-        end = normalise(sum_directions(part.place.names, brief))
-        if end is not None:
-            return make_end_region(end, part.place.start), end, False
-        region = make_middle_region(brief.directions.up)
-        if region is None:
-            draft.doubts.append("The middle is not a box here, because world up is oblique to the axes.")
-        return region, None, False
-    if not meaning.excluded:
-        return None, None, False
-    place = meaning.excluded[0].place
-    end = normalise(sum_directions(place.names, brief))
-    if end is None:
-        draft.doubts.append(f"All but '{meaning.excluded[0].text}' cannot be acted on.")
-        return None, None, False
-    return make_end_region(scale(end, -1.0), 1.0 - place.start), end, True
+def _take_part(event: Event, brief: SceneBrief) -> None:
+    """The region that is acted on, and the end that is named or excepted."""
+    named = [*event.parts, *event.excluded]
+    opposite = event.effect is Effect.TURN and len({each.place.names for each in event.parts}) == 2
+    if len(named) > 1 and not opposite:  # "one end against the other"
+        words = ", ".join(each.text for each in named)
+        event.doubts.append(f"Of several parts ({words}) only the first is used.")
+    if not named or event.effect is Effect.FALL and named[0].place.names == ("down",) and event.parts:
+        return  # "lands on its feet", as it stood
+    place, event.excludes_part = named[0].place, not event.parts
+    event.part = normalise(sum_directions(place.names, brief))
+    if not event.excludes_part:
+        event.sources["region"] = ValueSource(named[0].text, "a part of the object")
+    if event.part is None and event.excludes_part:
+        event.excludes_part = False
+        event.doubts.append(f"All but '{named[0].text}' cannot be acted on.")
+    elif event.part is None:
+        event.region = make_middle_region(brief.directions.up)
+        if event.region is None:
+            event.doubts.append("The middle is not a box here, because world up is oblique to the axes.")
+    elif event.excludes_part:
+        event.region = make_end_region(scale(event.part, -1.0), 1.0 - place.start)
+    else:
+        event.region = make_end_region(event.part, place.start)
 
 
 def resolve_obstacles(
@@ -290,9 +283,9 @@ def resolve_obstacles(
     return found
 
 
-def _describe_time(meaning: Meaning) -> ValueSource:
-    told = [each for each in (meaning.timing.starts, meaning.timing.lasts) if each is not None]
+def _describe_time(event: Event) -> ValueSource:
+    told = [each for each in (event.when.starts, event.when.lasts) if each is not None]
     if not told:
-        return ValueSource(meaning.words, "its share of the sequence")
+        return ValueSource(event.words, "its share of the sequence")
     words = dict.fromkeys(each.text or f"{each.value:g} {each.unit}" for each in told)
     return ValueSource(", ".join(words), "time as told")

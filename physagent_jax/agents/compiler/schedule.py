@@ -23,9 +23,7 @@ _STILL_SHARE = 0.5  # stillness at the end needs less of the clip than what come
 _SMALLEST_SHARE = 0.1  # of a run of events, kept for those without a told length
 STEP = 1.5  # [s] that a step of a sequence takes, and settling
 _STROKE = 0.75  # [s] that each of several strokes or swings takes at least
-_SWING = (
-    4.0  # [s] in which what is held swings until it is still: a plant of 1 Hz with a damping ratio of 0.2
-)
+_SWING = 4.0  # [s] in which what is held swings until it is still: 1 Hz with a damping ratio of 0.2
 _REST = 0.5  # [s] after a motion by a quantity, in which it is seen to be reached
 LONGEST = 10.0  # [s] of a clip that a sentence can ask for
 _MOST_FRAMES = 10_000  # of any clip (`agents.schema`)
@@ -58,75 +56,70 @@ def schedule(events: list[Event], brief: SceneBrief, anchored: bool) -> tuple[li
     Returns:
         The slots, the number of frames that the clip needs (the brief's if that suffices or is fixed), and notes.
     """
-    frame_count, notes = brief.frame_count, []
-    if not brief.frames_fixed:
-        slots = _group_slots(events, brief, math.inf)
-        _find_needs(slots, brief, anchored)
-        most = max(min(int(LONGEST / brief.frame_dt), _MOST_FRAMES), frame_count)
-        needed = max(frame_count, math.ceil(_find_end(slots, brief)) + 1)
-        if needed > most:
-            notes.append(f"The clip is {LONGEST:g} s long at most: what does not fit is shortened.")
-        frame_count = min(needed, most)
-    brief = brief.model_copy(update={"frame_count": frame_count})
-    last = float(frame_count - 1)
-    slots = _group_slots(events, brief, last)
-    if not brief.frames_fixed:
-        _find_needs(slots, brief, anchored)
+    if brief.frames_fixed:
+        slots, notes = _group_slots(events, brief, brief.frame_count - 1.0), []
+    else:
+        needed = _find_end(_make_needy_slots(events, brief, anchored, math.inf), brief)
+        frame_count, notes = _lengthen(math.ceil(needed) + 1, brief)
+        brief = brief.model_copy(update={"frame_count": frame_count})
+        slots = _make_needy_slots(events, brief, anchored, frame_count - 1.0)
         for slot in slots:
-            if slot.length is None and _is_dosed(slot, brief, anchored):
-                slot.length = min(slot.need, last)
-    first = 0
-    while first < len(slots):
-        run_end = next((i for i in range(first + 1, len(slots)) if slots[i].start is not None), len(slots))
-        begin = slots[first].start or 0.0
-        end = slots[run_end].start if run_end < len(slots) else None
-        _share(slots[first:run_end], begin, last if end is None else end)
-        first = run_end
-    return slots, frame_count, notes
+            if slot.length is None and _is_dosed(slot.events[0], brief, anchored):
+                slot.length = min(slot.need, frame_count - 1.0)
+    starts = [index for index, slot in enumerate(slots) if index == 0 or slot.start is not None]
+    for first, after in zip(starts, [*starts[1:], None]):
+        end = brief.frame_count - 1.0 if after is None else slots[after].start or 0.0
+        _share(slots[first:after], slots[first].start or 0.0, end)
+    return slots, brief.frame_count, notes
 
 
-def _is_dosed(slot: Slot, brief: SceneBrief, anchored: bool) -> bool:
+def _lengthen(needed: int, brief: SceneBrief) -> tuple[int, list[str]]:
+    """The number of frames of a clip that grows, and a note if that is not enough."""
+    most = max(min(int(LONGEST / brief.frame_dt), _MOST_FRAMES), brief.frame_count)
+    note = f"The clip is {LONGEST:g} s long at most: what does not fit is shortened."
+    return min(max(brief.frame_count, needed), most), [note] if needed > most else []
+
+
+def _is_dosed(event: Event, brief: SceneBrief, anchored: bool) -> bool:
     """Return whether it should end early, so that what it brought about is seen to last."""
-    event = slot.events[0]
-    moves = event.effect in (Effect.PUSH, Effect.TURN, Effect.LEAN)
+    moves = event.effect in (Effect.PUSH, Effect.TURN, Effect.LEAN) and not anchored
     measured = event.stays or find_effort(event.amount, event.effect, brief) is not None
-    return (
-        moves and measured and not anchored and not event.repeat.alternate and (event.repeat.count or 1) == 1
-    )
+    return moves and measured and not event.repeat.alternate and event.count == 1
 
 
-def _find_needs(slots: list[Slot], brief: SceneBrief, anchored: bool) -> None:
-    """The least duration of each slot [frames]: told lengths as they are, steps of a sequence `STEP`."""
-    for index, slot in enumerate(slots):
+def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, last: float) -> list[Slot]:
+    """Slots with their least durations [frames]: told lengths as they are, steps of a sequence `STEP`."""
+    slots = _group_slots(events, brief, last)
+    grounded, clip = brief.world == "ground", brief.frame_dt * (brief.frame_count - 1)
+    for slot, following in zip(slots, [*slots[1:], None]):
         seconds = 0.0
-        after = slots[index + 1].events if index + 1 < len(slots) else []
         for event in slot.events:
-            usual = (
-                STEP if len(slots) > 1 or event.stays else min(brief.frame_dt * (brief.frame_count - 1), 2.0)
-            )
-            if event.effect is Effect.STILL and len(slots) > 1 and (anchored or brief.world == "ground"):
+            usual = STEP if len(slots) > 1 or event.stays else min(clip, 2.0)
+            if event.effect is Effect.STILL and len(slots) > 1 and (anchored or grounded):
                 usual = _SWING
-            seconds = max(seconds, usual, _STROKE * (event.repeat.count or 1))
+            seconds = max(seconds, usual, _STROKE * event.count)
             effort = find_effort(event.amount, event.effect, brief)
-            stops = has_to_stop(event, after, brief.directions.up, brief.world == "ground")
+            after = following.events if following else []
+            stops = has_to_stop(event, after, brief.directions.up, grounded)
             if event.amount is None and stops and not event.motion.brief:
                 effort = find_word_effort(event.strength, event.effect)
             if effort is not None and not anchored:
                 seconds = max(find_span(effort, STEP, brief), STEP if len(slots) > 1 else 0.0)
         slot.need = slot.length if slot.length is not None else seconds / brief.frame_dt
+    return slots
 
 
 def _find_end(slots: list[Slot], brief: SceneBrief) -> float:
     """Frame at which all is over: what is let go, held or stopped by a quantity takes some time yet."""
     at = 0.0
     for slot in slots:
-        at = max(at, slot.start if slot.start is not None else at) + slot.need
+        at = max(at, slot.start or 0.0) + slot.need
     if not slots:
         return at
-    leading = slots[-1].events[0]
-    rest = STEP if leading.stays else _REST if leading.amount else 0.0
-    blow = leading.effect is Effect.STRIKE and slots[-1].start is not None
-    return at + (max(rest, STEP) if blow and slots[-1].length is not None else rest) / brief.frame_dt
+    last, leading = slots[-1], slots[-1].events[0]
+    blow = leading.effect is Effect.STRIKE and last.start is not None and last.length is not None
+    rest = STEP if leading.stays or blow else _REST if leading.amount else 0.0
+    return at + rest / brief.frame_dt
 
 
 def _group_slots(events: list[Event], brief: SceneBrief, last: float) -> list[Slot]:
@@ -163,73 +156,67 @@ def find_frames(told: Duration | None, brief: SceneBrief) -> float | None:
 
 def has_to_stop(event: Event, after: list[Event], up: Vector, grounded: bool) -> bool:
     """Return whether a free object must be stopped before what comes next can be seen."""
+    turns, moves = event.effect in (Effect.TURN, Effect.LEAN), event.effect in _MOTIONS
+    lifted = event.effect is Effect.PUSH and event.direction and dot(event.direction, up) > 0.5
     for later in after:
-        stops = later.effect is Effect.STILL
-        turned = event.effect in (Effect.TURN, Effect.LEAN) and later.effect is event.effect
-        moved = event.effect in _MOTIONS and later.effect in (*_MOTIONS, Effect.SWAY)
-        lifted = event.direction and dot(event.direction, up) > 0.5
-        if lifted and event.effect is Effect.PUSH and later.effect is Effect.FALL:
+        if lifted and later.effect is Effect.FALL:
             return not grounded  # else the push downwards that follows would only slow it
-        same = event.direction and later.direction and dot(event.direction, later.direction) > 0.5
-        if stops or ((turned or moved) and not same):
+        turned = turns and later.effect is event.effect
+        moved = moves and later.effect in (*_MOTIONS, Effect.SWAY)
+        if later.effect is Effect.STILL or ((turned or moved) and not _cosine(event, later) > 0.5):
             return True
     return False
 
 
+def _cosine(one: Event, other: Event) -> float:
+    """Cosine between the directions of two events; 0 if either goes no way."""
+    return dot(one.direction, other.direction) if one.direction and other.direction else 0.0
+
+
 def follows(before: Event, event: Event) -> bool:
     """Return whether ``event`` comes after ``before`` rather than with it."""
-    if event.order != "and":
-        return event.order == "then"
+    order, effect = event.clause.order, event.effect
+    if order != "and":
+        return order == "then"
     if event.when.starts is not None and event.when.starts != before.when.starts:
         return True  # "rolls left and tips over at the end"
-    rests = event.effect is Effect.STILL and (not event.motion.generic or event.is_timed)
-    if event.effect is Effect.RELEASE or rests:
-        return True
-    if before.effect is Effect.FALL and event.effect is Effect.SWAY:
-        return True  # "drops and jiggles"
-    return _contrary(before, event)
+    rests = effect is Effect.STILL and (not event.motion.generic or event.is_timed)
+    lifted = before.effect is Effect.PUSH and effect is Effect.FALL and before.phrase != event.phrase
+    return effect is Effect.RELEASE or rests or lifted or _contrary(before, event)
+
+
+_SUCCESSIONS = (
+    (Effect.FALL, Effect.SWAY),  # "drops and jiggles"
+    (Effect.STRIKE, Effect.FALL),
+    (Effect.JUMP, Effect.FALL),  # "jumps and lands"
+    (Effect.JUMP, Effect.TOPPLE),  # "jumps and lands on its back"
+)
 
 
 def _contrary(before: Event, event: Event) -> bool:
     """Return whether two events joined by "and" would cancel if they happened together ("squeezed and stretched")."""
-    if before.effect in (Effect.STRIKE, Effect.JUMP) and event.effect is Effect.FALL:
-        return True  # "jumps and lands"
-    if before.effect is Effect.JUMP and event.effect is Effect.TOPPLE:
-        return True  # "jumps and lands on its back"
-    if before.effect is Effect.PUSH and before.phrase != event.phrase and event.effect is Effect.FALL:
-        return True  # "lifted and dropped"
     if before.effect is not event.effect:
-        return False
+        return (before.effect, event.effect) in _SUCCESSIONS
     if event.effect in (Effect.SCALE, Effect.SWELL):
-        crossed = before.direction and event.direction and abs(dot(before.direction, event.direction)) < 0.5
-        if crossed:
-            return False  # "wider and shorter"
-        return before.motion.sign != event.motion.sign
-    if before.direction is None or event.direction is None or before.region != event.region:
-        return False
-    return dot(before.direction, event.direction) < -0.5
+        whole = before.direction is None or event.direction is None
+        return before.motion.sign != event.motion.sign and (whole or abs(_cosine(before, event)) >= 0.5)
+    return before.region == event.region and _cosine(before, event) < -0.5
 
 
 def _share(slots: list[Slot], begin: float, end: float) -> None:
-    """Divides [begin, end] among the slots of one run."""
+    """Divides [begin, end] among the slots of one run: told lengths, then by need where that is known."""
     free = [slot for slot in slots if slot.length is None]
-    span = end - begin
-    told = sum(slot.length for slot in slots if slot.length is not None)
-    room = span * (1.0 - _SMALLEST_SHARE * min(len(free), 5)) if free else span
+    span, told = end - begin, sum(slot.length or 0.0 for slot in slots)
+    room = span * (1.0 - _SMALLEST_SHARE * min(len(free), 5))
     shrink = min(1.0, room / told) if told > 0 else 1.0
-    weights = sum(_weight(slot, free) for slot in free)
-    at = begin
+    by_need = all(slot.need > 0.0 for slot in free)
+
+    def weigh(slot: Slot) -> float:
+        rests = all(event.effect is Effect.STILL for event in slot.events)
+        return slot.need if by_need else _STILL_SHARE if rests else 1.0
+
+    total = sum(map(weigh, free))
     for slot in slots:
-        if slot.length is None:
-            size = (span - told * shrink) * _weight(slot, free) / weights
-        else:
-            size = slot.length * shrink
-        slot.window = (at, at + size)
-        at += size
-
-
-def _weight(slot: Slot, free: list[Slot]) -> float:
-    """Its share: by need where the clip's length follows from needs."""
-    if all(each.need > 0.0 for each in free):
-        return slot.need
-    return _STILL_SHARE if all(e.effect is Effect.STILL for e in slot.events) else 1.0
+        size = (span - told * shrink) * weigh(slot) / total if slot.length is None else slot.length * shrink
+        slot.window = (begin, begin + size)
+        begin += size

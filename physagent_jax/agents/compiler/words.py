@@ -7,129 +7,29 @@ from anywhere: articles are ignored, inflected verbs are known, and a word that 
 from __future__ import annotations
 
 import difflib
-import enum
-from dataclasses import dataclass, field
+import re
 
 from physagent_jax.agents import intent
+from physagent_jax.agents.compiler.events import Event, KnownPart, KnownWay, WayKind
 from physagent_jax.agents.lexicon import Motion, Names, Place, read_forms, read_lexicon
 
-_IGNORED = (
-    "to the ",
-    "from the ",
-    "toward the ",
-    "towards the ",
-    "the ",
-    "a ",
-    "an ",
-    "its ",
-    "to ",
-    "from ",
-)
+_ARTICLE = re.compile(r"^(the )?(an? )?(its )?")
+_AROUND = re.compile(r"^((to|from|towards?) )?((the|an?|its) )?|( side)?( direction)?$")
 _OPPOSITES = (("left", "right"), ("up", "down"), ("toward", "away"))
 _BASE = frozenset(name for pair in _OPPOSITES for name in pair)
+_REVERSALS = {"same": "same", "other": "other", "opposite": "other"}  # single words, as models write them
+_SIDES = {"apart": "both", "together": "both"}
 _NEAREST = 3
 _ALIKE = 0.6  # similarity of spelling, 0 .. 1
 _ENDS_AT = 2 / 3  # of the extent: where "the top" or "its left" begins
 _NOT_LESS, _NOT_MORE = 0.8, 1.2  # factors of "not hard" and "not gently"
 
 
-class WayKind(enum.Enum):
-    """The kinds of ways."""
-
-    TO = enum.auto()  # a direction
-    FROM = enum.auto()  # where the cause comes from
-    LINE = enum.auto()  # of a stretch, or axis of a turn
-    PLANE = enum.auto()  # of a turn
-    SIDES = enum.auto()  # several at once
-    AGAIN = enum.auto()  # as before, or the other way
-
-
-@dataclass(frozen=True)
-class KnownWay:
-    """A way with its meaning.
-
-    Attributes:
-        kind: Its kind.
-        names: Directions that are added; for sides "both" or "all", for `WayKind.AGAIN` "same" or "other".
-        phrase: The lexicon's phrase.
-        text: The words in the sentence.
-    """
-
-    kind: WayKind
-    names: Names
-    phrase: str
-    text: str
-
-
-@dataclass(frozen=True)
-class KnownPart:
-    """A part with its place."""
-
-    place: Place
-    phrase: str
-    text: str
-
-
-@dataclass
-class Meaning:
-    """A clause with the meanings of its words.
-
-    Attributes:
-        clause: The clause.
-        verb: What is done; None if only a cause is named.
-        cause: What does it.
-        phrase, cause_phrase: The lexicon's words for them.
-        ways, parts, excluded: Ways, parts that are acted on, and parts that are not.
-        strengths: Words for strength, as `find_strength` knows them.
-        doubts: Words that the lexicon has no meaning for, in sentences.
-        stays: Whether the result is held.
-    """
-
-    clause: intent.Clause
-    verb: Motion | None = None
-    cause: Motion | None = None
-    phrase: str = ""
-    cause_phrase: str = ""
-    ways: list[KnownWay] = field(default_factory=list)
-    parts: list[KnownPart] = field(default_factory=list)
-    excluded: list[KnownPart] = field(default_factory=list)
-    strengths: list[tuple[str, float]] = field(default_factory=list)
-    doubts: list[str] = field(default_factory=list)
-    stays: bool = False
-    timing: intent.Timing = intent.Timing()
-
-    @property
-    def motion(self) -> Motion | None:
-        """The motion of the verb, else of the cause; None if neither is known."""
-        return self.verb or self.cause
-
-    @property
-    def words(self) -> str:
-        """The words in the sentence that name the motion."""
-        return self.clause.said or self.clause.motion or self.clause.cause or ""
-
-    @property
-    def text(self) -> str:
-        """The clause's words in the sentence."""
-        return self.clause.text or self.words
-
-    def pick(self, *kinds: WayKind) -> list[KnownWay]:
-        """Its ways of these kinds."""
-        return [way for way in self.ways if way.kind in kinds]
-
-    @property
-    def bare(self) -> bool:
-        """Whether nothing but its strength is told."""
-        told = self.clause
-        rest = told.quantities or told.repetitions or told.solids or told.turning or told.seen_from
-        return not (self.ways or self.parts or self.excluded or rest or self.timing != intent.Timing())
-
-
-def look_up(clause: intent.Clause) -> Meaning:
+def look_up(clause: intent.Clause) -> Event:
     """The meanings of a clause's words."""
     senses = {1: "counterclockwise", -1: "clockwise"}
-    found = Meaning(clause, stays=clause.stays, timing=clause.timing)
-    _look_up_motion(clause, found)
+    found = Event(clause, clause.timing, clause.stays)
+    _look_up_motion(found)
     for way in clause.ways:
         known, sense = find_way(way), read_lexicon().senses.get(normalise(way.word))
         if sense is not None and clause.turning in (None, senses[sense]):
@@ -154,22 +54,23 @@ def look_up(clause: intent.Clause) -> Meaning:
     return found
 
 
-def _look_up_motion(clause: intent.Clause, found: Meaning) -> None:
-    lexicon = read_lexicon()
+def _look_up_motion(found: Event) -> None:
+    """Fills verb and cause; either word may name the other."""
+    lexicon, clause = read_lexicon(), found.clause
     found.phrase = _find_phrase(clause.motion, lexicon.motions)
     found.verb = lexicon.motions.get(found.phrase)
-    if found.verb is None and (noun := _find_phrase(clause.motion, lexicon.causes)):
-        found.cause, found.cause_phrase = lexicon.causes[noun], noun
-    elif found.verb is None and clause.motion:
-        found.doubts.append(f"The motion '{clause.motion}' is not understood.")
+    causes = lexicon.motions | lexicon.causes
+    if found.verb is None and clause.motion:
+        found.cause_phrase = _find_phrase(clause.motion, lexicon.causes)
+        if not found.cause_phrase:
+            found.doubts.append(f"The motion '{clause.motion}' is not understood.")
     if clause.cause and clause.cause != "gravity":
-        noun = _find_phrase(clause.cause, lexicon.causes)
-        verb = "" if noun else _find_phrase(clause.cause, lexicon.motions)
-        if noun or verb:
-            found.cause = lexicon.causes[noun] if noun else lexicon.motions[verb]
-            found.cause_phrase = noun or verb
-        elif found.motion is None:
+        noun = _find_phrase(clause.cause, lexicon.causes) or _find_phrase(clause.cause, lexicon.motions)
+        found.cause_phrase = noun or found.cause_phrase
+        if not (noun or found.verb or found.cause_phrase):
             found.doubts.append(f"The cause '{clause.cause}' is not understood.")
+    found.cause = causes.get(found.cause_phrase)
+    found.motion = found.verb or found.cause or found.motion
 
 
 def _find_phrase(word: str, table: dict[str, Motion]) -> str:
@@ -183,43 +84,37 @@ def _find_phrase(word: str, table: dict[str, Motion]) -> str:
 
 def normalise(word: str) -> str:
     """A word in lower case, with single spaces for hyphens and without articles."""
-    text = " ".join(word.lower().replace("-", " ").replace("_", " ").split())
-    for start in ("the ", "a ", "an ", "its "):
-        text = text.removeprefix(start)
-    return text
+    return _ARTICLE.sub("", " ".join(word.lower().replace("-", " ").replace("_", " ").split()))
 
 
 def find_way(way: intent.Way) -> KnownWay | None:
     """The way that a direction word with its relation is; None if the word is not known."""
-    lexicon, relation = read_lexicon(), way.relation
     text = normalise(way.word)
-    bare = next((text.removeprefix(start) for start in _IGNORED if text.startswith(start)), text)
-    bare = bare.removesuffix(" side").removesuffix(" direction")
-
-    def make(kind: WayKind, names: Names) -> KnownWay:
-        return KnownWay(kind, names, text, way.text or way.word)
-
-    for said in (" ".join(way.word.lower().split()), text, bare):
-        if said in lexicon.reversals or said in ("same", "other", "opposite"):
-            names = ("same",) if lexicon.reversals.get(said, said) == "same" else ("other",)
-            return make(WayKind.AGAIN, names)
-        if said in lexicon.sides:
-            return make(WayKind.SIDES, (lexicon.sides[said],))
-        if said in ("apart", "together"):
-            return make(WayKind.SIDES, ("both",))
-        line, plane = lexicon.axes.get(said), lexicon.planes.get(said) or lexicon.planes.get(said + "ly")
-        named = _find_directions(said)
-        if relation is intent.Relation.IN and (names := plane or line or named):
-            return make(WayKind.PLANE, names)
-        if relation in (intent.Relation.ALONG, intent.Relation.ABOUT) and (names := line or named or plane):
-            return make(WayKind.LINE, names)
-        if named:
-            return make(WayKind.FROM if relation is intent.Relation.FROM else WayKind.TO, named)
-        if line or said in ("x", "y", "z"):
-            return make(WayKind.LINE, line or (said,))
-        if plane:
-            return make(WayKind.PLANE, plane)
+    for said in (" ".join(way.word.lower().split()), text, _AROUND.sub("", text)):
+        kind, names = _classify_way(said, way.relation)
+        if names:
+            return KnownWay(kind, names, text, way.text or way.word)
     return None
+
+
+def _classify_way(said: str, relation: intent.Relation) -> tuple[WayKind, Names]:
+    """Kind and names of a direction word; no names if it is not known."""
+    lexicon = read_lexicon()
+    if name := lexicon.reversals.get(said) or _REVERSALS.get(said):
+        return WayKind.AGAIN, (name,)
+    if name := lexicon.sides.get(said) or _SIDES.get(said):
+        return WayKind.SIDES, (name,)
+    line = lexicon.axes.get(said) or ((said,) if said in ("x", "y", "z") else ())
+    plane = lexicon.planes.get(said) or lexicon.planes.get(said + "ly") or ()
+    named = _find_directions(said)
+    match relation:
+        case intent.Relation.IN if plane or line or named:
+            return WayKind.PLANE, plane or line or named
+        case intent.Relation.ALONG | intent.Relation.ABOUT if line or named or plane:
+            return WayKind.LINE, line or named or plane
+    if named:
+        return WayKind.FROM if relation is intent.Relation.FROM else WayKind.TO, named
+    return (WayKind.LINE, line) if line else (WayKind.PLANE, plane)
 
 
 def _find_directions(text: str) -> Names:
@@ -227,50 +122,39 @@ def _find_directions(text: str) -> Names:
     lexicon = read_lexicon()
     if found := lexicon.directions.get(text) or lexicon.ends.get(text) or lexicon.part_adjectives.get(text):
         return found
-    names: Names = ()
-    for word in text.replace(" and ", " ").split():
-        found = (word,) if word in _BASE else lexicon.directions.get(word)
-        if found is None:
-            return ()
-        names += found
+    words = text.replace(" and ", " ").split()
+    found = [(word,) if word in _BASE else lexicon.directions.get(word, ()) for word in words]
+    names = tuple(name for each in found for name in each)
     cancelling = any(one in names and other in names for one, other in _OPPOSITES)
-    return () if cancelling else names
+    return names if all(found) and not cancelling else ()
 
 
 def find_place(word: str) -> Place | None:
     """The place of a part: a noun, a side with a noun ("upper half"), or a side alone ("left")."""
-    lexicon = read_lexicon()
-    text = normalise(word)
+    lexicon, text = read_lexicon(), normalise(word)
     if place := lexicon.parts.get(text) or lexicon.parts.get(text.removesuffix("s")):
         return place
     side, _, noun = text.rpartition(" ")
     start = lexicon.part_nouns.get(noun) or lexicon.part_nouns.get(noun.removesuffix("s"))
-    if side and start is not None and (names := _find_directions(side)):
+    if start is not None and (names := _find_directions(side)):
         return Place(names, start)
-    if names := _find_directions(text):
-        return Place(names, _ENDS_AT)
-    return None
+    names = _find_directions(text)
+    return Place(names, _ENDS_AT) if names else None
 
 
 def find_strength(word: str) -> tuple[str, float] | None:
     """("degree", "absolute" or "relative", factor) of a word for strength."""
-    lexicon = read_lexicon()
-    text = " ".join(word.lower().split())
+    lexicon, text = read_lexicon(), " ".join(word.lower().split())
     if text.startswith("not "):
         told = find_strength(text.removeprefix("not "))
         return told and ("absolute", _NOT_LESS if told[1] > 1 else _NOT_MORE)
-    tables = {
-        "degree": lexicon.degrees,
-        "absolute": lexicon.intensities,
-        "relative": lexicon.comparatives,
-    }
-    found = (
-        (kind, table[said])
-        for said in (text, normalise(text))
-        for kind, table in tables.items()
-        if said in table
+    kinds = (
+        ("degree", lexicon.degrees),
+        ("absolute", lexicon.intensities),
+        ("relative", lexicon.comparatives),
     )
-    return next(found, None)
+    forms = (text, normalise(text))
+    return next(((kind, table[said]) for said in forms for kind, table in kinds if said in table), None)
 
 
 def suggest_motions(word: str) -> list[str]:

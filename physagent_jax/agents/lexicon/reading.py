@@ -8,32 +8,26 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import fields, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import is_dataclass, replace
+from enum import Enum
 from fractions import Fraction
+from functools import partial
 from importlib import resources
-from typing import Any
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import yaml
 
-from physagent_jax.agents.lexicon.types import Effect, Join, Lexicon, Moment, Motion, Names, Place, Repeat
+from physagent_jax.agents.lexicon.types import Effect, Lexicon, Motion, Names
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.skills import Skill, list_skills
 
-FILES = (
-    "motions",
-    "causes",
-    "forms",
-    "ways",
-    "strengths",
-    "numbers",
-    "parts",
-    "surroundings",
-    "function_words",
-)
+FILES = tuple("motions causes forms ways strengths numbers parts surroundings function_words".split())
 _ROWS = ("motions", "causes")  # files that are one list of rows
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _LIMITS = {"min": MAGNITUDE_MIN, "max": MAGNITUDE_MAX}
+Reader = Callable[[Any], Any]  # of a value of YAML
+Parser = Callable[[Any, str], Any]  # of a section and the words for where it stands
 _DIRECTIONS = frozenset("left right up down toward away x y z long lengthwise".split())
 
 
@@ -100,22 +94,20 @@ def _split(words: str) -> Iterator[str]:
             yield " ".join(word for word in chosen if word)
 
 
-def _make_rows(kind: Callable[..., Any], convert: Mapping[str, Callable] | None = None) -> Callable:
-    """A parser of rows whose fields are those of ``kind``."""
-    known = {field.name for field in fields(kind)}  # type: ignore[arg-type]
+def _make_rows(kind: type) -> Parser:
+    """A parser of rows whose fields are those of a data class."""
+    readers = {name: _choose_reader(name, hint) for name, hint in get_type_hints(kind).items()}
 
     def parse(rows: list[dict], where: str) -> dict[str, Any]:
         table = {}
         for row in rows:
-            told = dict(row)
-            words = told.pop("words", "")
-            if unknown := sorted(set(told) - known):
-                known_text = ", ".join(sorted(known))
-                raise LexiconError(
-                    f"{where}, {words!r}: unknown field {unknown[0]!r}; known are {known_text}"
-                )
+            told = {name: value for name, value in row.items() if name != "words"}
+            words = row.get("words", "")
+            if unknown := sorted(set(told) - set(readers)):
+                known = ", ".join(sorted(readers))
+                raise LexiconError(f"{where}, {words!r}: unknown field {unknown[0]!r}; known are {known}")
             try:
-                value = kind(**{name: (convert or {}).get(name, _keep)(each) for name, each in told.items()})
+                value = kind(**{name: readers[name](each) for name, each in told.items()})
             except (ValueError, TypeError) as error:
                 raise LexiconError(f"{where}, {words!r}: {error}") from error
             table.update(dict.fromkeys(_split(words), value))
@@ -124,34 +116,42 @@ def _make_rows(kind: Callable[..., Any], convert: Mapping[str, Callable] | None 
     return parse
 
 
-def _make_map(convert: Callable[[Any], Any]) -> Callable:
+def _make_map(read: Reader) -> Parser:
     """A parser of a section whose keys are values and whose values are words."""
 
     def parse(rows: dict, where: str) -> dict[str, Any]:
         table = {}
         for key, words in rows.items():
             try:
-                value = convert(key)
+                table.update(dict.fromkeys(_split(words), read(key)))
             except (ValueError, TypeError) as error:
                 raise LexiconError(f"{where}, {key!r}: {error}") from error
-            table.update(dict.fromkeys(_split(words), value))
         return table
 
     return parse
 
 
-def _make_set(words: str, where: str) -> frozenset[str]:
-    """A section that is a set of words."""
-    return frozenset(_split(words))
+def _make_parser(name: str, hint: Any) -> Parser:
+    """The parser of a section, by the type of its attribute in `Lexicon`."""
+    if hint == frozenset[str]:
+        return lambda words, where: frozenset(_split(words))
+    value = get_args(hint)[1]
+    if value is str:
+        return lambda rows, where: {str(key): str(each) for key, each in rows.items()}
+    if isinstance(value, type) and is_dataclass(value):
+        return _make_rows(value)
+    return _make_map(_choose_reader(name, value))
 
 
-def _make_dict(rows: dict, where: str) -> dict[str, str]:
-    """A section that is a dictionary already."""
-    return {str(key): str(value) for key, value in rows.items()}
-
-
-def _keep(value: Any) -> Any:
-    return value
+def _choose_reader(name: str, hint: Any) -> Reader:
+    """The function that turns a value of YAML into one of a field's type."""
+    if name in _READERS:
+        return _READERS[name]
+    if get_origin(hint) is Literal:
+        return partial(_choose, get_args(hint))
+    if isinstance(hint, type) and issubclass(hint, Enum):
+        return hint
+    return {Names: _read_names, float: _read_number}.get(hint, lambda value: value)
 
 
 def _read_number(value: Any) -> float:
@@ -170,52 +170,15 @@ def _read_name(value: str) -> str:
     return name
 
 
-def _choose(*choices: str) -> Callable[[Any], str]:
-    def read(value: Any) -> str:
-        if str(value) not in choices:
-            raise ValueError(f"must be one of {', '.join(choices)}")
-        return str(value)
-
-    return read
+def _choose(choices: Sequence[str], value: Any) -> str:
+    if str(value) not in choices:
+        raise ValueError(f"must be one of {', '.join(choices)}")
+    return str(value)
 
 
 def _read_sense(value: str) -> int:
-    return {"clockwise": -1, "counterclockwise": 1}[_choose("clockwise", "counterclockwise")(value)]
+    return 1 if _choose(("clockwise", "counterclockwise"), value) == "counterclockwise" else -1
 
 
-_MOTION = _make_rows(Motion, {"effect": Effect, "strength": _read_number, "direction": _read_name})
-_NAMES, _NUMBERS = _make_map(_read_names), _make_map(_read_number)
-_PARSERS: dict[str, Callable[[Any, str], Any]] = {
-    "motions": _MOTION,
-    "causes": _MOTION,
-    "irregular": _make_dict,
-    "directions": _NAMES,
-    "ends": _NAMES,
-    "axes": _NAMES,
-    "planes": _NAMES,
-    "views": _NAMES,
-    "part_adjectives": _NAMES,
-    "sides": _make_map(_choose("both", "all")),
-    "senses": _make_map(_read_sense),
-    "reversals": _make_map(_choose("other", "same")),
-    "intensities": _NUMBERS,
-    "degrees": _NUMBERS,
-    "comparatives": _NUMBERS,
-    "numbers": _NUMBERS,
-    "fractions": _NUMBERS,
-    "clip_parts": _NUMBERS,
-    "part_nouns": _NUMBERS,
-    "repeats": _make_rows(Repeat, {"names": _read_names}),
-    "moments": _make_rows(Moment),
-    "parts": _make_rows(Place, {"names": _read_names}),
-    "units": _make_map(_choose("second", "millisecond", "frame")),
-    "gravity": _make_map(_choose("down", "up", "none")),
-    "anchors": _make_map(_choose("base", "top", "none")),
-    "obstacles": _make_map(_choose("wall", "block")),
-    "joins": _make_map(Join),
-    **dict.fromkeys(
-        "nouns addressees locations manners even fronts one_of_many unplaced wheeled ground scene_nouns negations "
-        "exceptions whole agents moods phrases words".split(),
-        _make_set,
-    ),
-}
+_READERS: dict[str, Reader] = {"direction": _read_name, "senses": _read_sense}
+_PARSERS = {name: _make_parser(name, hint) for name, hint in get_type_hints(Lexicon).items()}

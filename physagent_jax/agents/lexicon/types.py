@@ -149,26 +149,11 @@ class Moment:
 
 @dataclass(frozen=True)
 class Lexicon:
-    """All tables of words; each attribute but the last rows of motions is a section of a YAML file of its name.
+    """All tables of words, by phrase; each is a section of a YAML file, whose comments say what its words are.
 
-    Attributes:
-        motions, causes: Verbs (with adjectives of results), and nouns.
-        irregular: Forms of verbs that rules do not derive.
-        nouns: Verbs that are things after "the".
-        directions, ends, axes, planes, views, part_adjectives: Phrases of directions.
-        sides: "both" or "all".
-        senses: Sense of a rotation: -1 clockwise, +1 counter-clockwise.
-        reversals: "other" or "same".
-        intensities, degrees, comparatives: Factors on the magnitude.
-        numbers, fractions, clip_parts: Their values.
-        repeats, moments, parts: See their types.
-        units: Units of time.
-        part_nouns: Fraction of the extent at which the part begins.
-        gravity: "down", "up" or "none".
-        anchors: "base", "top" or "none".
-        obstacles: "wall" or "block".
-        joins: See `Join`.
-        words: Words of grammar and of what is around; the other sets are named by their YAML comments.
+    Motions are verbs (with adjectives of results), causes are nouns. Ways are names of directions; the senses of a
+    rotation are -1 (clockwise) and +1; strengths are factors on the magnitude; the start of a part is a fraction of
+    the extent.
     """
 
     motions: dict[str, Motion]
@@ -179,10 +164,10 @@ class Lexicon:
     ends: dict[str, Names]
     axes: dict[str, Names]
     planes: dict[str, Names]
-    sides: dict[str, str]
+    sides: dict[str, Literal["both", "all"]]
     senses: dict[str, int]
     views: dict[str, Names]
-    reversals: dict[str, str]
+    reversals: dict[str, Literal["other", "same"]]
     addressees: frozenset[str]
     locations: frozenset[str]
     intensities: dict[str, float]
@@ -194,7 +179,7 @@ class Lexicon:
     fractions: dict[str, float]
     repeats: dict[str, Repeat]
     moments: dict[str, Moment]
-    units: dict[str, str]
+    units: dict[str, Literal["second", "millisecond", "frame"]]
     clip_parts: dict[str, float]
     parts: dict[str, Place]
     part_nouns: dict[str, float]
@@ -203,9 +188,9 @@ class Lexicon:
     one_of_many: frozenset[str]
     unplaced: frozenset[str]
     wheeled: frozenset[str]
-    gravity: dict[str, str]
-    anchors: dict[str, str]
-    obstacles: dict[str, str]
+    gravity: dict[str, Literal["down", "up", "none"]]
+    anchors: dict[str, Literal["base", "top", "none"]]
+    obstacles: dict[str, Literal["wall", "block"]]
     ground: frozenset[str]
     scene_nouns: frozenset[str]
     joins: dict[str, Join]
