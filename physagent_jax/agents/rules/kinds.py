@@ -220,7 +220,7 @@ def _find_way(wish: Wish, seconds: float) -> float:
     told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, wish.brief)
     if told and told.unit == "body lengths":
         return told.target
-    return expect_move(expectation, wish.brief.frame_count, False, seconds=seconds).target
+    return expect_move(expectation, False, seconds=seconds).target
 
 
 def _stands_on_its_end(wish: Wish, axis: Vector) -> bool:
@@ -420,7 +420,7 @@ def _lead(wish: Wish) -> _Replaced:
     first, end = wish.get_span(causes)[0], min(expectation.window[1], last)
     seconds = (end - first) * brief.frame_dt
     if turns:
-        band = told if measured else expect_rotation(expectation, brief.frame_count, False, seconds=seconds)
+        band = told if measured else expect_rotation(expectation, False, seconds=seconds)
         assert band is not None
         effort = math.radians(band.target) / TURN
     else:

@@ -161,7 +161,6 @@ def round_window(expectation: ExpectedMotion, frame_count: int) -> tuple[int, in
 
 def expect_move(
     expectation: ExpectedMotion,
-    frame_count: int,
     anchored: bool,
     *,
     seconds: float = 2.0,
@@ -172,26 +171,21 @@ def expect_move(
 
     Args:
         expectation: The motion.
-        frame_count: Frames of the clip.
         anchored: Whether the object is held.
         seconds: For how long it is looked at: what lasts less than a second may do less.
         drift: How far it goes on by itself with the speed that it has when the window begins [body lengths].
         end: Whether the named end is looked at, not the whole.
     """
-    if anchored:
-        band = pick_band(MOVE_HELD_END if end else MOVE_HELD, expectation.strength, "body lengths")
-    else:
-        band = pick_band(MOVE, expectation.strength, "body lengths")
+    bands = (MOVE_HELD_END if end else MOVE_HELD) if anchored else MOVE
     share = _PART if expectation.partial and not end else 0.6 if end and not anchored else 1.0
     share *= clamp(seconds / _UNHURRIED, 0.3, 1.0)
+    band = pick_band(bands, expectation.strength, "body lengths")
     band = band.scaled(share, least=0.5 * LEAST if anchored and not end else LEAST)
     more = 1.0 if anchored else 0.5 * (expectation.repeats + 1)  # each of several blows adds its own way
     return Tolerance(band.low, band.target + max(drift, 0.0), more * band.high + max(drift, 0.0), band.unit)
 
 
-def expect_rotation(
-    expectation: ExpectedMotion, frame_count: int, anchored: bool, *, seconds: float = 2.0
-) -> Tolerance:
+def expect_rotation(expectation: ExpectedMotion, anchored: bool, *, seconds: float = 2.0) -> Tolerance:
     """Angle about the axis [degrees]."""
     band = pick_band(TURN_HELD if anchored else TURN, expectation.strength, "degrees")
     share = _PART if expectation.partial and expectation.part is None else 1.0
@@ -214,7 +208,7 @@ def expect_sway(expectation: ExpectedMotion, anchored: bool, *, end: bool = Fals
     return band.scaled(_PART if expectation.partial and not end else 1.0, least=0.008 if is_held else 0.015)
 
 
-def expect_fall(expectation: ExpectedMotion, seconds: float = 2.0) -> Tolerance:
+def expect_fall(seconds: float = 2.0) -> Tolerance:
     """Distance downwards [body lengths]: to the ground, wherever that is; the upper limit only says "not for ever"."""
     low = 0.12 * clamp(seconds / 0.5, 0.4, 1.0)
     return Tolerance(low, 4.0 * low, 8.0, "body lengths")

@@ -6,7 +6,11 @@ import math
 from collections.abc import Callable, Sequence
 from statistics import median
 
+from physagent_jax.agents.rules.judging.asked import Asked
 from physagent_jax.agents.rules.judging.comparing import find_confidence
+from physagent_jax.agents.schema import Check
+from physagent_jax.agents.vectors import clamp
+from physagent_jax.core.turning import find_turning_points
 
 _STEPS = 40
 """Thresholds tried between nothing and the whole span."""
@@ -49,6 +53,63 @@ def find_count_confidence(
     tried = [span * (k + 0.5) / _STEPS for k in range(_STEPS)]
     away = [abs(other - threshold) for other in tried if passes(count(other)) is not verdict]
     return find_confidence(min(away, default=max(span, _SMALLEST)), max(noise, _SMALLEST))
+
+
+def check_count(
+    asked: Asked,
+    question: str,
+    count: Callable[[float], int],
+    *,
+    least: int,
+    most: int,
+    aim: float,
+    threshold: float,
+    span: float,
+    noise: float,
+    noun: str,
+    fix: str,
+) -> Check:
+    """The number of what exceeds a threshold against what is asked; see `find_count_confidence`.
+
+    ``aim`` is the number in [least, most] with the largest margin, ``noun`` names what is counted.
+    """
+    seen = count(threshold)
+    passed, half = least <= seen <= most, 0.5 + most - aim
+    return Check(
+        expectation=asked.index,
+        question=question,
+        aspect="repeats",
+        expected=f"{least} times" if least == most else f"{least} to {most} times",
+        observed=f"{seen} {noun}",
+        passed=passed,
+        score=1.0 if passed else round(0.9 * min(seen / least, most / max(seen, 1)), 6),
+        margin=round(clamp((half - abs(seen - aim)) / half, -10.0, 1.0), 6),
+        confidence=find_count_confidence(count, lambda n: least <= n <= most, threshold, span, noise),
+        remedy="" if passed else fix,
+    )
+
+
+def count_turns(asked: Asked, path: list[float], hysteresis: float) -> Check:
+    """To and fro ``repeats`` times is ``2 repeats - 1`` turns, and some more while it comes to rest.
+
+    Without a count (once), any number that can be followed is a sway. Ways back shorter than ``hysteresis``, in the
+    path's unit, do not count.
+    """
+    count = asked.motion.repeats
+    least, most = 2 * count - 1, (2 * count + 2 if count > 1 else 7)
+    return check_count(
+        asked,
+        "how often does it turn back?",
+        lambda threshold: len(find_turning_points(path, threshold)),
+        least=least,
+        most=most,
+        aim=0.5 * (least + most),
+        threshold=hysteresis,
+        span=max(path) - min(path),
+        noise=math.sqrt(2.0) * estimate_jitter(path),
+        noun="turns",
+        fix=f"alternate {asked.causes or 'pushes'} {count} times to and fro",
+    )
 
 
 def estimate_crossing(series: Sequence[tuple[int, float]], frame: int, noise: float) -> float:
