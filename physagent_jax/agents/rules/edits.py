@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from physagent_jax.agents.matching import Cause, find_first_skill
+from physagent_jax.agents.matching import AXIAL, Cause, find_first_skill
 from physagent_jax.agents.rules.tolerances import round_window
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import add, clamp, cosine, dot, norm, normalise, reject, scale
@@ -30,7 +30,6 @@ from physagent_jax.perception.schema import MotionReport
 
 _BRIEF = 0.15  # of the clip: "briefly", as the lexicon has it
 POINTED = 0.95  # cosine from which a vector points where the sentence says
-AXIAL = (MotionKind.STRETCH, MotionKind.SQUEEZE)
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from physagent_jax.agents.dosing import find_magnitude
-from physagent_jax.agents.matching import Cause, agrees, find_own_causes, share_time
+from physagent_jax.agents.matching import AXIAL, Cause, agrees, find_own_causes, share_time
 from physagent_jax.agents.regions import make_box, make_end_region
-from physagent_jax.agents.rules.edits import AXIAL, Wish, replace_items
+from physagent_jax.agents.rules.edits import Wish, replace_items
 from physagent_jax.agents.rules.tolerances import (
     expect_move,
     expect_quantity,

@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from physagent_jax.agents.matching import (
+    AXIAL,
     Cause,
     agrees,
     find_first_skill,
@@ -19,7 +20,7 @@ from physagent_jax.agents.matching import (
     list_causes,
 )
 from physagent_jax.agents.rules import edits, kinds
-from physagent_jax.agents.rules.edits import AXIAL, Case, Change
+from physagent_jax.agents.rules.edits import Case, Change
 from physagent_jax.agents.rules.tolerances import round_window
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import clamp, cosine, norm, scale

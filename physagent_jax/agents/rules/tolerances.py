@@ -22,10 +22,10 @@ between the words' strengths (0.4, 1.0, 1.6) limits go geometrically.
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from physagent_jax.agents.matching import AXIAL
 from physagent_jax.agents.schema import Amount, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import clamp
 
@@ -89,8 +89,6 @@ class Tolerance:
         """Signed distance from the nearer limit, in tolerances: 1 at the target, 0 at a limit, negative outside."""
         if value <= self.target:
             return (value - self.low) / (self.target - self.low)
-        if math.isinf(self.high):
-            return 1.0
         return (self.high - value) / (self.high - self.target)
 
     def distance(self, value: float) -> float:
@@ -108,8 +106,6 @@ class Tolerance:
 
     def text(self) -> str:
         """The range in words."""
-        if self.high == float("inf"):
-            return f"at least {self.low:.2g} {self.unit}"
         if self.low <= 0:
             return f"at most {self.high:.2g} {self.unit}"
         return f"{self.low:.3g} to {self.high:.3g} {self.unit}"
@@ -137,12 +133,7 @@ def pick_band(bands: Bands, strength: float, unit: str) -> Tolerance:
 
 def list_windows(expectations: Sequence[ExpectedMotion], frame_count: int) -> list[tuple[int, int]]:
     """Windows that the planner needs in the motion report: one per expectation, in whole frames, without repeats."""
-    windows: list[tuple[int, int]] = []
-    for expectation in expectations:
-        window = round_window(expectation, frame_count)
-        if window not in windows:
-            windows.append(window)
-    return windows
+    return list(dict.fromkeys(round_window(each, frame_count) for each in expectations))
 
 
 def round_window(expectation: ExpectedMotion, frame_count: int) -> tuple[int, int]:
@@ -235,7 +226,7 @@ def expect_quantity(amount: Amount, kind: MotionKind, brief: SceneBrief) -> Tole
     if unit == "degrees":
         width = max(min(0.2 * value, _TOLD_TURN), STILL_DEGREES)
         return Tolerance(max(value - width, 0.2 * value), value, value + width, "degrees")
-    axial = kind in (MotionKind.STRETCH, MotionKind.SQUEEZE)
+    axial = kind in AXIAL
     if unit == "factor":
         value = abs(value - 1.0)
     if unit == "factor" and not axial:

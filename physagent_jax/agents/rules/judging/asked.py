@@ -13,7 +13,6 @@ from physagent_jax.agents.vectors import cosine, dot, norm, normalise, reject, s
 from physagent_jax.core.strict import Vector
 from physagent_jax.perception.schema import PartMotion
 
-AXIAL = (MotionKind.STRETCH, MotionKind.SQUEEZE)
 _IN_THE_WAY = 0.7  # cosine
 _BOTH = 0.5  # cosine: directions more than 60 degrees apart can be told apart
 _FIGURES = {

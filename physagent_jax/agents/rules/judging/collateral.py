@@ -10,8 +10,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
+from physagent_jax.agents.matching import AXIAL
 from physagent_jax.agents.rules import tolerances
-from physagent_jax.agents.rules.judging.asked import AXIAL, Asked
+from physagent_jax.agents.rules.judging.asked import Asked
 from physagent_jax.agents.rules.judging.comparing import check_limit, make_unseen_check
 from physagent_jax.agents.rules.judging.seen import Course, Signal, View
 from physagent_jax.agents.rules.judging.stages import group_stages

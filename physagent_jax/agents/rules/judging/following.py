@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
+from physagent_jax.agents.matching import AXIAL
 from physagent_jax.agents.rules import tolerances
-from physagent_jax.agents.rules.judging.asked import AXIAL, Asked
+from physagent_jax.agents.rules.judging.asked import Asked
 from physagent_jax.agents.rules.judging.changing import measure_strains
 from physagent_jax.agents.rules.judging.comparing import (
     check_limit,
