@@ -2,6 +2,7 @@
 
 Grammar and language models both write an `Intent`; one compiler (`agents.compiler`) turns it into a force field and
 expectations. The words are those of the lexicon (`agents.lexicon`): a viewer's directions, names of motions and parts.
+Each ``text`` holds the words in the sentence that say so.
 """
 
 from __future__ import annotations
@@ -35,7 +36,6 @@ class Way(Strict):
         word: A direction (`Direction`); for lines and axes also "horizontal", "vertical", "depth", "lengthwise",
             "long axis", "x", "y", "z"; for planes "horizontal", "vertical", "diagonal"; or "both sides", "all sides",
             "outward", "inward"; or, relative to the clause before, "back", "same" or "other".
-        text: The words in the sentence.
     """
 
     relation: Relation = Relation.TO
@@ -49,7 +49,6 @@ class Part(Strict):
     Attributes:
         word: A phrase of the lexicon: "head", "upper half", "left end".
         excluded: Whether the part is the one that is not meant: "all but the head".
-        text: The words in the sentence.
     """
 
     word: Word
@@ -67,7 +66,6 @@ class Quantity(Strict):
         dimension: Dimension of a share: "length", "height", "width", "depth", "size" or "volume"; "far" and "strength"
             compare with the clause before; "" names none.
         relation: "by" so much, "to" so much, or "is": the quantity tells the change by itself ("doubles its height").
-        text: The words in the sentence.
     """
 
     value: float = Field(ge=0, le=1e9)
@@ -81,9 +79,7 @@ class Duration(Strict):
     """A length of time, or a moment counted from the clip's start (negative: from its end).
 
     Attributes:
-        value: The number.
-        unit: "seconds", "frames" or "clip" (a fraction of the whole clip).
-        text: The words in the sentence.
+        value: In seconds, frames, or fractions of the whole clip.
     """
 
     value: float = Field(ge=-1e6, le=1e6)
@@ -115,7 +111,6 @@ class Repetition(Strict):
         often: Whether the sentence says "often" rather than how often.
         alternating: Whether it goes to and fro instead of again and again.
         first: Direction of the first swing, if it is named.
-        text: The words in the sentence.
     """
 
     times: int | None = Field(default=None, ge=0, le=1_000_000)
@@ -129,10 +124,8 @@ class Solid(Strict):
     """A wall or a block that the sentence names.
 
     Attributes:
-        kind: "wall" or "block".
         sides: Where it is, seen from the object; several are added; none = in the way of the motion.
         opposite: Where the second of two is; none = there is one.
-        text: The words in the sentence.
     """
 
     kind: Literal["wall", "block"] = "wall"
@@ -165,7 +158,6 @@ class Clause(Strict):
         even: Whether it goes at one speed.
         elsewhere: Whether the object ends at another place: "away", "aside", "off the table".
         said: The words in the sentence that name the motion.
-        text: The clause's words in the sentence.
     """
 
     motion: Word
@@ -195,7 +187,6 @@ class Held(Strict):
     Attributes:
         end: "base", "top", or "none" (free).
         described: Whether a word describes the object so ("potted") rather than asks for it ("hold the pot").
-        text: The words in the sentence.
     """
 
     end: Literal["base", "top", "none"]
@@ -207,10 +198,8 @@ class Surroundings(Strict):
     """What the sentence says about gravity and ground; None = nothing.
 
     Attributes:
-        gravity: "down", "up" (reversed) or "none".
-        ground: Whether there is ground.
+        gravity: "up" is reversed.
         solids: Walls and blocks that no motion is said to meet.
-        text: The words in the sentence.
     """
 
     gravity: Literal["down", "up", "none"] | None = None

@@ -116,13 +116,11 @@ class Case(Wish):
 
     def seen(self) -> Vector | None:
         """Displacement in the expectation's window, or the rotation as a vector; None if it is not observable."""
-        try:
-            window = self.report.window(*round_window(self.expectation, self.report.frame_count))
-        except KeyError:
-            return None
-        if self.expectation.kind is not MotionKind.ROTATE:
+        frames = round_window(self.expectation, self.report.frame_count)
+        window = next((w for w in self.report.windows if (w.first, w.last) == frames), None)
+        if window is not None and self.expectation.kind is not MotionKind.ROTATE:
             return window.peak_displacement if self.expectation.sudden else window.displacement
-        if window.rotation_axis is None or window.rotation_degrees is None:
+        if window is None or window.rotation_axis is None or window.rotation_degrees is None:
             return None
         return scale(window.rotation_axis, window.rotation_degrees)
 
@@ -200,12 +198,11 @@ def remove(case: Case, causes: Sequence[Cause], why: str) -> Change:
 def point(case: Case, causes: Sequence[Cause]) -> Change:
     """Point causes where the sentence says; only the sign of those that go exactly the other way is changed."""
     told, axial = case.expectation.direction, case.expectation.kind in AXIAL
-    updates = [
-        {"magnitude": -cause.item.magnitude}
-        if told is None or axial or cosine(cause.direction, told) < -POINTED
-        else {"vector": told, "magnitude": abs(cause.item.magnitude)}
-        for cause in causes
-    ]
+    updates = []
+    for cause in causes:
+        flips = told is None or axial or cosine(cause.direction, told) < -POINTED
+        pointed = {"vector": told, "magnitude": abs(cause.item.magnitude)}
+        updates.append({"magnitude": -cause.item.magnitude} if flips else pointed)
     why = f" went against '{case.expectation.words}': reversed, or pointed where the sentence says."
     return change_items(case, causes, updates, why, "sentence_direction")
 
@@ -223,9 +220,7 @@ def counter(case: Case, causes: Sequence[Cause]) -> Change | None:
     angle = math.acos(clamp(cosine(seen, told), -1.0, 1.0))
     if missed is None or math.degrees(angle) > 100:
         return None
-    vector = normalise(add([scale(told, math.cos(angle)), scale(missed, -math.sin(angle))]))
-    if vector is None:
-        return None
+    vector = add([scale(told, math.cos(angle)), scale(missed, -math.sin(angle))])
     updates = [{"vector": vector, "magnitude": abs(cause.item.magnitude)} for cause in causes]
     far = f"{math.degrees(angle):.0f} degrees"
     why = f" is turned {far} the other way: it went so far beside '{case.expectation.words}'."
@@ -278,10 +273,8 @@ def make_actions(case: Case) -> list[Action]:
     if expectation.sudden and window:
         window = (window[0], window[0] + 1.0)
     region = make_part_region(expectation)
-    return [
-        Action(action_type=kind, vector=axis, magnitude=magnitude, active_time=window, region=region)
-        for axis in axes
-    ]
+    how = {"magnitude": magnitude, "active_time": window, "region": region}
+    return [Action(action_type=kind, vector=axis, **how) for axis in axes]
 
 
 def make_part_region(expectation: ExpectedMotion) -> HalfSpaceRegion | None:

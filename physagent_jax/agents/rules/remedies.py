@@ -42,18 +42,14 @@ def list_remedies(case: Case) -> Iterator[Change]:
         yield from _calm(case)
         return
     if _is_lacking_gravity(case):
-        yield Change(
-            case.force_field.model_copy(update={"default_drop": True}),
-            "Gravity is switched on: it should fall.",
-            "gravity_makes_it_fall",
-        )
+        field = case.force_field.model_copy(update={"default_drop": True})
+        yield Change(field, "Gravity is switched on: it should fall.", "gravity_makes_it_fall")
         return
     causes = find_own_causes(case.expectation, case.expectations, case.force_field)
-    if not causes and case.expectation.kind is MotionKind.FALL:
-        return
     if not causes:
-        yield from _switch_type(case)
-        yield _add(case)
+        if case.expectation.kind is not MotionKind.FALL:
+            yield from _switch_type(case)
+            yield _add(case)
         return
     yield from _aim(case, causes)
     if case.failed("return") and case.expectation.stays:
@@ -95,10 +91,8 @@ def _aim(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
 
 def _is_pointing_beside(case: Case, cause: Cause) -> bool:
     """Return whether it points noticeably beside where the sentence says, though not against it."""
-    told = case.expectation.direction
-    if told is None or case.expectation.kind in AXIAL:
-        return False
-    return cosine(cause.direction, told) < edits.POINTED
+    told, axial = case.expectation.direction, case.expectation.kind in AXIAL
+    return told is not None and not axial and cosine(cause.direction, told) < edits.POINTED
 
 
 def _change_amount(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
@@ -201,9 +195,7 @@ def _weaken(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change
     if impulses:
         yield edits.soften(case, impulses)
     lasting = [c for c in causes if not c.skill.is_sudden and not c.skill.prescribes]
-    if (
-        lasting and case.expectation.kind is not MotionKind.SWAY
-    ):  # pushes to and fro have to follow each other
+    if lasting and case.expectation.kind is not MotionKind.SWAY:  # pushes to and fro follow each other
         why = "the weakest push is still too much"
         yield edits.shorten(case, lasting, clamp(math.sqrt(gain), 0.3, 0.9), why)
     yield edits.scale_magnitudes(case, causes, MAGNITUDE_MIN / MAGNITUDE_MAX)
