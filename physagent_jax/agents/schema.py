@@ -1,7 +1,7 @@
 """Schemas that agents exchange: the scene brief, the intent, the judgement.
 
-Pure data: no arrays, no jax. Frames are the unit of time, body lengths the unit of length. ``words`` are always those of
-the sentence that led to a value.
+Pure data: no arrays, no jax. Frames are the unit of time, body lengths the unit of length. ``words`` are those of the
+sentence that led to a value.
 """
 
 from __future__ import annotations

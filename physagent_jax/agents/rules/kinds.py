@@ -63,10 +63,7 @@ def choose_kinds(
 ) -> Choice:
     """Replace body forces by velocity constraints where these do what the sentence says and a force does not.
 
-    Args:
-        force_field: Force field of body forces, as a sentence is read.
-        expectations: What the sentence asks for.
-        brief: The scene, with what the sentence says about holding.
+    ``brief`` holds what the sentence says about holding.
     """
     reasons: list[str] = []
     for expectation in expectations:
@@ -86,18 +83,15 @@ def find_new_places(before: ForceField, after: ForceField) -> dict[str, str]:
     places = {}
     for index, action in enumerate(before.actions):
         here = next((i for i, other in enumerate(after.actions) if other is action), None)
-        heirs = [
-            i
-            for i, other in enumerate(after.constraints)
-            if i >= len(before.constraints)
-            and abs(cosine(other.vector, action.vector)) > _VERTICAL
-            and (other.active_time or (0.0,))[0] == (action.active_time or (0.0,))[0]
-        ]
+        begin = (action.active_time or (0.0,))[0]
+        new = [Cause("constraints", i, c) for i, c in enumerate(after.constraints)][len(before.constraints) :]
+        alike = [c for c in new if abs(cosine(c.item.vector, action.vector)) > _VERTICAL]
+        heirs = [c for c in alike if (c.item.active_time or (0.0,))[0] == begin]
         if here is not None:
             places[f"actions[{index}]"] = f"actions[{here}]"
         elif heirs:  # of two ends that turn or move against each other the one that goes the action's way
-            heir = max(heirs, key=lambda i: cosine(after.constraints[i].vector, action.vector))
-            places[f"actions[{index}]"] = f"constraints[{heir}]"
+            heir = max(heirs, key=lambda c: cosine(c.item.vector, action.vector))
+            places[f"actions[{index}]"] = heir.name
     return places
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 from physagent_jax.agents.matching import AXIAL
 from physagent_jax.agents.rules import tolerances
@@ -33,7 +34,9 @@ _REST = 0.25  # share of what follows that is looked at for where it comes to re
 _REST_SHARE = {False: 0.75, True: 0.4}
 """Share of the moving end's motion that the other may show: a part drags the rest along; an excepted one hardly
 moves."""
-_UNKNOWN = "its course is not known"
+_QUANTITY = "is it as much as the sentence says?"
+_DURATION = "does it last as long as the sentence says?"
+_BLOWS = "how many times is it pushed?"
 
 
 def measure_signal(asked: Asked, first: int, until: int) -> Signal:
@@ -55,19 +58,26 @@ def measure_signal(asked: Asked, first: int, until: int) -> Signal:
 
 
 def check_following(asked: Asked) -> list[Check]:
-    """All that is asked beside direction and amount."""
-    if asked.kind is MotionKind.STILL:
-        return []
-    return [
-        *_check_quantity(asked),
-        *_check_sudden(asked),
-        *_check_even(asked),
-        *_check_blows(asked),
-        *_check_return(asked),
-        *_check_stay(asked),
-        *_check_order(asked),
-        *_check_part(asked),
-    ]
+    """All that is asked beside direction and amount; what cannot be seen of it is a check of its own."""
+    checks: list[Check] = []
+    for question, find_checks in _CHECKS if asked.kind is not MotionKind.STILL else ():
+        try:
+            checks += find_checks(asked)
+        except _Unseen as unseen:
+            checks.append(make_unseen_check(asked, str(unseen), question))
+    return checks
+
+
+class _Unseen(Exception):
+    """Something asked for that the pictures do not show, with the reason."""
+
+
+def _observe(asked: Asked, first: int, until: int, least: int) -> Signal:
+    """A motion's signal with ``least`` frames."""
+    signal = measure_signal(asked, first, until)
+    if len(signal) < least:
+        raise _Unseen("its course is not known")
+    return signal
 
 
 def _check_quantity(asked: Asked) -> list[Check]:
@@ -75,36 +85,30 @@ def _check_quantity(asked: Asked) -> list[Check]:
     motion, (first, last) = asked.motion, asked.span
     if motion.amount is None:
         return []
-    question = "is it as much as the sentence says?"
     tolerance = tolerances.expect_quantity(motion.amount, motion.kind, asked.view.brief)
     if tolerance is None or asked.hidden:
-        why = asked.hidden or f"{motion.amount.unit} say nothing about such a motion"
-        return [make_unseen_check(asked, why, question)]
+        raise _Unseen(asked.hidden or f"{motion.amount.unit} say nothing about such a motion")
     if motion.amount.unit == "seconds":
         return _check_duration(asked, tolerance)
-    until = asked.until if motion.released or motion.sudden else last
+    until, figure = asked.until if motion.released or motion.sudden else last, asked.figure
     if tolerance.unit == "degrees" and motion.kind is not MotionKind.ROTATE:
-        turns = asked.view.turns(first, until, asked.end)
-        signal, figure = [(t, norm(v)) for t, v in turns], "rotation"
+        figure = "rotation"
+        values = [norm(v) for _, v in asked.view.turns(first, until, asked.end)]
     else:
-        signal, figure = measure_signal(asked, first, until), asked.figure
-    if not signal:
-        return [make_unseen_check(asked, _UNKNOWN, question)]
-    values = [value for _, value in signal]
-    value = max(values)
-    if motion.kind is MotionKind.SWAY:
-        value = (max(values) - min(values)) / 2.0
+        values = [v for _, v in measure_signal(asked, first, until)]
+    if not values:
+        raise _Unseen("its course is not known")
+    value = (max(values) - min(values)) / 2.0 if motion.kind is MotionKind.SWAY else max(values)
     seen = f"{value:.3g} {tolerance.unit}"
-    return [compare_amount(asked, question, tolerance, value, seen, figure=figure)]
+    return [compare_amount(asked, _QUANTITY, tolerance, value, seen, figure=figure)]
 
 
 def _check_duration(asked: Asked, tolerance: tolerances.Tolerance) -> list[Check]:
     """Check the cause's duration: a free thing gains speed for so long, a held one is kept away from rest."""
     view, first = asked.view, asked.span[0]
-    question = "does it last as long as the sentence says?"
     signal = measure_signal(asked, first, view.last)
     if len(signal) < 5:
-        return [make_unseen_check(asked, _UNKNOWN, question)]
+        return [make_unseen_check(asked, "its course is not known", _DURATION)]
     jitter = estimate_jitter([v for _, v in signal])
     if view.anchored or asked.kind in (*AXIAL, MotionKind.SWAY):
         series = [(t, abs(v)) for t, v in signal]
@@ -117,23 +121,17 @@ def _check_duration(asked: Asked, tolerance: tolerances.Tolerance) -> list[Check
         fastest = max(v for _, v in signal)
         begun = next((t for t, v in signal if v >= 0.1 * fastest), first)
         ended = next((t for t, v in signal if v >= 0.95 * fastest), first)
-    off = math.hypot(*(estimate_crossing(signal, t, jitter) for t in (begun, ended)))
-    dt = view.report.frame_dt
+    dt, off = (
+        view.report.frame_dt,
+        math.hypot(*(estimate_crossing(signal, t, jitter) for t in (begun, ended))),
+    )
     value = view.seconds(begun, ended) + dt
     if ended >= view.last - 1 and value < tolerance.high:
         value = max(value, min(tolerance.target, view.seconds(first, view.last) + dt))
     compared = compare_range(tolerance, value, off * dt)
     fix = f"let {asked.causes or 'the cause'} act {tolerance.gain(value):.2g} times as long"
-    return [
-        Check(
-            expectation=asked.index,
-            question=question,
-            observed=f"{value:.2g} seconds",
-            aspect="order",
-            remedy="" if compared["passed"] else fix,
-            **compared,
-        )
-    ]
+    compared |= {"observed": f"{value:.2g} seconds", "remedy": "" if compared["passed"] else fix}
+    return [Check(expectation=asked.index, question=_DURATION, aspect="order", **compared)]
 
 
 def _measure_speeds(signal: Signal) -> Signal:
@@ -164,9 +162,7 @@ def _check_even(asked: Asked) -> list[Check]:
     """At one speed: the place over time is a straight line. What starts from rest is a quarter of its way behind."""
     if not asked.motion.even:
         return []
-    signal = measure_signal(asked, *asked.span)
-    if len(signal) < 4:
-        return [make_unseen_check(asked, _UNKNOWN, get_question("even"))]
+    signal = _observe(asked, *asked.span, 4)
     (begin, start), (end, place) = signal[0], max(signal, key=lambda point: abs(point[1]))
     way = place - start
     if abs(way) < asked.visible or end - begin < 3:
@@ -182,10 +178,7 @@ def _check_blows(asked: Asked) -> list[Check]:
     count = asked.motion.repeats
     if asked.kind is not MotionKind.MOVE or count < 2:
         return []
-    signal = measure_signal(asked, asked.span[0], asked.until)
-    question = "how many times is it pushed?"
-    if len(signal) < 6:
-        return [make_unseen_check(asked, _UNKNOWN, question)]
+    signal = _observe(asked, asked.span[0], asked.until, 6)
     values = [v for _, v in signal]
     gains = _measure_gains(signal)
 
@@ -204,7 +197,7 @@ def _check_blows(asked: Asked) -> list[Check]:
     return [
         check_count(
             asked,
-            question,
+            _BLOWS,
             counter,
             least=count,
             most=most,
@@ -237,23 +230,27 @@ def _check_return(asked: Asked) -> list[Check]:
         return []
     if motion.kind not in AXIAL and not view.anchored:
         return []
-    question = get_question("returns")
     if until - last < 3:
         if motion.sudden or motion.repeats > 1:
             return []
-        return [make_unseen_check(asked, "the clip ends before it can come back", question)]
-    signal = measure_signal(asked, first, until)
-    series = view.report.stretch if motion.kind in AXIAL else view.get_places(asked.end)
-    if not series or len(signal) < 4:
-        return [make_unseen_check(asked, _UNKNOWN, question)]
+        raise _Unseen("the clip ends before it can come back")
+    signal = _observe(asked, first, until, 4)
+    if not (view.report.stretch if motion.kind in AXIAL else view.get_places(asked.end)):
+        raise _Unseen("its course is not known")
     largest = max(abs(v) for _, v in signal)
     if largest < asked.visible:
         return []
-    rest = [v for t, v in signal if t >= until - _REST * (until - last)]
-    if not rest:
-        return [make_unseen_check(asked, "its end is not seen", question)]
+    rest = _take_rest(signal, last, until)
     left = abs(sum(rest) / len(rest)) / largest
     return [check_limit(asked, "returns", left, _CAME_BACK, asked.sigma / largest)]
+
+
+def _take_rest(signal: Signal, since: int, until: int) -> list[float]:
+    """The last part of what follows a frame, in which a motion comes to rest."""
+    rest = [v for t, v in signal if t >= until - _REST * (until - since)]
+    if not rest:
+        raise _Unseen("its end is not seen")
+    return rest
 
 
 def _check_stay(asked: Asked) -> list[Check]:
@@ -261,21 +258,14 @@ def _check_stay(asked: Asked) -> list[Check]:
     first, until = asked.span[0], asked.until
     if not asked.motion.stays:
         return []
-    signal = measure_signal(asked, first, until)
-    if len(signal) < 4:
-        return [make_unseen_check(asked, _UNKNOWN, get_question("stays"))]
+    signal = _observe(asked, first, until, 4)
     largest = max(v for _, v in signal)
     if largest < asked.visible:
         return []
-    rest = [v for t, v in signal if t >= until - _REST * (until - first)]
-    if not rest:
-        return [make_unseen_check(asked, "its end is not seen", get_question("stays"))]
+    rest, sigma = _take_rest(signal, first, until), asked.sigma / largest
     left, wanders = min(rest) / largest, (max(rest) - min(rest)) / largest
-    sigma = asked.sigma / largest
-    return [
-        check_limit(asked, "stays", left, _STAYED, sigma),
-        check_limit(asked, "rests", wanders, 1 - _STAYED, sigma),
-    ]
+    stays = check_limit(asked, "stays", left, _STAYED, sigma)
+    return [stays, check_limit(asked, "rests", wanders, 1 - _STAYED, sigma)]
 
 
 def _check_order(asked: Asked) -> list[Check]:
@@ -313,7 +303,7 @@ def _check_part(asked: Asked) -> list[Check]:
     own = _measure_extent(asked, moving)
     other = None if resting is None else _measure_extent(asked, resting)
     if own is None or other is None:
-        return [make_unseen_check(asked, "the ends are not followed", get_question("part"))]
+        raise _Unseen("the ends are not followed")
     both = any(e.part and e.part != motion.part for e in asked.together)
     if own < asked.visible or both:
         return []  # that nothing moves is told by the amount
@@ -326,3 +316,15 @@ def _measure_extent(asked: Asked, end: PartMotion) -> float | None:
     direction, course = asked.direction, measure(*asked.span, end)
     extents = (norm(p) if direction is None else abs(dot(p, direction)) for _, p in course)
     return max(extents, default=None)
+
+
+_CHECKS: tuple[tuple[str, Callable[[Asked], list[Check]]], ...] = (
+    (_QUANTITY, _check_quantity),
+    (get_question("sudden"), _check_sudden),
+    (get_question("even"), _check_even),
+    (_BLOWS, _check_blows),
+    (get_question("returns"), _check_return),
+    (get_question("stays"), _check_stay),
+    (get_question("in_turn"), _check_order),
+    (get_question("part"), _check_part),
+)
