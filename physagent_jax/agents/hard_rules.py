@@ -22,21 +22,15 @@ from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, MotionKi
 from physagent_jax.agents.stacking import find_room, fits, has_room
 from physagent_jax.agents.vectors import add, clamp, cosine, norm, normalise, scale
 from physagent_jax.core.strict import Vector
+from physagent_jax.forces import schema as forces
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.schema import (
-    Action,
-    ActionType,
-    ConstraintType,
-    ForceField,
-    VelocityConstraint,
-    is_too_short,
-)
+from physagent_jax.forces.schema import ForceField, is_too_short
 from physagent_jax.forces.skills import Skill, find_skill
 
 LONGEST_IMPULSE = 2.0  # frames
 _GROUPS = {
-    "actions": ("action_type", ActionType, Action),
-    "constraints": ("constraint_type", ConstraintType, VelocityConstraint),
+    "actions": ("action_type", forces.ActionType, forces.Action),
+    "constraints": ("constraint_type", forces.ConstraintType, forces.VelocityConstraint),
 }
 _SAME_VECTOR = 0.9999
 _PARALLEL = 0.9
@@ -280,15 +274,10 @@ def gravity_makes_it_fall(entries: Entries, context: Context) -> tuple[Entries, 
     pushed = [e.direction for e in context.expectations if e.kind is not MotionKind.FALL and e.direction]
     if all(e.window[0] >= 1 for e in falls) or any(cosine(way, down) > _PARALLEL for way in pushed):
         return entries, []
-    lowered = [
-        cause
-        for cause in _list_causes(entries)
-        if "fall" in cause.skill.causes
-        and not cause.skill.is_sudden
-        and cause.item.region is None
-        and cosine(cause.direction, down) > _PARALLEL
-        and not any(agrees(cause, e) for e in context.expectations if e.kind is MotionKind.SWAY)
-    ]
+    lasting = [c for c in _list_causes(entries) if "fall" in c.skill.causes and not c.skill.is_sudden]
+    downward = [c for c in lasting if c.item.region is None and cosine(c.direction, down) > _PARALLEL]
+    sways = [e for e in context.expectations if e.kind is MotionKind.SWAY]
+    lowered = [cause for cause in downward if not any(agrees(cause, e) for e in sways)]
     entries = _drop(entries, lowered)
     reasons = [f"{cause.name} pushes down what is to fall: removed, gravity does it" for cause in lowered]
     if context.brief.world == "free" and not entries["default_drop"]:
@@ -335,14 +324,9 @@ def paired_translation(entries: Entries, context: Context) -> tuple[Entries, lis
             continue
         if expectation.kind is MotionKind.SQUEEZE and (expectation.partial or expectation.part is not None):
             continue
-        slabs = [
-            cause
-            for cause in _list_causes(entries)
-            if cause.skill.deforms == "ends"
-            and cause.item.region is not None
-            and abs(cosine(cause.item.vector, expectation.direction)) > _PARALLEL
-            and overlaps(cause, expectation.window)
-        ]
+        acting = [c for c in _list_causes(entries) if overlaps(c, expectation.window)]
+        ends = [c for c in acting if c.skill.deforms == "ends" and c.item.region is not None]
+        slabs = [c for c in ends if abs(cosine(c.item.vector, expectation.direction)) > _PARALLEL]
         if not slabs or _is_pair(slabs):
             continue
         mirrored, gone = _mirror(entries["constraints"][slabs[0].index]), slabs[1:]

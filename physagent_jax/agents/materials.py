@@ -200,17 +200,14 @@ class _Finder:
 
     def _find_made(self, at: int) -> int | None:
         """The beginning of "made of" before this token, if it is said of the object; None = there is none."""
-        place = self._back(at, self.within)
-        if self._get(place) not in ("of", "from"):
-            return None
-        place = self._back(place, self.around["of"])
-        if self._get(place) not in self.around["made"]:
+        link = self._back(at, self.within)
+        place = self._back(link, self.around["of"])
+        if self._get(link) not in ("of", "from") or self._get(place) not in self.around["made"]:
             return None
         owner = self._back(place, self.around["fillers"] | {",", "it", "itself"}, 6)
-        between = self.tokens[owner + 1 : place]
-        said = owner < 0 or not self.tokens[owner].isalpha() or "if" in between or "though" in between
-        said = said or "it" in between or "like" == self._get(owner)
-        return place if said or self._is_object(owner) else None
+        alone = not self._get(owner).isalpha() or self._get(owner) == "like"
+        likened = {"if", "though", "it"} & {*self.tokens[owner + 1 : place]}
+        return place if alone or likened or self._is_object(owner) else None
 
     def _is_object(self, at: int) -> bool:
         """Return whether a noun is the object: by its name, or as one that may name it and is no place of anything."""
@@ -244,13 +241,10 @@ class _Finder:
 
     def _find_likeness(self, at: int) -> int | None:
         """The beginning of "wobbles like" or "soft as": a likeness in deforming, and no other."""
-        place = at - 1
-        if self._get(place) not in ("like", "as"):
-            return None
-        before = self._back(place, self.around["adverbs"] | {"it", "as", "itself"}, 5)
+        before = self._back(at - 1, self.around["adverbs"] | {"it", "as", "itself"}, 5)
         word = self._get(before)
         deforms = word.startswith(tuple(self.around["deforms"])) or word in self.around["acts"]
-        return before if deforms else None
+        return before if deforms and self._get(at - 1) in ("like", "as") else None
 
     def _find_noun(self, begin: int, end: int) -> int | None:
         """The end of "metal robot": the adjective stands before the object's noun, maybe with others between."""
@@ -262,10 +256,8 @@ class _Finder:
         noun = self._get(place)
         if noun not in self.nouns or noun in ("it", "itself") or self._get(place + 1) in self.around["parts"]:
             return None
-        if noun in self.names:
-            return place + 1
-        elsewhere = self._get(self._back(begin, self.before)) in self.around["prepositions"]
-        return None if elsewhere or self._get(place + 1) in self.around["contacts"] else place + 1
+        elsewhere = self._is_placed(begin) or self._get(place + 1) in self.around["contacts"]
+        return place + 1 if noun in self.names or not elsewhere else None
 
     def _find_predicate(self, begin: int) -> int | None:
         """The beginning of "is metal", said of the object."""

@@ -31,10 +31,10 @@ class RuleExecutor(ExecutorAgent):
     def rewrite(self, context: AgentContext, failed: Round) -> Reply[Rewrite]:
         """Return the next force field; see `protocols.ExecutorAgent`.
 
-        It goes out from the round that came nearest, not from the last: a change that made things worse is dropped.
-        The mildest remedies come first; if they lead to a force field that was tried before, the next ones are
-        taken, and then those of the round that came second. If none is left, or nothing that was measured failed in a
-        round that came nearer, the last field is returned unchanged and ``changes`` says so.
+        It goes out from the round that came nearest: a change that made things worse is dropped. The mildest remedies
+        come first; if they lead to a force field that was tried before, the next ones are taken, and then those of the
+        round that came second. If none is left, or nothing that was measured failed in a round that came nearer, the
+        last field is returned unchanged and ``changes`` says so.
         """
         rounds = [*context.rounds, failed]
         tried = [each.force_field for each in rounds]

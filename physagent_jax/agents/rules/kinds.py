@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from physagent_jax.agents.dosing import find_magnitude
-from physagent_jax.agents.matching import AXIAL, Cause, agrees, find_own_causes, share_time
+from physagent_jax.agents.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, share_time
 from physagent_jax.agents.regions import make_box, make_end_region
 from physagent_jax.agents.rules.edits import Wish, replace_items
 from physagent_jax.agents.rules.tolerances import (
@@ -33,7 +33,7 @@ from physagent_jax.forces.calibration import (
     TURN,
 )
 from physagent_jax.forces.schema import BoxRegion, ConstraintType, ForceField, Region, VelocityConstraint
-from physagent_jax.forces.skills import get_skill, list_skills
+from physagent_jax.forces.skills import list_skills
 
 SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinner one tears off what tapers
 MOVING = 0.6  # share of its window in which an end or a plate moves; in the rest it is held
@@ -324,9 +324,8 @@ def _make_turn(wish: Wish, cause: Cause) -> VelocityConstraint:
 def _strike(wish: Wish) -> _Replaced:
     """A blow on a part, or on what is held: at once, before the rest can answer."""
     expectation, held = wish.expectation, wish.brief.anchored is not None
-    causes = _find_forces(
-        wish, lambda c: c.skill.is_sudden and agrees(c, expectation) and (c.item.region is not None or held)
-    )
+    blows = _find_forces(wish, lambda c: c.skill.is_sudden and agrees(c, expectation))
+    causes = [c for c in blows if c.item.region is not None or held]
     if not expectation.sudden or not causes:
         return None
     return replace_blows(wish, causes), "the blow changes the velocity at once, before the rest can answer"
@@ -358,30 +357,25 @@ def _carry(wish: Wish) -> _Replaced:
 
 def _set_down(wish: Wish) -> _Replaced:
     """Carry down what was carried up and goes down again without falling, as far as it was up."""
-    expectation, field, down = wish.expectation, wish.force_field, wish.brief.directions.down
+    expectation, down = wish.expectation, wish.brief.directions.down
     if expectation.kind is not MotionKind.MOVE or cosine(expectation.direction or _NO_WAY, down) < _VERTICAL:
         return None
     if expectation.sudden or expectation.partial or expectation.amount is not None:
         return None
-    carrying = [
-        index
-        for index, hand in enumerate(field.constraints)
-        if get_skill(hand).deforms == "ends" and hand.region is None and hand.active_time is not None
-        if cosine(hand.vector, down) < -_VERTICAL
-    ]
+    hands = [cause for cause in list_causes(wish.force_field) if cause.skill.deforms == "ends"]
+    whole = [hand for hand in hands if hand.item.region is None and hand.item.active_time is not None]
+    lifts = [hand for hand in whole if cosine(hand.item.vector, down) < -_VERTICAL]
     causes = _find_forces(wish, lambda c: c.pushes)
-    if not carrying or not causes:
+    if not lifts or not causes:
         return None
-    first, end = wish.get_span(causes[:1])
-    lift = field.constraints[carrying[-1]]
-    begun, stopped = lift.active_time or (0.0, wish.last)
+    (first, end), (begun, stopped) = wish.get_span(causes[:1]), wish.get_span(lifts[-1:])
     moves = wish.list_other_begins()
     if stopped > first + 0.5 or any(stopped - 0.5 < begin < first + 0.5 for begin in moves):
         return None  # what moves it meanwhile needs it free
+    lift = lifts[-1].item
     magnitude, until = _spread_effort(lift.magnitude * (stopped - begun), first, end)
-    hands = list(field.constraints)
-    hands[carrying[-1]] = lift.model_copy(update={"held_until": first if first > stopped else None})
-    lifted = replace(wish, force_field=field.model_copy(update={"constraints": tuple(hands)}))
+    held = lift.model_copy(update={"held_until": first if first > stopped else None})
+    lifted = replace(wish, force_field=replace_items(wish.force_field, lifts[-1:], [held]))
     lowering = _prescribe(causes[0], down, magnitude, (first, until), None)
     return _put(lifted, causes, lowering), "it is carried down again"
 

@@ -61,6 +61,7 @@ TURN_HELD: Bands = ((4.0, 10.0, 24.0), (15.0, 35.0, 75.0), (48.0, 75.0, 180.0))
 STRETCH: Bands = ((0.04, 0.08, 0.14), (0.1, 0.25, 0.55), (0.35, 0.6, 2.0))
 SQUEEZE: Bands = ((0.04, 0.07, 0.13), (0.09, 0.2, 0.42), (0.28, 0.45, 0.92))
 SWELL: Bands = ((0.03, 0.06, 0.1), (0.07, 0.18, 0.35), (0.23, 0.4, 1.5))
+SHRINK: Bands = (SWELL[0], SWELL[1], (0.2, 0.3, 0.8))
 
 
 @dataclass(frozen=True)
@@ -160,12 +161,8 @@ def expect_move(
 ) -> Tolerance:
     """Distance along the direction [body lengths].
 
-    Args:
-        expectation: The motion.
-        anchored: Whether the object is held.
-        seconds: For how long it is looked at: what lasts less than a second may do less.
-        drift: How far it goes on by itself with the speed that it has when the window begins [body lengths].
-        end: Whether the named end is looked at, not the whole.
+    What is looked at for less than a second may do less. ``drift`` is how far it goes on by itself with the speed that
+    it has when the window begins [body lengths]. ``end``: the named end is looked at, not the whole.
     """
     bands = (MOVE_HELD_END if end else MOVE_HELD) if anchored else MOVE
     share = _PART if expectation.partial and not end else 0.6 if end and not anchored else 1.0
@@ -187,7 +184,7 @@ def expect_strain(expectation: ExpectedMotion, squeeze: bool) -> Tolerance:
     """Relative change of length along the direction; in all directions if there is none."""
     bands = SQUEEZE if squeeze else STRETCH
     if expectation.direction is None:
-        bands = SWELL if not squeeze else (SWELL[0], SWELL[1], (0.2, 0.3, 0.8))
+        bands = SHRINK if squeeze else SWELL
     share = _PART if expectation.partial else 1.0
     return pick_band(bands, expectation.strength, "of its length").scaled(share, least=VISIBLE_STRAIN)
 
@@ -217,20 +214,16 @@ def expect_quantity(amount: Amount, kind: MotionKind, brief: SceneBrief) -> Tole
         Body lengths for moves, degrees for turns, relative change of length (or depth of a squeeze), seconds; None if
         such a quantity says nothing about such a motion.
     """
-    value, unit = amount.value, amount.unit
-    if unit == "seconds":
-        width = max(0.4 * value, 0.2)
-        return Tolerance(max(value - width, 0.0), value, value + width, "seconds")
-    if unit == "metres":
-        value, unit = value / brief.size, "lengths"
-    if unit == "degrees":
-        width = max(min(0.2 * value, _TOLD_TURN), STILL_DEGREES)
-        return Tolerance(max(value - width, 0.2 * value), value, value + width, "degrees")
-    axial = kind in AXIAL
-    if unit == "factor":
-        value = abs(value - 1.0)
-    if unit == "factor" and not axial:
-        return None
-    width = max(0.2 * value, _TOLD_STRAIN if axial else LEAST)
-    name = "of its length" if axial else "body lengths"
-    return Tolerance(max(value - width, 0.2 * value), value, value + width, name)
+    value, axial, least = amount.value, kind in AXIAL, 0.2
+    match amount.unit:
+        case "seconds":
+            name, width, least = "seconds", max(0.4 * value, 0.2), 0.0
+        case "degrees":
+            name, width = "degrees", max(min(0.2 * value, _TOLD_TURN), STILL_DEGREES)
+        case "factor" if not axial:
+            return None
+        case unit:
+            value = {"metres": value / brief.size, "factor": abs(value - 1.0)}.get(unit, value)
+            name = "of its length" if axial else "body lengths"
+            width = max(0.2 * value, _TOLD_STRAIN if axial else LEAST)
+    return Tolerance(max(value - width, least * value), value, value + width, name)

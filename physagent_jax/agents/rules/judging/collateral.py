@@ -276,10 +276,8 @@ def _check_early(view: View) -> list[Check]:
 def _blame(view: View, begun: int | None = None, kinds: Sequence[MotionKind] = ()) -> Asked:
     """The motion that a check is filed under: the strongest cause has most to do with it.
 
-    Args:
-        view: What is seen and asked.
-        begun: Frame at which it shows; only motions of the last stage that has begun by then are blamed. None = all.
-        kinds: Kinds of motion that cause it; stages with one of them go first.
+    ``begun`` is the frame at which it shows: only motions of the last stage that has begun by then are blamed. Stages
+    with a motion of one of the ``kinds`` that cause it go first.
     """
     motions = view.expectations
     members: Sequence[int] = range(len(motions))

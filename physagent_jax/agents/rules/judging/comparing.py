@@ -133,11 +133,6 @@ def read_words() -> dict[str, dict[str, Any]]:
     return yaml.safe_load(file.read_text(encoding="utf-8"))
 
 
-def get_question(name: str) -> str:
-    """The question of a check with one limit."""
-    return read_words()[name]["question"]
-
-
 def check_limit(
     asked: Asked,
     name: str,
@@ -149,14 +144,8 @@ def check_limit(
 ) -> Check:
     """A value with one limit; its margin is 1 at zero for an upper limit, and from twice a lower one on.
 
-    Args:
-        asked: The motion that it is about.
-        name: The check's words in `checks.yaml`.
-        value: What is compared.
-        limit: With what; above zero.
-        sigma: Standard deviation of the value.
-        gain: Factor on the cause that would mend it.
-        figures: Further numbers and words for the text.
+    ``name`` tells its words in `checks.yaml`, which may need further ``figures``; ``sigma`` is the value's standard
+    deviation, and ``gain`` the factor on the cause that would mend it.
     """
     words = read_words()[name]
     at_least = words.get("at_least", False)
@@ -165,18 +154,16 @@ def check_limit(
     score = 1.0 if passed else 0.9 * (max(value, 0.0) / limit if at_least else limit / value)
     causes = asked.causes or words.get("cause", "the cause")
     figures |= {"value": value, "limit": limit, "causes": causes}
+    told = ("question", "expected", "observed", *(() if passed else ("remedy",)))
     return Check(
         expectation=asked.index,
-        question=words["question"].format(**figures),
-        expected=words["expected"].format(**figures),
-        observed=words["observed"].format(**figures),
         passed=passed,
         aspect=words["aspect"],
         score=round(score, 6),
         margin=round(margin, 6),
         confidence=find_confidence(value - limit, max(sigma, 1e-9)),
         gain=None if passed or gain is None else round(gain, 4),
-        remedy="" if passed else words["remedy"].format(**figures),
+        **{field: words[field].format(**figures) for field in told},
     )
 
 

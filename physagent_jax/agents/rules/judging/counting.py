@@ -12,14 +12,10 @@ from physagent_jax.agents.schema import Check
 from physagent_jax.agents.vectors import clamp
 from physagent_jax.core.turning import find_turning_points
 
-_STEPS = 40
-"""Thresholds tried between nothing and the whole span."""
-_NORMAL = 0.6745
-"""Median of a standard normal variable's size."""
-_FOURTH = math.sqrt(70.0)
-"""Standard deviation of the fourth difference of unit noise: 1, 4, 6, 4, 1 squared and added."""
-_ROUNDED = 1 / math.sqrt(12.0)
-"""Standard deviation of a time that is read off to whole frames [frames]."""
+_STEPS = 40  # thresholds tried between nothing and the whole span
+_NORMAL = 0.6745  # median of a standard normal variable's size
+_FOURTH = math.sqrt(70.0)  # deviation of the fourth difference of unit noise: 1, 4, 6, 4, 1 squared and added
+_ROUNDED = 1 / math.sqrt(12.0)  # [frames] standard deviation of a time that is read off to whole frames
 _SMALLEST = 1e-9
 
 
@@ -40,14 +36,8 @@ def find_count_confidence(
     """Chance that noise did not decide whether a count passes.
 
     What is counted is what exceeds a threshold. Noise makes a thing a little larger or smaller, as another threshold
-    would: the verdict is as sure as the nearest threshold with another verdict is far.
-
-    Args:
-        count: How many exceed a threshold.
-        passes: Whether a number of them is what was asked for.
-        threshold: The one that was used.
-        span: The largest that makes sense, in the same unit.
-        noise: Standard deviation of what is compared with the threshold.
+    would: the verdict is as sure as the nearest threshold with another verdict is far. None larger than ``span`` makes
+    sense; ``noise`` is the standard deviation of what is compared with the threshold.
     """
     verdict = passes(count(threshold))
     tried = [span * (k + 0.5) / _STEPS for k in range(_STEPS)]
@@ -113,13 +103,7 @@ def count_turns(asked: Asked, path: list[float], hysteresis: float) -> Check:
 
 
 def estimate_crossing(series: Sequence[tuple[int, float]], frame: int, noise: float) -> float:
-    """Standard deviation of when a series crossed a level [frames]: noise over slope, and the frames' own width.
-
-    Args:
-        series: Frames with a value each.
-        frame: At which the level was found to be crossed.
-        noise: Standard deviation of a value.
-    """
+    """Standard deviation of when a series crossed a level [frames]: noise over slope, and the frames' own width."""
     at = next((k for k, (t, _) in enumerate(series) if t >= frame), len(series) - 1)
     low, high = max(at - 1, 0), min(at + 1, len(series) - 1)
     slope = abs(series[high][1] - series[low][1]) / max(series[high][0] - series[low][0], 1)

@@ -13,8 +13,8 @@ from physagent_jax.agents.rules.judging.comparing import (
     check_limit,
     compare_amount,
     compare_range,
-    get_question,
     make_unseen_check,
+    read_words,
 )
 from physagent_jax.agents.rules.judging.counting import check_count, estimate_crossing, estimate_jitter
 from physagent_jax.agents.rules.judging.moving import follow
@@ -34,6 +34,7 @@ _REST = 0.25  # share of what follows that is looked at for where it comes to re
 _REST_SHARE = {False: 0.75, True: 0.4}
 """Share of the moving end's motion that the other may show: a part drags the rest along; an excepted one hardly
 moves."""
+_WORDS = read_words()
 _QUANTITY = "is it as much as the sentence says?"
 _DURATION = "does it last as long as the sentence says?"
 _BLOWS = "how many times is it pushed?"
@@ -320,11 +321,11 @@ def _measure_extent(asked: Asked, end: PartMotion) -> float | None:
 
 _CHECKS: tuple[tuple[str, Callable[[Asked], list[Check]]], ...] = (
     (_QUANTITY, _check_quantity),
-    (get_question("sudden"), _check_sudden),
-    (get_question("even"), _check_even),
+    (_WORDS["sudden"]["question"], _check_sudden),
+    (_WORDS["even"]["question"], _check_even),
     (_BLOWS, _check_blows),
-    (get_question("returns"), _check_return),
-    (get_question("stays"), _check_stay),
-    (get_question("in_turn"), _check_order),
-    (get_question("part"), _check_part),
+    (_WORDS["returns"]["question"], _check_return),
+    (_WORDS["stays"]["question"], _check_stay),
+    (_WORDS["in_turn"]["question"], _check_order),
+    (_WORDS["part"]["question"], _check_part),
 )
