@@ -212,23 +212,18 @@ class _Finder:
     def _is_object(self, at: int) -> bool:
         """Return whether a noun is the object: by its name, or as one that may name it and is no place of anything."""
         noun = self._get(at)
-        if noun in self.names:
-            return True
-        return (
-            noun in self.nouns and self._get(self._back(at, self.before)) not in self.around["prepositions"]
-        )
+        return noun in self.names or (noun in self.nouns and not self._is_placed(at))
+
+    def _is_placed(self, at: int) -> bool:
+        """Return whether a preposition stands before a noun: it is the place of something."""
+        return self._get(self._back(at, self.before)) in self.around["prepositions"]
 
     def _find_of(self, at: int) -> int | None:
         """The beginning of "bear of sand"."""
         place = self._back(at, self.unnamed - {"of"})
-        owner = place - 1
-        if self._get(place) != "of" or self._get(owner) in self.around["containers"] | {
-            "it",
-            "one",
-            "itself",
-        }:
-            return None
-        return owner if self._is_object(owner) else None
+        no_owners = self.around["containers"] | {"it", "one", "itself"}
+        said = self._get(place) == "of" and self._get(place - 1) not in no_owners
+        return place - 1 if said and self._is_object(place - 1) else None
 
     def _find_turn(self, at: int) -> int | None:
         """The beginning of "turns to"; scenery has an article ("collapses into the sand")."""
