@@ -182,7 +182,7 @@ class Clause(Strict):
 
 
 class Held(Strict):
-    """What the sentence says about holding the object.
+    """Words of the sentence about holding the object.
 
     Attributes:
         end: "base", "top", or "none" (free).
@@ -195,7 +195,7 @@ class Held(Strict):
 
 
 class Surroundings(Strict):
-    """What the sentence says about gravity and ground; None = nothing.
+    """Words of the sentence about gravity and ground; None = nothing.
 
     Attributes:
         gravity: "up" is reversed.

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import cosine, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import (
     Action,
+    ActionType,
     BoxRegion,
+    ConstraintType,
     ForceField,
     HalfSpaceRegion,
     Region,
@@ -51,16 +54,21 @@ class Cause:
         """Return whether it is a force that lasts and moves the whole of its particles along a direction."""
         return self.group == "actions" and "move" in self.skill.causes and not self.skill.is_sudden
 
+    def prescribe(self, **fields: Any) -> VelocityConstraint:
+        """The velocity constraint that does its work, with these fields."""
+        name = self.skill.prescribed_by or self.skill.name
+        return VelocityConstraint(constraint_type=ConstraintType(name), **fields)
+
     @property
     def direction(self) -> Vector:
         """The vector with the magnitude's sign."""
         return scale(self.item.vector, 1.0 if self.item.magnitude > 0 else -1.0)
 
 
-def find_first_skill(kind: MotionKind, sudden: bool = False) -> Skill:
+def find_action_type(kind: MotionKind, sudden: bool = False) -> ActionType:
     """The skill by which forces bring about a motion; the first of the library's, or a blow where it is sudden."""
     fitting = (s for s in list_skills("actions") if s.is_sudden is sudden and (sudden or kind in s.causes))
-    return next(fitting)
+    return ActionType(next(fitting).name)
 
 
 def list_causes(force_field: ForceField) -> list[Cause]:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from physagent_jax.agents.matching import AXIAL, Cause, find_first_skill
+from physagent_jax.agents.matching import AXIAL, Cause, find_action_type
 from physagent_jax.agents.rules.tolerances import round_window
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import add, clamp, cosine, dot, norm, normalise, reject, scale
@@ -18,14 +18,7 @@ from physagent_jax.forces.calibration import (
     PRESCRIBED_TRAVEL,
     find_reference_time,
 )
-from physagent_jax.forces.schema import (
-    Action,
-    ActionType,
-    ConstraintType,
-    ForceField,
-    HalfSpaceRegion,
-    VelocityConstraint,
-)
+from physagent_jax.forces.schema import Action, ForceField, HalfSpaceRegion
 from physagent_jax.perception.schema import MotionReport
 
 _BRIEF = 0.15  # of the clip: "briefly", as the lexicon has it
@@ -269,7 +262,7 @@ def make_actions(case: Case) -> list[Action]:
         axes = [table.down]
     elif expectation.kind not in AXIAL:
         axes = axes[:1]
-    kind = ActionType(find_first_skill(expectation.kind, expectation.sudden).name)
+    kind = find_action_type(expectation.kind, expectation.sudden)
     if expectation.sudden and window:
         window = (window[0], window[0] + 1.0)
     region = make_part_region(expectation)
@@ -289,7 +282,7 @@ def _alternate(case: Case, magnitude: float | None = None) -> list[Action]:
     """Push to and fro, as often as expected."""
     expectation = case.expectation
     direction = expectation.direction or case.brief.directions.left
-    window, kind = case.window, ActionType(find_first_skill(MotionKind.SWAY).name)
+    window, kind = case.window, find_action_type(MotionKind.SWAY)
     if window is None:
         return [Action(action_type=kind, vector=direction, magnitude=expectation.strength)]
     count = max(1, min(expectation.repeats, int((window[1] - window[0]) / 4.0)))
@@ -328,15 +321,9 @@ def enforce(case: Case, causes: Sequence[Cause], gain: float) -> Change:
     seen, told = case.seen(), case.expectation.direction
     reached = max(dot(seen, told) if seen and told else 0.0, 0.05)
     size = gain * reached * case.reference / (PRESCRIBED_TRAVEL * max(last - first, 1))
-    cause = causes[0]
-    hand = VelocityConstraint(
-        constraint_type=ConstraintType(cause.skill.prescribed_by or cause.skill.name),
-        vector=told or cause.direction,
-        magnitude=round(clamp(size, MAGNITUDE_MIN, MAGNITUDE_MAX), 4),
-        active_time=cause.item.active_time,
-        region=cause.item.region,
-        object=cause.item.object,
-    )
+    size = round(clamp(size, MAGNITUDE_MIN, MAGNITUDE_MAX), 4)
+    where = causes[0].item.model_dump(include={"active_time", "region", "object"})
+    hand = causes[0].prescribe(vector=told or causes[0].direction, magnitude=size, **where)
     why = ": no admissible force is enough, its velocity is prescribed."
     return change_items(case, causes, [None] * len(causes), why, "known_skills").adding(constraints=[hand])
 
@@ -375,7 +362,7 @@ def act_on_part(case: Case, causes: Sequence[Cause]) -> Change:
 
 def soften(case: Case, causes: Sequence[Cause]) -> Change:
     """The weakest blow is too strong: a brief push, which reaches less speed in its time."""
-    kind, reach = ActionType(find_first_skill(case.expectation.kind).name), max(2.0, _BRIEF * case.last)
+    kind, reach = find_action_type(case.expectation.kind), max(2.0, _BRIEF * case.last)
     updates = []
     for cause in causes:
         first, _ = case.get_span([cause])

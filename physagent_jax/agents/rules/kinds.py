@@ -124,12 +124,8 @@ def press_between(wish: Wish, causes: Sequence[Cause]) -> ForceField:
 
 def replace_blows(wish: Wish, causes: Sequence[Cause]) -> ForceField:
     """Instantaneous changes of velocity in place of ``causes``, with the same magnitudes."""
-    blows = []
-    for cause in causes:
-        told = cause.item.model_dump(include={"vector", "magnitude", "active_time", "region", "object"})
-        name = ConstraintType(cause.skill.prescribed_by or cause.skill.name)
-        blows.append(VelocityConstraint(constraint_type=name, **told))
-    return _put(wish, causes, *blows)
+    told = {"vector", "magnitude", "active_time", "region", "object"}
+    return _put(wish, causes, *[cause.prescribe(**cause.item.model_dump(include=told)) for cause in causes])
 
 
 def _prescribe(

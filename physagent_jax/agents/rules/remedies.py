@@ -13,7 +13,7 @@ from physagent_jax.agents.matching import (
     AXIAL,
     Cause,
     agrees,
-    find_first_skill,
+    find_action_type,
     find_misfits,
     find_own_causes,
     find_strays,
@@ -25,7 +25,7 @@ from physagent_jax.agents.rules.tolerances import round_window
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import clamp, cosine, norm, scale
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, TRAVEL
-from physagent_jax.forces.schema import Action, ActionType, ForceField
+from physagent_jax.forces.schema import Action, ForceField
 
 _PUSH_BACK = 1.6  # how much harder to try if the motion is contrary although the force is right
 _GENTLER = 0.6  # the factor where too much came of it and nothing says by how much
@@ -233,7 +233,7 @@ def _calm(case: Case) -> Iterator[Change]:
         return
     speed = norm(window.displacement) * case.last / (last - first)  # [body lengths per clip]
     brake = Action(
-        action_type=ActionType(find_first_skill(MotionKind.MOVE, sudden=True).name),
+        action_type=find_action_type(MotionKind.MOVE, sudden=True),
         vector=scale(window.displacement, -1.0),
         magnitude=round(clamp(speed / TRAVEL, MAGNITUDE_MIN, MAGNITUDE_MAX), 4),
         active_time=(float(first), first + 1.0),

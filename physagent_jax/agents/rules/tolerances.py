@@ -116,10 +116,10 @@ class Tolerance:
         most = max(most, LEAST)
         return dataclasses.replace(self, low=min(self.low, REACHED * most), target=min(self.target, most))
 
-    def scaled(self, low: float = 1.0, target: float | None = None, least: float = 0.0) -> Tolerance:
-        """The same with the lower limit (and the target) multiplied, but the limit not below ``least``."""
-        lower = min(max(low * self.low, least), 0.5 * self.high)
-        aim = max(self.target * (low if target is None else target), 1.3 * lower)
+    def scaled(self, share: float, least: float) -> Tolerance:
+        """The same with the lower limit and the target multiplied, but the limit not below ``least``."""
+        lower = min(max(share * self.low, least), 0.5 * self.high)
+        aim = max(share * self.target, 1.3 * lower)
         return Tolerance(lower, min(aim, 0.9 * self.high), self.high, self.unit)
 
 

@@ -93,7 +93,7 @@ class Asked:
 
     @property
     def hidden(self) -> str:
-        """Why the end that is asked about cannot be seen; empty if it can."""
+        """The reason that the end that is asked about cannot be seen; empty if it can."""
         lost = self.motion.part is not None and self.end is None
         return "the ends of the object are not told apart" if lost else ""
 

@@ -114,7 +114,7 @@ class View:
         return min(fitting, key=lambda w: w.last, default=None)
 
     def explain(self, figure: str, first: int, last: int, otherwise: str) -> str:
-        """Why a figure is not known in these frames."""
+        """The reason that a figure is not known in these frames."""
         window = self.window(first, last)
         return window.unobservable.get(figure, otherwise) if window else otherwise
 
