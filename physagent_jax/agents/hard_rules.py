@@ -17,26 +17,20 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from physagent_jax.agents.matching import Cause, agrees, find_own_causes, list_causes, overlaps
+from physagent_jax.agents.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, overlaps
 from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.stacking import find_room, fits, has_room
-from physagent_jax.agents.vectors import add, clamp, cosine, normalise, scale
+from physagent_jax.agents.vectors import add, clamp, cosine, norm, normalise, scale
 from physagent_jax.core.strict import Vector
+from physagent_jax.forces import schema as forces
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.schema import (
-    Action,
-    ActionType,
-    ConstraintType,
-    ForceField,
-    VelocityConstraint,
-    is_too_short,
-)
+from physagent_jax.forces.schema import ForceField, is_too_short
 from physagent_jax.forces.skills import Skill, find_skill
 
 LONGEST_IMPULSE = 2.0  # frames
 _GROUPS = {
-    "actions": ("action_type", ActionType, Action),
-    "constraints": ("constraint_type", ConstraintType, VelocityConstraint),
+    "actions": ("action_type", forces.ActionType, forces.Action),
+    "constraints": ("constraint_type", forces.ConstraintType, forces.VelocityConstraint),
 }
 _SAME_VECTOR = 0.9999
 _PARALLEL = 0.9
@@ -99,9 +93,10 @@ def apply_hard_rules(
         brief: The scene.
         expectations: What the sentence asks for.
     """
-    raw = force_field.model_dump(mode="json") if isinstance(force_field, ForceField) else dict(force_field)
-    entries, repairs = raw, []
-    context = Context(brief, tuple(expectations))
+    entries = (
+        force_field.model_dump(mode="json") if isinstance(force_field, ForceField) else dict(force_field)
+    )
+    repairs, context = [], Context(brief, tuple(expectations))
     for name, rule in RULES.items():
         entries, reasons = rule(copy.deepcopy(entries), context)
         repairs += [Repair(name, why) for why in reasons]
@@ -111,12 +106,8 @@ def apply_hard_rules(
 def base_directions(table: DirectionTable) -> list[Vector]:
     """The six directions and all their normalised sums: the only ones that actions may use."""
     lines = [(table.right, table.left), (table.up, table.down), (table.toward, table.away)]
-    vectors = []
-    for choice in itertools.product(*[((0.0, 0.0, 0.0), *line) for line in lines]):
-        unit = normalise(add(choice))
-        if unit is not None:
-            vectors.append(unit)
-    return vectors
+    choices = itertools.product(*[((0.0, 0.0, 0.0), *line) for line in lines])
+    return [unit for choice in choices if (unit := normalise(add(choice)))]
 
 
 def _on_each(repair: Callable[[Entry, str, Context], Iterator[str]]) -> Rule:
@@ -202,14 +193,9 @@ def held_until_in_clip(item: Entry, group: str, context: Context) -> Iterator[st
     if told is None:
         return
     given = _read_numbers([told], 1)
-    until = None if given is None else min(given[0], context.last)
-    if (
-        until is not None
-        and window is not None
-        and until > window[1]
-        and not _get_skill(group, item).is_sudden
-    ):
-        item["held_until"] = until
+    if given and window and not _get_skill(group, item).is_sudden:
+        until = min(given[0], context.last)
+        item |= {"held_until": until} if until > window[1] else {}
     if given is None or item.get("held_until") != given[0]:
         yield f".held_until becomes {item.get('held_until', 'nothing')}"
 
@@ -258,27 +244,24 @@ def no_stacking(entries: Entries, context: Context) -> tuple[Entries, list[str]]
     """
     reasons: list[str] = []
     kept: list[Cause] = []
-    gone: dict[str, set[int]] = {group: set() for group in _GROUPS}
-    for cause in list_causes(ForceField.model_validate(entries)):
+    gone: list[Cause] = []
+    for cause in _list_causes(entries):
         room, fellows = find_room(cause, kept, context.last)
         if fits(room, cause.item.magnitude):
             kept.append(cause)
             continue
-        names = ", ".join(fellow.name for fellow in fellows)
-        item = entries[cause.group][cause.index]
-        why = f"{cause.name} adds to {names} along the same line, which cannot be made stronger"
         if has_room(room):
+            item = entries[cause.group][cause.index]
             item["magnitude"] = math.copysign(max(room, MAGNITUDE_MIN), item["magnitude"])
             kept.append(Cause(cause.group, cause.index, _GROUPS[cause.group][2].model_validate(item)))
-            reasons.append(
-                f"{why} than {MAGNITUDE_MAX:g} in all: its magnitude becomes {item['magnitude']:g}"
-            )
+            change = f"its magnitude becomes {item['magnitude']:g}"
         else:
-            gone[cause.group].add(cause.index)
-            reasons.append(f"{why} than {MAGNITUDE_MAX:g} in all: removed")
-    for group, indices in gone.items():
-        entries[group] = _without(entries[group], indices)
-    return entries, reasons
+            gone.append(cause)
+            change = "removed"
+        names = ", ".join(fellow.name for fellow in fellows)
+        why = f"{cause.name} adds to {names} along the same line, which cannot be made stronger"
+        reasons.append(f"{why} than {MAGNITUDE_MAX:g} in all: {change}")
+    return _drop(entries, gone), reasons
 
 
 def gravity_makes_it_fall(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
@@ -286,26 +269,17 @@ def gravity_makes_it_fall(entries: Entries, context: Context) -> tuple[Entries, 
 
     In a world without gravity a later fall has to be a push: gravity would not wait for it.
     """
-    falls = [e for e in context.expectations if e.kind is MotionKind.FALL and e.window[0] < 1]
+    falls = [e for e in context.expectations if e.kind is MotionKind.FALL]
     down = context.brief.directions.down
-    if not falls or any(
-        e.kind is not MotionKind.FALL and e.direction and cosine(e.direction, down) > _PARALLEL
-        for e in context.expectations
-    ):
+    pushed = [e.direction for e in context.expectations if e.kind is not MotionKind.FALL and e.direction]
+    if all(e.window[0] >= 1 for e in falls) or any(cosine(way, down) > _PARALLEL for way in pushed):
         return entries, []
-    reasons = []
-    lowered = [
-        cause
-        for cause in list_causes(ForceField.model_validate(entries))
-        if "fall" in cause.skill.causes
-        and not cause.skill.is_sudden
-        and cause.item.region is None
-        and cosine(cause.direction, down) > _PARALLEL
-        and not any(agrees(cause, e) for e in context.expectations if e.kind is MotionKind.SWAY)
-    ]
-    for group in _GROUPS:
-        entries[group] = _without(entries[group], {cause.index for cause in lowered if cause.group == group})
-    reasons += [f"{cause.name} pushes down what is to fall: removed, gravity does it" for cause in lowered]
+    lasting = [c for c in _list_causes(entries) if "fall" in c.skill.causes and not c.skill.is_sudden]
+    downward = [c for c in lasting if c.item.region is None and cosine(c.direction, down) > _PARALLEL]
+    sways = [e for e in context.expectations if e.kind is MotionKind.SWAY]
+    lowered = [cause for cause in downward if not any(agrees(cause, e) for e in sways)]
+    entries = _drop(entries, lowered)
+    reasons = [f"{cause.name} pushes down what is to fall: removed, gravity does it" for cause in lowered]
     if context.brief.world == "free" and not entries["default_drop"]:
         entries["default_drop"] = True
         reasons.append("gravity acts on what is to fall: switched on, with the ground below")
@@ -323,12 +297,10 @@ def sentence_direction(entries: Entries, context: Context) -> tuple[Entries, lis
         if expectation.kind in (MotionKind.SWAY, MotionKind.FALL, MotionKind.STILL):
             continue
         causes = find_own_causes(expectation, context.expectations, ForceField.model_validate(entries))
-        if not causes or any(agrees(cause, expectation) for cause in causes):
-            continue
-        for cause in causes:
+        contrary = not any(agrees(cause, expectation) for cause in causes)
+        told, axial = expectation.direction, expectation.kind in AXIAL
+        for cause in causes if contrary else ():
             item = entries[cause.group][cause.index]
-            told = expectation.direction
-            axial = expectation.kind in (MotionKind.STRETCH, MotionKind.SQUEEZE)
             if told is None or axial or cosine(cause.direction, told) < -_PARALLEL:
                 item["magnitude"] = -item["magnitude"]
                 change = "its sign is flipped"
@@ -348,54 +320,47 @@ def paired_translation(entries: Entries, context: Context) -> tuple[Entries, lis
     """
     reasons: list[str] = []
     for expectation in context.expectations:
-        if expectation.kind not in (MotionKind.STRETCH, MotionKind.SQUEEZE) or expectation.direction is None:
+        if expectation.kind not in AXIAL or expectation.direction is None:
             continue
         if expectation.kind is MotionKind.SQUEEZE and (expectation.partial or expectation.part is not None):
             continue
-        field = ForceField.model_validate(entries)
-        slabs = [
-            cause
-            for cause in list_causes(field)
-            if cause.skill.deforms == "ends"
-            and cause.item.region is not None
-            and abs(cosine(cause.item.vector, expectation.direction)) > _PARALLEL
-            and overlaps(cause, expectation.window)
-        ]
+        acting = [c for c in _list_causes(entries) if overlaps(c, expectation.window)]
+        ends = [c for c in acting if c.skill.deforms == "ends" and c.item.region is not None]
+        slabs = [c for c in ends if abs(cosine(c.item.vector, expectation.direction)) > _PARALLEL]
         if not slabs or _is_pair(slabs):
             continue
-        first = entries["constraints"][slabs[0].index]
-        gone = {cause.index for cause in slabs[1:]}
-        kept = _without(entries["constraints"], gone)
-        entries["constraints"] = [*kept, _mirror(first)]
-        reasons.append(
-            f"{slabs[0].name} is given its symmetrically opposed partner; {len(gone)} others are removed"
-        )
+        mirrored, gone = _mirror(entries["constraints"][slabs[0].index]), slabs[1:]
+        entries = _drop(entries, gone)
+        entries["constraints"].append(mirrored)
+        partner = f"{slabs[0].name} is given its symmetrically opposed partner"
+        reasons.append(f"{partner}; {len(gone)} others are removed")
     return entries, reasons
 
 
-def _is_pair(slabs: list) -> bool:
-    if len(slabs) != 2:
-        return False
-    one, two = (cause.item for cause in slabs)
-    speeds = [scale(item.vector, item.magnitude) for item in (one, two)]
-    return math.dist(speeds[0], scale(speeds[1], -1.0)) < 1e-6 and one.active_time == two.active_time
+def _is_pair(slabs: list[Cause]) -> bool:
+    sums = add(scale(slab.item.vector, slab.item.magnitude) for slab in slabs)
+    return len(slabs) == 2 and norm(sums) < 1e-6 and slabs[0].item.active_time == slabs[1].item.active_time
 
 
 def _mirror(item: dict[str, Any]) -> dict[str, Any]:
     """The same constraint on the opposite side of the object's middle, moving the other way."""
-    region = copy.deepcopy(item["region"])
-    if region["kind"] == "half_space":
-        region["point"] = [1.0 - c for c in region["point"]]
-        region["normal"] = [-c for c in region["normal"]]
-    elif region["kind"] == "box":
-        region["low"], region["high"] = [1.0 - c for c in region["high"]], [1.0 - c for c in region["low"]]
-    else:
-        region["center"] = [1.0 - c for c in region["center"]]
-    return {**item, "region": region, "vector": [-c + 0.0 for c in item["vector"]]}
+    region, other = item["region"], {"low": "high", "high": "low"}
+    places = [key for key in ("point", "center", "low", "high") if key in region]
+    mirrored = region | {other.get(key, key): [1.0 - c for c in region[key]] for key in places}
+    if "normal" in region:
+        mirrored["normal"] = [-c for c in region["normal"]]
+    return {**item, "region": mirrored, "vector": [-c + 0.0 for c in item["vector"]]}
 
 
-def _without(items: list[Entry], indices: set[int]) -> list[Entry]:
-    return [item for index, item in enumerate(items) if index not in indices]
+def _list_causes(entries: Entries) -> list[Cause]:
+    return list_causes(ForceField.model_validate(entries))
+
+
+def _drop(entries: Entries, causes: Sequence[Cause]) -> Entries:
+    """The entries without some."""
+    gone = {(cause.group, cause.index) for cause in causes}
+    kept = {g: [item for i, item in enumerate(entries[g]) if (g, i) not in gone] for g in _GROUPS}
+    return entries | kept
 
 
 def _get_skill(group: str, item: Mapping[str, Any]) -> Skill:
@@ -418,20 +383,9 @@ def _format(vector: Vector) -> str:
 
 
 # In order: form before content, so that later rules can rely on valid entries.
-RULES: dict[str, Rule] = {
-    rule.__name__: rule
-    for rule in (
-        known_skills,
-        unit_vectors,
-        magnitude_range,
-        window_in_clip,
-        held_until_in_clip,
-        known_regions,
-        brief_impulse,
-        directional_rigidity,
-        sentence_direction,
-        paired_translation,
-        gravity_makes_it_fall,
-        no_stacking,
-    )
-}
+_ORDERED: tuple[Rule, ...] = (
+    *(known_skills, unit_vectors, magnitude_range, window_in_clip, held_until_in_clip, known_regions),
+    *(brief_impulse, directional_rigidity, sentence_direction, paired_translation, gravity_makes_it_fall),
+    no_stacking,
+)
+RULES: dict[str, Rule] = {rule.__name__: rule for rule in _ORDERED}

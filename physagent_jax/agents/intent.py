@@ -2,6 +2,7 @@
 
 Grammar and language models both write an `Intent`; one compiler (`agents.compiler`) turns it into a force field and
 expectations. The words are those of the lexicon (`agents.lexicon`): a viewer's directions, names of motions and parts.
+Each ``text`` holds the words in the sentence that say so.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from pydantic import Field
 from physagent_jax.core.strict import Strict
 
 Word = Annotated[str, Field(max_length=200)]
+_MANY = Field(max_length=100_000)  # as many entries as a sentence of the longest kind has characters
 Direction = Literal["left", "right", "up", "down", "toward", "away"]
 
 
@@ -35,7 +37,6 @@ class Way(Strict):
         word: A direction (`Direction`); for lines and axes also "horizontal", "vertical", "depth", "lengthwise",
             "long axis", "x", "y", "z"; for planes "horizontal", "vertical", "diagonal"; or "both sides", "all sides",
             "outward", "inward"; or, relative to the clause before, "back", "same" or "other".
-        text: The words in the sentence.
     """
 
     relation: Relation = Relation.TO
@@ -49,7 +50,6 @@ class Part(Strict):
     Attributes:
         word: A phrase of the lexicon: "head", "upper half", "left end".
         excluded: Whether the part is the one that is not meant: "all but the head".
-        text: The words in the sentence.
     """
 
     word: Word
@@ -67,7 +67,6 @@ class Quantity(Strict):
         dimension: Dimension of a share: "length", "height", "width", "depth", "size" or "volume"; "far" and "strength"
             compare with the clause before; "" names none.
         relation: "by" so much, "to" so much, or "is": the quantity tells the change by itself ("doubles its height").
-        text: The words in the sentence.
     """
 
     value: float = Field(ge=0, le=1e9)
@@ -81,9 +80,7 @@ class Duration(Strict):
     """A length of time, or a moment counted from the clip's start (negative: from its end).
 
     Attributes:
-        value: The number.
-        unit: "seconds", "frames" or "clip" (a fraction of the whole clip).
-        text: The words in the sentence.
+        value: In seconds, frames, or fractions of the whole clip.
     """
 
     value: float = Field(ge=-1e6, le=1e6)
@@ -115,7 +112,6 @@ class Repetition(Strict):
         often: Whether the sentence says "often" rather than how often.
         alternating: Whether it goes to and fro instead of again and again.
         first: Direction of the first swing, if it is named.
-        text: The words in the sentence.
     """
 
     times: int | None = Field(default=None, ge=0, le=1_000_000)
@@ -129,10 +125,8 @@ class Solid(Strict):
     """A wall or a block that the sentence names.
 
     Attributes:
-        kind: "wall" or "block".
         sides: Where it is, seen from the object; several are added; none = in the way of the motion.
         opposite: Where the second of two is; none = there is one.
-        text: The words in the sentence.
     """
 
     kind: Literal["wall", "block"] = "wall"
@@ -165,21 +159,20 @@ class Clause(Strict):
         even: Whether it goes at one speed.
         elsewhere: Whether the object ends at another place: "away", "aside", "off the table".
         said: The words in the sentence that name the motion.
-        text: The clause's words in the sentence.
     """
 
     motion: Word
     cause: Word | None = None
     order: Literal["then", "together", "and"] = "then"
-    ways: Annotated[tuple[Way, ...], Field(max_length=20)] = ()
+    ways: Annotated[tuple[Way, ...], _MANY] = ()
     turning: Literal["clockwise", "counterclockwise"] | None = None
     seen_from: Direction | None = None
-    parts: Annotated[tuple[Part, ...], Field(max_length=20)] = ()
-    strength: Annotated[tuple[Word, ...], Field(max_length=20)] = ()
-    quantities: Annotated[tuple[Quantity, ...], Field(max_length=20)] = ()
+    parts: Annotated[tuple[Part, ...], _MANY] = ()
+    strength: Annotated[tuple[Word, ...], _MANY] = ()
+    quantities: Annotated[tuple[Quantity, ...], _MANY] = ()
     timing: Timing = Timing()
-    repetitions: Annotated[tuple[Repetition, ...], Field(max_length=20)] = ()
-    solids: Annotated[tuple[Solid, ...], Field(max_length=20)] = ()
+    repetitions: Annotated[tuple[Repetition, ...], _MANY] = ()
+    solids: Annotated[tuple[Solid, ...], _MANY] = ()
     negated: bool = False
     inherited: bool = False
     stays: bool = False
@@ -190,12 +183,11 @@ class Clause(Strict):
 
 
 class Held(Strict):
-    """What the sentence says about holding the object.
+    """Words of the sentence about holding the object.
 
     Attributes:
         end: "base", "top", or "none" (free).
         described: Whether a word describes the object so ("potted") rather than asks for it ("hold the pot").
-        text: The words in the sentence.
     """
 
     end: Literal["base", "top", "none"]
@@ -204,18 +196,16 @@ class Held(Strict):
 
 
 class Surroundings(Strict):
-    """What the sentence says about gravity and ground; None = nothing.
+    """Words of the sentence about gravity and ground; None = nothing.
 
     Attributes:
-        gravity: "down", "up" (reversed) or "none".
-        ground: Whether there is ground.
+        gravity: "up" is reversed.
         solids: Walls and blocks that no motion is said to meet.
-        text: The words in the sentence.
     """
 
     gravity: Literal["down", "up", "none"] | None = None
     ground: bool | None = None
-    solids: Annotated[tuple[Solid, ...], Field(max_length=20)] = ()
+    solids: Annotated[tuple[Solid, ...], _MANY] = ()
     text: Word = ""
 
 
@@ -234,11 +224,11 @@ class Intent(Strict):
         notes: Assumptions made, in plain sentences.
     """
 
-    clauses: Annotated[tuple[Clause, ...], Field(max_length=10_000)] = ()
+    clauses: Annotated[tuple[Clause, ...], _MANY] = ()
     held: Held | None = None
     surroundings: Surroundings = Surroundings()
-    materials: Annotated[tuple[Word, ...], Field(max_length=20)] = ()
-    ignored: Annotated[tuple[Word, ...], Field(max_length=1000)] = ()
-    unknown: Annotated[tuple[Word, ...], Field(max_length=1000)] = ()
-    doubts: Annotated[tuple[Annotated[str, Field(max_length=1000)], ...], Field(max_length=10_000)] = ()
-    notes: Annotated[tuple[Annotated[str, Field(max_length=1000)], ...], Field(max_length=10_000)] = ()
+    materials: Annotated[tuple[Word, ...], _MANY] = ()
+    ignored: Annotated[tuple[Word, ...], _MANY] = ()
+    unknown: Annotated[tuple[Word, ...], _MANY] = ()
+    doubts: Annotated[tuple[Annotated[str, Field(max_length=1000)], ...], _MANY] = ()
+    notes: Annotated[tuple[Annotated[str, Field(max_length=1000)], ...], _MANY] = ()

@@ -58,36 +58,19 @@ class MaterialMention:
 
 @dataclass(frozen=True)
 class MaterialLexicon:
-    """The lexicon of materials; the other words are those that stand around them, as the file says.
+    """The lexicon of materials.
 
     Attributes:
         words: Every word with its meaning.
         adjectives: The forms that tell a material before a noun.
         compounds: Names in which such a word tells none.
+        around: The words that stand around them, by section of the file, which says what they are.
     """
 
     words: dict[str, MaterialWord]
     adjectives: frozenset[str]
     compounds: frozenset[str]
-    generic: frozenset[str]
-    determiners: frozenset[str]
-    qualifiers: frozenset[str]
-    made: frozenset[str]
-    of: frozenset[str]
-    fillers: frozenset[str]
-    containers: frozenset[str]
-    becoming: frozenset[str]
-    turns: frozenset[str]
-    changing: frozenset[str]
-    being: frozenset[str]
-    deforms: frozenset[str]
-    acts: frozenset[str]
-    adverbs: frozenset[str]
-    negations: frozenset[str]
-    function_words: frozenset[str]
-    prepositions: frozenset[str]
-    parts: frozenset[str]
-    contacts: frozenset[str]
+    around: dict[str, frozenset[str]]
 
 
 @functools.cache
@@ -98,14 +81,15 @@ def read_material_words() -> MaterialLexicon:
     words: dict[str, MaterialWord] = {}
     adjectives: set[str] = set()
     for row in content.pop("materials"):
-        forms = _split(row.get("adjectives", ""))
-        words |= dict.fromkeys(
-            [*_split(row["words"]), *forms], MaterialWord(row["preset"], row.get("near", False))
+        forms, meaning = (
+            _split(row.get("adjectives", "")),
+            MaterialWord(row["preset"], row.get("near", False)),
         )
+        words |= dict.fromkeys([*_split(row["words"]), *forms], meaning)
         adjectives |= set(forms)
     compounds = frozenset(_split(content.pop("compounds")))
     around = {section: frozenset(listed.split()) for section, listed in content.items()}
-    return MaterialLexicon(words, frozenset(adjectives), compounds, **around)
+    return MaterialLexicon(words, frozenset(adjectives), compounds, around)
 
 
 def find_meaning(word: str) -> MaterialWord | None:
@@ -114,21 +98,14 @@ def find_meaning(word: str) -> MaterialWord | None:
 
 
 def find_materials(text: str, brief: SceneBrief) -> tuple[MaterialMention, ...]:
-    """Find the materials that a sentence says its object is made of, becomes, or deforms like.
-
-    Args:
-        text: The sentence.
-        brief: The scene; its object's name and nouns tell of what a material is said.
-    """
+    """Find the materials that a sentence says its object (known by name and nouns) is made of, becomes, or is like."""
     return tuple(_Finder(text, brief).find())
 
 
 def mask_materials(text: str, mentions: Iterable[MaterialMention]) -> str:
     """A sentence with blanks for what tells nothing but a material, so that motions can be read without it.
 
-    Args:
-        text: The sentence.
-        mentions: Its materials (`find_materials`). Those of the object's own name stay.
+    Materials of the object's own name stay.
     """
     for mention in mentions:
         if mention.masked is not None and not mention.named:
@@ -146,20 +123,20 @@ class _Finder:
 
     def __init__(self, text: str, brief: SceneBrief):
         self.text, self.lexicon = text, read_material_words()
-        self.before = self.lexicon.determiners | self.lexicon.qualifiers
+        self.around = self.lexicon.around
+        self.before = self.around["determiners"] | self.around["qualifiers"]
         self.within = self.before - {"of"}
-        self.described = self.lexicon.qualifiers - {"of"}
+        self.described = self.around["qualifiers"] - {"of"}
         self.unnamed = self.before - {"the"}
-        self.no_material = self.before | self.lexicon.of | self.lexicon.function_words
+        self.no_material = self.before | self.around["of"] | self.around["function_words"]
         found = list(_TOKEN.finditer(text.replace("-", " ").replace("\u2019", "'")))
         self.tokens = [match.group().lower() for match in found]
         self.spans = [match.span() for match in found]
-        named = set(re.findall(r"[^\W\d_]+", brief.object_name.lower()))
-        self.own = named
-        sure = brief.object_kind != _UNKNOWN_KIND
+        self.own = set(re.findall(r"[^\W\d_]+", brief.object_name.lower()))
         nouns = set(brief.object_nouns) | {f"{noun}s" for noun in brief.object_nouns}
-        self.names = (named | (nouns if sure else set())) - set(self.lexicon.words)
-        self.nouns = self.names | self.lexicon.generic | nouns
+        sure = nouns if brief.object_kind != _UNKNOWN_KIND else set()
+        self.names = (self.own | sure) - set(self.lexicon.words)
+        self.nouns = self.names | self.around["generic"] | nouns
 
     def find(self) -> Iterator[MaterialMention]:
         """Every mention, the longest words first at each place, each material once."""
@@ -188,21 +165,17 @@ class _Finder:
 
     def _find_masked(self, first: int, at: int) -> int:
         """The first token that tells nothing but the material: a motion or a noun before it stays."""
-        telling = self.tokens[first] in self.lexicon.changing | self.lexicon.made | self.lexicon.being
+        telling = self.tokens[first] in self.around["changing"] | self.around["made"] | self.around["being"]
         return first if telling or first == at else first + 1
 
     def _read(self, begin: int, end: int, adjective: bool) -> tuple[int, int, bool] | None:
         """The phrase of tokens in which a material is said of the object, and whether the object turns to it."""
-        for look in (self._find_made, self._find_of):
-            if (first := look(begin)) is not None:
-                return first, end, False
+        looks = [self._find_made, self._find_of]
         if self._ends(end):
-            if (first := self._find_turn(begin)) is not None:
-                return first, end, True
-            if (first := self._find_likeness(begin)) is not None:
-                return first, end, False
-            if adjective and (first := self._find_predicate(begin)) is not None:
-                return first, end, False
+            looks += [self._find_turn, self._find_likeness, *([self._find_predicate] if adjective else [])]
+        for look in looks:
+            if (first := look(begin)) is not None:
+                return first, end, look == self._find_turn
         last = self._find_noun(begin, end) if adjective else None
         return None if last is None else (begin, last, False)
 
@@ -217,7 +190,7 @@ class _Finder:
     def _ends(self, end: int) -> bool:
         """Return whether the noun phrase ends here: "like water", not "like water balloons"."""
         after = self._get(end)
-        return not after.isalpha() or after in self.lexicon.function_words or after.endswith("ly")
+        return not after.isalpha() or after in self.around["function_words"] or after.endswith("ly")
 
     def _back(self, at: int, over: Collection[str], most: int = 4) -> int:
         """The first place before ``at`` whose token is none of ``over``."""
@@ -228,57 +201,52 @@ class _Finder:
 
     def _find_made(self, at: int) -> int | None:
         """The beginning of "made of" before this token, if it is said of the object; None = there is none."""
-        place = self._back(at, self.within)
-        if self._get(place) not in ("of", "from"):
+        link = self._back(at, self.within)
+        place = self._back(link, self.around["of"])
+        if self._get(link) not in ("of", "from") or self._get(place) not in self.around["made"]:
             return None
-        place = self._back(place, self.lexicon.of)
-        if self._get(place) not in self.lexicon.made:
-            return None
-        owner = self._back(place, self.lexicon.fillers | {",", "it", "itself"}, 6)
-        between = self.tokens[owner + 1 : place]
-        said = owner < 0 or not self.tokens[owner].isalpha() or "if" in between or "though" in between
-        said = said or "it" in between or "like" == self._get(owner)
-        said = said or "," in between and not self._is_other_noun(owner)
-        return place if said or self._is_object(owner) else None
+        owner = self._back(place, self.around["fillers"] | {",", "it", "itself"}, 6)
+        alone = not self._get(owner).isalpha() or self._get(owner) == "like"
+        between = {*self.tokens[owner + 1 : place]}
+        told = {"if", "though", "it"} & between or "," in between and not self._is_other_noun(owner)
+        return place if alone or told or self._is_object(owner) else None
 
     def _is_other_noun(self, at: int) -> bool:
         """Return whether a word with an article is a thing and no way: "a table", but not "away" or "the left"."""
         ways = read_lexicon().directions
-        return self._get(at) not in ways and self._get(at - 1) in self.lexicon.determiners
+        return self._get(at) not in ways and self._get(at - 1) in self.around["determiners"]
 
     def _is_object(self, at: int) -> bool:
         """Return whether a noun is the object: by its name, or as one that may name it and is no place of anything."""
         noun = self._get(at)
-        if noun in self.names:
-            return True
-        return noun in self.nouns and self._get(self._back(at, self.before)) not in self.lexicon.prepositions
+        return noun in self.names or (noun in self.nouns and not self._is_placed(at))
+
+    def _is_placed(self, at: int) -> bool:
+        """Return whether a preposition stands before a noun: it is the place of something."""
+        return self._get(self._back(at, self.before)) in self.around["prepositions"]
 
     def _find_of(self, at: int) -> int | None:
         """The beginning of "bear of sand"."""
         place = self._back(at, self.unnamed - {"of"})
-        owner = place - 1
-        if self._get(place) != "of" or self._get(owner) in self.lexicon.containers | {"it", "one", "itself"}:
-            return None
-        return owner if self._is_object(owner) else None
+        no_owners = self.around["containers"] | {"it", "one", "itself"}
+        said = self._get(place) == "of" and self._get(place - 1) not in no_owners
+        return place - 1 if said and self._is_object(place - 1) else None
 
     def _find_turn(self, at: int) -> int | None:
         """The beginning of "turns to"; scenery has an article ("collapses into the sand")."""
         place = self._back(at, self.unnamed)
         if self._get(place) in ("into", "to", "in"):
             place -= 1
-        elif self._get(place) not in self.lexicon.becoming:
+        elif self._get(place) not in self.around["becoming"]:
             return None
-        return place if self._get(place) in self.lexicon.turns else None
+        return place if self._get(place) in self.around["turns"] else None
 
     def _find_likeness(self, at: int) -> int | None:
         """The beginning of "wobbles like" or "soft as": a likeness in deforming, and no other."""
-        place = at - 1
-        if self._get(place) not in ("like", "as"):
-            return None
-        before = self._back(place, self.lexicon.adverbs | {"it", "as", "itself"}, 5)
+        before = self._back(at - 1, self.around["adverbs"] | {"it", "as", "itself"}, 5)
         word = self._get(before)
-        deforms = word.startswith(tuple(self.lexicon.deforms)) or word in self.lexicon.acts
-        return before if deforms else None
+        deforms = word.startswith(tuple(self.around["deforms"])) or word in self.around["acts"]
+        return before if deforms and self._get(at - 1) in ("like", "as") else None
 
     def _find_noun(self, begin: int, end: int) -> int | None:
         """The end of "metal robot": the adjective stands before the object's noun, maybe with others between."""
@@ -288,18 +256,16 @@ class _Finder:
         while place - end < 3 and self._get(place) in self.described:
             place += 1
         noun = self._get(place)
-        if noun not in self.nouns or noun in ("it", "itself") or self._get(place + 1) in self.lexicon.parts:
+        if noun not in self.nouns or noun in ("it", "itself") or self._get(place + 1) in self.around["parts"]:
             return None
-        if noun in self.names:
-            return place + 1
-        elsewhere = self._get(self._back(begin, self.before)) in self.lexicon.prepositions
-        return None if elsewhere or self._get(place + 1) in self.lexicon.contacts else place + 1
+        elsewhere = self._is_placed(begin) or self._get(place + 1) in self.around["contacts"]
+        return place + 1 if noun in self.names or not elsewhere else None
 
     def _find_predicate(self, begin: int) -> int | None:
         """The beginning of "is metal", said of the object."""
-        place = self._back(begin, self.lexicon.qualifiers | {"now"})
+        place = self._back(begin, self.around["qualifiers"] | {"now"})
         subject = self._get(place - 1)
-        return place if self._get(place) in self.lexicon.being and subject in self.nouns else None
+        return place if self._get(place) in self.around["being"] and subject in self.nouns else None
 
     def _is_negated(self, first: int) -> bool:
-        return any(self._get(place) in self.lexicon.negations for place in (first - 1, first - 2))
+        return any(self._get(place) in self.around["negations"] for place in (first - 1, first - 2))

@@ -46,13 +46,7 @@ def make_agents(
     *,
     model: ChatModel | None = None,
 ) -> Agents:
-    """The agents of these names; those that ask no model by default.
-
-    Args:
-        semantic: Name of who reads the sentence, with its options.
-        planner: Name of who judges the motion, likewise.
-        executor: Name of who rewrites the force field, likewise.
-        model: The chat model that they share; None = there is none.
+    """The agents of these names, with their options; those that ask no model by default.
 
     Raises:
         UserError: There is no such agent, it has no such options, or it asks a model and there is none.

@@ -6,11 +6,10 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from physagent_jax.agents.matching import Cause, find_first_skill
-from physagent_jax.agents.rules.parts import bound_to_part, make_part_region
+from physagent_jax.agents.matching import AXIAL, Cause, find_action_type
 from physagent_jax.agents.rules.tolerances import round_window
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.agents.vectors import add, clamp, cosine, dot, norm, normalise, scale
+from physagent_jax.agents.vectors import add, clamp, cosine, dot, norm, normalise, reject, scale
 from physagent_jax.agents.windows import divide_swings
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
@@ -19,12 +18,11 @@ from physagent_jax.forces.calibration import (
     PRESCRIBED_TRAVEL,
     find_reference_time,
 )
-from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField, VelocityConstraint
+from physagent_jax.forces.schema import Action, ForceField, HalfSpaceRegion
 from physagent_jax.perception.schema import MotionReport
 
 _BRIEF = 0.15  # of the clip: "briefly", as the lexicon has it
 POINTED = 0.95  # cosine from which a vector points where the sentence says
-AXIAL = (MotionKind.STRETCH, MotionKind.SQUEEZE)
 
 
 @dataclass(frozen=True)
@@ -74,6 +72,12 @@ class Wish:
         held = self.brief.anchored is not None
         return find_reference_time(held, self.last * self.brief.frame_dt) / self.brief.frame_dt
 
+    @property
+    def window(self) -> tuple[float, float] | None:
+        """The motion's window in whole frames; None if it has no length."""
+        first, last = round_window(self.expectation, self.brief.frame_count)
+        return (float(first), float(last)) if last > first else None
+
     def get_span(self, causes: Sequence[Cause]) -> tuple[float, float]:
         """First and last frame in which any of some causes acts."""
         spans = [cause.item.active_time or (0.0, self.last) for cause in causes]
@@ -87,10 +91,6 @@ class Wish:
     def about(self, expectation: ExpectedMotion) -> Wish:
         """The same with another motion."""
         return replace(self, expectation=expectation)
-
-    def on(self, force_field: ForceField) -> Wish:
-        """The same with another force field."""
-        return replace(self, force_field=force_field)
 
 
 @dataclass(frozen=True)
@@ -109,13 +109,11 @@ class Case(Wish):
 
     def seen(self) -> Vector | None:
         """Displacement in the expectation's window, or the rotation as a vector; None if it is not observable."""
-        try:
-            window = self.report.window(*round_window(self.expectation, self.report.frame_count))
-        except KeyError:
-            return None
-        if self.expectation.kind is not MotionKind.ROTATE:
+        frames = round_window(self.expectation, self.report.frame_count)
+        window = next((w for w in self.report.windows if (w.first, w.last) == frames), None)
+        if window is not None and self.expectation.kind is not MotionKind.ROTATE:
             return window.peak_displacement if self.expectation.sudden else window.displacement
-        if window.rotation_axis is None or window.rotation_degrees is None:
+        if window is None or window.rotation_axis is None or window.rotation_degrees is None:
             return None
         return scale(window.rotation_axis, window.rotation_degrees)
 
@@ -191,14 +189,13 @@ def remove(case: Case, causes: Sequence[Cause], why: str) -> Change:
 
 
 def point(case: Case, causes: Sequence[Cause]) -> Change:
-    """Points causes where the sentence says; only the sign of those that go exactly the other way is changed."""
+    """Point causes where the sentence says; only the sign of those that go exactly the other way is changed."""
     told, axial = case.expectation.direction, case.expectation.kind in AXIAL
-    updates = [
-        {"magnitude": -cause.item.magnitude}
-        if told is None or axial or cosine(cause.direction, told) < -POINTED
-        else {"vector": told, "magnitude": abs(cause.item.magnitude)}
-        for cause in causes
-    ]
+    updates = []
+    for cause in causes:
+        flips = told is None or axial or cosine(cause.direction, told) < -POINTED
+        pointed = {"vector": told, "magnitude": abs(cause.item.magnitude)}
+        updates.append({"magnitude": -cause.item.magnitude} if flips else pointed)
     why = f" went against '{case.expectation.words}': reversed, or pointed where the sentence says."
     return change_items(case, causes, updates, why, "sentence_direction")
 
@@ -212,13 +209,11 @@ def counter(case: Case, causes: Sequence[Cause]) -> Change | None:
     if told is None or seen is None or norm(seen) < 0.03 or case.expectation.kind in AXIAL:
         return None
     way = normalise(seen) or told
-    missed = normalise(add([way, scale(told, -dot(way, told))]))
+    missed = normalise(reject(way, told))
     angle = math.acos(clamp(cosine(seen, told), -1.0, 1.0))
     if missed is None or math.degrees(angle) > 100:
         return None
-    vector = normalise(add([scale(told, math.cos(angle)), scale(missed, -math.sin(angle))]))
-    if vector is None:
-        return None
+    vector = add([scale(told, math.cos(angle)), scale(missed, -math.sin(angle))])
     updates = [{"vector": vector, "magnitude": abs(cause.item.magnitude)} for cause in causes]
     far = f"{math.degrees(angle):.0f} degrees"
     why = f" is turned {far} the other way: it went so far beside '{case.expectation.words}'."
@@ -227,10 +222,9 @@ def counter(case: Case, causes: Sequence[Cause]) -> Change | None:
 
 def retime(case: Case, causes: Sequence[Cause]) -> Change | None:
     """Move causes into the window in which the motion should be seen; None if that has no length."""
-    window = _get_window(case)
+    window, updates = case.window, []
     if window is None:
         return None
-    updates = []
     for cause in causes:
         first, last = case.get_span([cause])
         length = 1.0 if cause.skill.is_sudden else last - first if cause.skill.prescribes else math.inf
@@ -243,65 +237,60 @@ def retime(case: Case, causes: Sequence[Cause]) -> Change | None:
 
 def is_mistimed(case: Case, cause: Cause) -> bool:
     """Return whether an entry acts mostly outside of the window, or in less than a third of it."""
-    window = _get_window(case)
-    if window is None or cause.skill.prescribes:
+    if case.window is None or cause.skill.prescribes:
         return False
-    first, last = cause.item.active_time or (0.0, case.last)
-    if cause.skill.is_sudden:
-        return abs(first - window[0]) > 0.2 * (window[1] - window[0]) + 1.0
-    if case.brief.anchored is not None and not case.expectation.released and last >= window[1]:
-        later = [e.window[0] for e in case.expectations if e.window[0] > case.expectation.window[0] + 0.5]
-        if last <= min([*later, case.last]):
-            return (
-                abs(first - window[0]) > 0.2 * (window[1] - window[0]) + 1.0
-            )  # it is kept where it was brought
-    shared = max(0.0, min(last, window[1]) - max(first, window[0]))
-    return shared < 0.6 * (last - first) or shared < 0.3 * (window[1] - window[0])
+    (first, last), (begin, end) = case.get_span([cause]), case.window
+    later = [e.window[0] for e in case.expectations if e.window[0] > case.expectation.window[0] + 0.5]
+    held = case.brief.anchored is not None and not case.expectation.released
+    kept = held and end <= last <= min([*later, case.last])  # where it was brought
+    if cause.skill.is_sudden or kept:
+        return abs(first - begin) > 0.2 * (end - begin) + 1.0
+    shared = max(0.0, min(last, end) - max(first, begin))
+    return shared < 0.6 * (last - first) or shared < 0.3 * (end - begin)
 
 
 def make_actions(case: Case) -> list[Action]:
     """The actions that the fixed mapping gives for an expectation."""
     expectation, table = case.expectation, case.brief.directions
-    window = _get_window(case)
-    magnitude = -expectation.strength if expectation.kind is MotionKind.SQUEEZE else expectation.strength
     if expectation.kind is MotionKind.SWAY:
         return _alternate(case)
+    window, magnitude = case.window, expectation.strength
+    if expectation.kind is MotionKind.SQUEEZE:
+        magnitude = -magnitude
     axes = [expectation.direction] if expectation.direction else [table.right, table.up, table.toward]
     if expectation.kind is MotionKind.FALL:
         axes = [table.down]
     elif expectation.kind not in AXIAL:
         axes = axes[:1]
-    kind = ActionType(find_first_skill(expectation.kind, expectation.sudden).name)
+    kind = find_action_type(expectation.kind, expectation.sudden)
     if expectation.sudden and window:
         window = (window[0], window[0] + 1.0)
     region = make_part_region(expectation)
-    return [
-        Action(action_type=kind, vector=axis, magnitude=magnitude, active_time=window, region=region)
-        for axis in axes
-    ]
+    how = {"magnitude": magnitude, "active_time": window, "region": region}
+    return [Action(action_type=kind, vector=axis, **how) for axis in axes]
 
 
-def _get_window(case: Case) -> tuple[float, float] | None:
-    first, last = round_window(case.expectation, case.brief.frame_count)
-    return (float(first), float(last)) if last > first else None
+def make_part_region(expectation: ExpectedMotion) -> HalfSpaceRegion | None:
+    """The half of the object on the side of a motion's end; None if the motion is about the whole, or about no end."""
+    if expectation.part is None:
+        return None
+    side = scale(expectation.part, -1.0) if expectation.excludes_part else expectation.part
+    return HalfSpaceRegion(point=(0.5, 0.5, 0.5), normal=side)
 
 
 def _alternate(case: Case, magnitude: float | None = None) -> list[Action]:
     """Push to and fro, as often as expected."""
     expectation = case.expectation
     direction = expectation.direction or case.brief.directions.left
-    window, kind = _get_window(case), ActionType(find_first_skill(MotionKind.SWAY).name)
+    window, kind = case.window, find_action_type(MotionKind.SWAY)
     if window is None:
         return [Action(action_type=kind, vector=direction, magnitude=expectation.strength)]
     count = max(1, min(expectation.repeats, int((window[1] - window[0]) / 4.0)))
+    size, ways = magnitude or expectation.strength, (direction, scale(direction, -1.0))
+    swings = divide_swings(window, count, case.brief.anchored is not None)
     return [
-        Action(
-            action_type=kind,
-            vector=scale(direction, -1.0 if i % 2 else 1.0),
-            magnitude=magnitude or expectation.strength,
-            active_time=part,
-        )
-        for i, part in enumerate(divide_swings(window, count, case.brief.anchored is not None))
+        Action(action_type=kind, vector=ways[i % 2], magnitude=size, active_time=part)
+        for i, part in enumerate(swings)
     ]
 
 
@@ -331,17 +320,10 @@ def enforce(case: Case, causes: Sequence[Cause], gain: float) -> Change:
     first, last = round_window(case.expectation, case.brief.frame_count)
     seen, told = case.seen(), case.expectation.direction
     reached = max(dot(seen, told) if seen and told else 0.0, 0.05)
-    reference = find_reference_time(False, case.last * case.brief.frame_dt) / case.brief.frame_dt
-    size = gain * reached * reference / (PRESCRIBED_TRAVEL * max(last - first, 1))
-    cause = causes[0]
-    hand = VelocityConstraint(
-        constraint_type=ConstraintType(cause.skill.prescribed_by or cause.skill.name),
-        vector=told or cause.direction,
-        magnitude=round(clamp(size, MAGNITUDE_MIN, MAGNITUDE_MAX), 4),
-        active_time=cause.item.active_time,
-        region=cause.item.region,
-        object=cause.item.object,
-    )
+    size = gain * reached * case.reference / (PRESCRIBED_TRAVEL * max(last - first, 1))
+    size = round(clamp(size, MAGNITUDE_MIN, MAGNITUDE_MAX), 4)
+    where = causes[0].item.model_dump(include={"active_time", "region", "object"})
+    hand = causes[0].prescribe(vector=told or causes[0].direction, magnitude=size, **where)
     why = ": no admissible force is enough, its velocity is prescribed."
     return change_items(case, causes, [None] * len(causes), why, "known_skills").adding(constraints=[hand])
 
@@ -373,13 +355,14 @@ def keep(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
 
 def act_on_part(case: Case, causes: Sequence[Cause]) -> Change:
     """Let causes act on the named part alone."""
-    field = replace_items(case.force_field, causes, bound_to_part(case.expectation, causes))
-    return Change(field, f"{format_names(causes)} acts on the part of '{case.expectation.words}' alone.")
+    region = make_part_region(case.expectation)
+    updates = [{} if region is None or cause.item.region else {"region": region} for cause in causes]
+    return change_items(case, causes, updates, f" acts on the part of '{case.expectation.words}' alone.")
 
 
 def soften(case: Case, causes: Sequence[Cause]) -> Change:
     """The weakest blow is too strong: a brief push, which reaches less speed in its time."""
-    kind, reach = ActionType(find_first_skill(case.expectation.kind).name), max(2.0, _BRIEF * case.last)
+    kind, reach = find_action_type(case.expectation.kind), max(2.0, _BRIEF * case.last)
     updates = []
     for cause in causes:
         first, _ = case.get_span([cause])

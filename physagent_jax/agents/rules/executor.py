@@ -31,10 +31,10 @@ class RuleExecutor(ExecutorAgent):
     def rewrite(self, context: AgentContext, failed: Round) -> Reply[Rewrite]:
         """Return the next force field; see `protocols.ExecutorAgent`.
 
-        It goes out from the round that came nearest, not from the last: a change that made things worse is dropped.
-        The mildest remedies come first; if they lead to a force field that was tried before, the next ones are
-        taken, and then those of the round that came second. If none is left, or nothing that was measured failed in a
-        round that came nearer, the last field is returned unchanged and ``changes`` says so.
+        It goes out from the round that came nearest: a change that made things worse is dropped. The mildest remedies
+        come first; if they lead to a force field that was tried before, the next ones are taken, and then those of the
+        round that came second. If none is left, or nothing that was measured failed in a round that came nearer, the
+        last field is returned unchanged and ``changes`` says so.
         """
         rounds = [*context.rounds, failed]
         tried = [each.force_field for each in rounds]
@@ -49,9 +49,8 @@ class RuleExecutor(ExecutorAgent):
                 changes = _mend(context, base, rounds, unmet, depth)
                 if not changes:
                     continue
-                field, repairs = apply_hard_rules(
-                    changes[-1].force_field, context.brief, context.expectations
-                )
+                field = changes[-1].force_field
+                field, repairs = apply_hard_rules(field, context.brief, context.expectations)
                 if field in tried:
                     limits += [change.why for change in changes if "cannot be made" in change.why]
                     continue
@@ -69,11 +68,7 @@ def rank(rounds: Sequence[Round]) -> list[Round]:
 
 
 def _explain(
-    field: ForceField,
-    changes: list[Change],
-    repairs: Sequence[Repair],
-    base: Round,
-    rounds: Sequence[Round],
+    field: ForceField, changes: list[Change], repairs: Sequence[Repair], base: Round, rounds: list[Round]
 ) -> Rewrite:
     back = ()
     if base is not rounds[-1]:
@@ -108,31 +103,24 @@ def _mend(
     Remedies that leave the stages that were met as they are go before all others.
     """
     changes: list[Change] = []
-    field = base.force_field
-    kept = find_kept(base, context.expectations, failed)
+    field, expectations = base.force_field, context.expectations
+    kept = find_kept(base, expectations, failed)
     for index, checks in failed.items():
         earlier = tuple(_list_gains(index, [each for each in rounds if each is not base]))
-        expectations = context.expectations
         case = Case(field, expectations[index], expectations, context.brief, checks, base.report, earlier)
         options = [change for change in list_remedies(case) if change.force_field != field]
-        sparing = [each for change in options if (each := kept.spare(change, field)) is not None]
-        options = sparing or options
-        if not options:
-            continue
-        change = options[min(depth, len(options) - 1)]
-        changes.append(change)
-        field = change.force_field
+        options = [each for change in options if (each := kept.spare(change, field))] or options
+        if options:
+            changes.append(options[min(depth, len(options) - 1)])
+            field = changes[-1].force_field
     return changes
 
 
 def _list_gains(index: int, rounds: Sequence[Round]):
     """Force fields of other rounds with the gain that their amount of an expectation asked for."""
     for each in rounds:
-        amounts = [
-            check
-            for check in each.judgement.checks
-            if check.expectation == index and check.aspect == "amount" and check.passed is not None
-        ]
+        seen = [c for c in each.judgement.checks if c.expectation == index and c.passed is not None]
+        amounts = [check for check in seen if check.aspect == "amount"]
         if amounts:
             worst = min(amounts, key=lambda check: check.score)
             yield each.force_field, worst.gain if worst.gain is not None else _PASSED

@@ -10,12 +10,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from physagent_jax.agents.dosing import find_magnitude
-from physagent_jax.agents.matching import Cause, agrees, find_own_causes, share_time
+from physagent_jax.agents.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, share_time
 from physagent_jax.agents.regions import make_box, make_end_region
-from physagent_jax.agents.rules.edits import AXIAL, Wish, replace_items
+from physagent_jax.agents.rules.edits import Wish, replace_items
 from physagent_jax.agents.rules.tolerances import (
     expect_move,
     expect_quantity,
@@ -31,10 +31,9 @@ from physagent_jax.forces.calibration import (
     PRESCRIBED_TRAVEL,
     TRAVEL,
     TURN,
-    find_reference_time,
 )
 from physagent_jax.forces.schema import BoxRegion, ConstraintType, ForceField, Region, VelocityConstraint
-from physagent_jax.forces.skills import get_skill, list_skills
+from physagent_jax.forces.skills import list_skills
 
 SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinner one tears off what tapers
 MOVING = 0.6  # share of its window in which an end or a plate moves; in the rest it is held
@@ -64,10 +63,7 @@ def choose_kinds(
 ) -> Choice:
     """Replace body forces by velocity constraints where these do what the sentence says and a force does not.
 
-    Args:
-        force_field: Force field of body forces, as a sentence is read.
-        expectations: What the sentence asks for.
-        brief: The scene, with what the sentence says about holding.
+    ``brief`` holds what the sentence says about holding.
     """
     reasons: list[str] = []
     for expectation in expectations:
@@ -87,18 +83,15 @@ def find_new_places(before: ForceField, after: ForceField) -> dict[str, str]:
     places = {}
     for index, action in enumerate(before.actions):
         here = next((i for i, other in enumerate(after.actions) if other is action), None)
-        heirs = [
-            i
-            for i, other in enumerate(after.constraints)
-            if i >= len(before.constraints)
-            and abs(cosine(other.vector, action.vector)) > _VERTICAL
-            and (other.active_time or (0.0,))[0] == (action.active_time or (0.0,))[0]
-        ]
+        begin = (action.active_time or (0.0,))[0]
+        new = [Cause("constraints", i, c) for i, c in enumerate(after.constraints)][len(before.constraints) :]
+        alike = [c for c in new if abs(cosine(c.item.vector, action.vector)) > _VERTICAL]
+        heirs = [c for c in alike if (c.item.active_time or (0.0,))[0] == begin]
         if here is not None:
             places[f"actions[{index}]"] = f"actions[{here}]"
         elif heirs:  # of two ends that turn or move against each other the one that goes the action's way
-            heir = max(heirs, key=lambda i: cosine(after.constraints[i].vector, action.vector))
-            places[f"actions[{index}]"] = f"constraints[{heir}]"
+            heir = max(heirs, key=lambda c: cosine(c.item.vector, action.vector))
+            places[f"actions[{index}]"] = heir.name
     return places
 
 
@@ -120,23 +113,19 @@ def move_ends(wish: Wish, causes: Sequence[Cause]) -> ForceField:
 def press_between(wish: Wish, causes: Sequence[Cause]) -> ForceField:
     """Two opposed plates in place of ``causes``; one against the ground or the fixture, where there is one."""
     axis, brief = wish.expectation.direction or causes[0].item.vector, wish.brief
-    alone = _stands_on_its_end(wish, axis)
-    travel = _find_travel(wish, causes, movers=1 if alone else 2)
-    free = brief.directions.up if "top" in (brief.anchored or "") else brief.directions.down
-    towards_it = axis if cosine(axis, free) > 0 else scale(axis, -1.0)
-    ways = (towards_it,) if alone else (axis, scale(axis, -1.0))
+    ways = (axis, scale(axis, -1.0))
+    if _stands_on_its_end(wish, axis):
+        free = brief.directions.up if "top" in (brief.anchored or "") else brief.directions.down
+        ways = (axis if cosine(axis, free) > 0 else scale(axis, -1.0),)
+    travel = _find_travel(wish, causes, movers=len(ways))
     plate = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
     return _put(wish, causes, *[_prescribe(plate, way, *travel) for way in ways])
 
 
 def replace_blows(wish: Wish, causes: Sequence[Cause]) -> ForceField:
     """Instantaneous changes of velocity in place of ``causes``, with the same magnitudes."""
-    blows = []
-    for cause in causes:
-        told = cause.item.model_dump(include={"vector", "magnitude", "active_time", "region", "object"})
-        name = ConstraintType(cause.skill.prescribed_by or cause.skill.name)
-        blows.append(VelocityConstraint(constraint_type=name, **told))
-    return _put(wish, causes, *blows)
+    told = {"vector", "magnitude", "active_time", "region", "object"}
+    return _put(wish, causes, *[cause.prescribe(**cause.item.model_dump(include=told)) for cause in causes])
 
 
 def _prescribe(
@@ -164,13 +153,14 @@ def _put(wish: Wish, causes: Sequence[Cause], *constraints: VelocityConstraint) 
     return field.model_copy(update={"constraints": (*field.constraints, *constraints)})
 
 
+def _find_next(wish: Wish, end: float) -> float:
+    """Frame at which the next motion begins, or the clip's last."""
+    return min([begin for begin in wish.list_other_begins() if begin >= end - 0.5], default=wish.last)
+
+
 def _find_hold_end(wish: Wish, end: float) -> float:
     """Until when what is brought somewhere by frame ``end`` is kept there: until the next motion, if it is to stay."""
-    if not wish.expectation.stays:
-        return end
-    return max(
-        end, min([begin for begin in wish.list_other_begins() if begin >= end - 0.5], default=wish.last)
-    )
+    return max(end, _find_next(wish, end)) if wish.expectation.stays else end
 
 
 def _find_travel(
@@ -183,10 +173,9 @@ def _find_travel(
     """
     expectation, (first, end) = wish.expectation, wish.get_span(causes[:1])
     end = min(end, wish.last)
-    squeeze = expectation.kind is MotionKind.SQUEEZE
-    target = share * _find_strain(expectation, squeeze, wish.brief)
+    target = share * _find_strain(expectation, expectation.kind, wish.brief)
     target += sum(
-        share * _find_strain(each, not squeeze, wish.brief)
+        share * _find_strain(each, each.kind, wish.brief)
         for each in wish.expectations
         if each.kind in AXIAL and each.kind is not expectation.kind and not each.released
         if abs(each.window[1] - first) < 1.5 and _share_line(each, expectation)
@@ -196,22 +185,28 @@ def _find_travel(
     return magnitude, (first, until), _find_hold_end(wish, end)
 
 
-def _spread_effort(effort: float, first: float, end: float) -> tuple[float, float]:
-    """Magnitude with which an effort [magnitude times frames] takes `MOVING` of a window, and its last frame.
+def _find_pace(effort: float, first: float, end: float, share: float = MOVING) -> tuple[float, float]:
+    """Magnitude with which an effort [magnitude times frames] takes a share of a window, and its last frame.
 
     In whole frames, and as long as the largest magnitude needs.
     """
-    magnitude = clamp(effort / (MOVING * (end - first)), MAGNITUDE_MIN, MAGNITUDE_MAX)
+    magnitude = clamp(effort / (share * (end - first)), MAGNITUDE_MIN, MAGNITUDE_MAX)
     until = clamp(float(round(first + effort / magnitude)), first + 1.0, max(end, first + 1.0))
+    return magnitude, until
+
+
+def _spread_effort(effort: float, first: float, end: float, share: float = MOVING) -> tuple[float, float]:
+    """As `_find_pace`, with the magnitude that fits the whole frames."""
+    until = _find_pace(effort, first, end, share)[1]
     return round(clamp(effort / (until - first), MAGNITUDE_MIN, MAGNITUDE_MAX), 4), until
 
 
-def _find_strain(expectation: ExpectedMotion, squeeze: bool, brief: SceneBrief) -> float:
+def _find_strain(expectation: ExpectedMotion, kind: MotionKind, brief: SceneBrief) -> float:
     """By how much of its length it is to get longer or shorter."""
-    told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, brief)
+    told = expectation.amount and expect_quantity(expectation.amount, kind, brief)
     if told and told.unit == "of its length":
         return told.target
-    return expect_strain(expectation, squeeze).target
+    return expect_strain(expectation, kind is MotionKind.SQUEEZE).target
 
 
 def _find_way(wish: Wish, seconds: float) -> float:
@@ -220,7 +215,7 @@ def _find_way(wish: Wish, seconds: float) -> float:
     told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, wish.brief)
     if told and told.unit == "body lengths":
         return told.target
-    return expect_move(expectation, wish.brief.frame_count, False, seconds=seconds).target
+    return expect_move(expectation, False, seconds=seconds).target
 
 
 def _stands_on_its_end(wish: Wish, axis: Vector) -> bool:
@@ -230,14 +225,14 @@ def _stands_on_its_end(wish: Wish, axis: Vector) -> bool:
 
 
 def _share_line(one: ExpectedMotion, other: ExpectedMotion) -> bool:
-    lines = one.direction, other.direction
-    return lines[0] is not None and lines[1] is not None and abs(cosine(lines[0], lines[1])) > _VERTICAL
+    return abs(cosine(one.direction or _NO_WAY, other.direction or _NO_WAY)) > _VERTICAL
 
 
 def _find_forces(wish: Wish, keep: Callable[[Cause], bool]) -> list[Cause]:
-    """Forces of the wish's own whose work a constraint can do, of those to ``keep``."""
+    """Forces of the wish's own whose work a constraint can do, of those to ``keep``; none if none goes its way."""
     causes = find_own_causes(wish.expectation, wish.expectations, wish.force_field)
-    return [c for c in causes if c.group == "actions" and c.skill.prescribed_by and keep(c)]
+    found = [c for c in causes if c.group == "actions" and c.skill.prescribed_by and keep(c)]
+    return found if any(agrees(c, wish.expectation) for c in found) else []
 
 
 # --- rules: each gives the new force field and why, or None where a force serves -------------------------------------
@@ -252,28 +247,26 @@ def _deform(wish: Wish) -> _Replaced:
     if not causes:
         return None
     upright = _stands_on_its_end(wish, axis)
-    if (
-        expectation.kind is MotionKind.STRETCH
-    ):  # of what stands, a force stretches what rises above the lower end
-        why = "the two ends are moved apart, whatever the stiffness"
-        return None if upright else (move_ends(wish, causes), why)
     pulled = any(e.kind is MotionKind.STRETCH and _share_line(e, expectation) for e in wish.expectations)
-    if wish.get_span(causes[:1])[0] < 1 and not wish.force_field.default_drop and (not pulled or upright):
+    if expectation.kind is MotionKind.STRETCH:
+        why = "the two ends are moved apart, whatever the stiffness"
+    elif wish.get_span(causes[:1])[0] < 1 and not wish.force_field.default_drop and (not pulled or upright):
         return press_between(wish, causes), "it is pressed between plates, not pulled inwards at every point"
-    where = "as they are moved apart in turn" if pulled else "wherever it is by then"
-    return None if upright else (move_ends(wish, causes), f"the two ends are moved together, {where}")
+    else:
+        where = "as they are moved apart in turn" if pulled else "wherever it is by then"
+        why = f"the two ends are moved together, {where}"
+    # of what stands, a force stretches what rises above the lower end
+    return None if upright else (move_ends(wish, causes), why)
 
 
 def _press_part(wish: Wish) -> _Replaced:
     """A part of what stands is pressed down: the upper end of that part is moved, as a hand would."""
     expectation, brief, down = wish.expectation, wish.brief, wish.brief.directions.down
-    axis = expectation.direction
-    if expectation.kind is not MotionKind.SQUEEZE or axis is None or abs(cosine(axis, down)) < _VERTICAL:
+    vertical = abs(cosine(expectation.direction or _NO_WAY, down)) >= _VERTICAL
+    if expectation.kind is not MotionKind.SQUEEZE or not vertical or expectation.excludes_part:
         return None
     if brief.world != "ground" or "top" in (brief.anchored or "") or wish.force_field.default_drop:
         return None
-    if expectation.excludes_part:
-        return None  # all but that part
     causes = _find_forces(wish, lambda c: agrees(c, expectation))
     place = make_box(causes[0].item.region) if causes else None
     if place is None:
@@ -292,10 +285,7 @@ def _press_part(wish: Wish) -> _Replaced:
 
 def _turn_ends(wish: Wish) -> _Replaced:
     """One end turned against the other: two opposed rotations of the ends; a torque on each half would shear it."""
-    expectation = wish.expectation
-    if expectation.kind is not MotionKind.ROTATE or expectation.direction is None:
-        return None
-    other = next((e for e in wish.expectations if _is_turned_against(expectation, e)), None)
+    other = next((e for e in wish.expectations if _is_turned_against(wish.expectation, e)), None)
     if other is None:
         return None
     taken, ends = [], []
@@ -309,11 +299,9 @@ def _turn_ends(wish: Wish) -> _Replaced:
 
 
 def _is_turned_against(one: ExpectedMotion, other: ExpectedMotion) -> bool:
-    if other is one or other.kind is not MotionKind.ROTATE or not share_time(one, other):
-        return False
-    if one.part is None or other.part is None or other.direction is None or one.direction is None:
-        return False
-    return cosine(one.part, other.part) < _OPPOSED and cosine(one.direction, other.direction) < _OPPOSED
+    turns = one.kind is other.kind is MotionKind.ROTATE and other is not one and share_time(one, other)
+    pairs = (one.part, other.part), (one.direction, other.direction)
+    return turns and all(cosine(a or _NO_WAY, b or _NO_WAY) < _OPPOSED for a, b in pairs)
 
 
 def _make_turn(wish: Wish, cause: Cause) -> VelocityConstraint:
@@ -332,12 +320,9 @@ def _make_turn(wish: Wish, cause: Cause) -> VelocityConstraint:
 def _strike(wish: Wish) -> _Replaced:
     """A blow on a part, or on what is held: at once, before the rest can answer."""
     expectation, held = wish.expectation, wish.brief.anchored is not None
-    if not expectation.sudden:
-        return None
-    causes = _find_forces(
-        wish, lambda c: c.skill.is_sudden and agrees(c, expectation) and (c.item.region is not None or held)
-    )
-    if not causes:
+    blows = _find_forces(wish, lambda c: c.skill.is_sudden and agrees(c, expectation))
+    causes = [c for c in blows if c.item.region is not None or held]
+    if not expectation.sudden or not causes:
         return None
     return replace_blows(wish, causes), "the blow changes the velocity at once, before the rest can answer"
 
@@ -347,24 +332,19 @@ def _carry(wish: Wish) -> _Replaced:
 
     Only where something is to come after: what is raised and no more may be pushed up to the clip's end.
     """
-    expectation, brief = wish.expectation, wish.brief
-    way = expectation.direction
+    expectation, brief, way = wish.expectation, wish.brief, wish.expectation.direction
     if expectation.kind is not MotionKind.MOVE or way is None or cosine(way, brief.directions.up) < _VERTICAL:
         return None
     if brief.world != "ground" or brief.anchored is not None or expectation.sudden or expectation.partial:
         return None
     after = [e for e in wish.expectations if e.window[0] >= expectation.window[1] - 0.5]
-    if not (after or expectation.stays):
-        return None
     rests = any(e.kind is MotionKind.STILL and e.window[0] < expectation.window[1] + 1.5 for e in after)
     causes = _find_forces(wish, lambda c: c.pushes)
-    if not any(agrees(c, expectation) for c in causes) or any(c.item.region is not None for c in causes):
+    if not (after or expectation.stays) or not causes or any(c.item.region is not None for c in causes):
         return None
     first, end = wish.get_span(causes)
-    effort = _find_way(wish, (end - first) * brief.frame_dt) / PRESCRIBED_TRAVEL
-    effort *= find_reference_time(False, wish.last * brief.frame_dt) / brief.frame_dt
-    magnitude = clamp(effort / (MOVING * (end - first)), MAGNITUDE_MIN, MAGNITUDE_MAX)
-    until = clamp(float(round(first + effort / magnitude)), first + 1.0, end)
+    effort = _find_way(wish, (end - first) * brief.frame_dt) / PRESCRIBED_TRAVEL * wish.reference
+    magnitude, until = _find_pace(effort, first, end)
     moves = [e.window[0] for e in after if e.kind is not MotionKind.STILL]
     kept = min([*moves, wish.last]) if expectation.stays or rests else end
     hand = _prescribe(causes[0], way, magnitude, (first, until), kept)
@@ -373,37 +353,32 @@ def _carry(wish: Wish) -> _Replaced:
 
 def _set_down(wish: Wish) -> _Replaced:
     """Carry down what was carried up and goes down again without falling, as far as it was up."""
-    expectation, field, down = wish.expectation, wish.force_field, wish.brief.directions.down
+    expectation, down = wish.expectation, wish.brief.directions.down
     if expectation.kind is not MotionKind.MOVE or cosine(expectation.direction or _NO_WAY, down) < _VERTICAL:
         return None
     if expectation.sudden or expectation.partial or expectation.amount is not None:
         return None
-    carrying = [
-        index
-        for index, hand in enumerate(field.constraints)
-        if get_skill(hand).deforms == "ends" and hand.region is None and hand.active_time is not None
-        if cosine(hand.vector, down) < -_VERTICAL
-    ]
+    hands = [cause for cause in list_causes(wish.force_field) if cause.skill.deforms == "ends"]
+    whole = [hand for hand in hands if hand.item.region is None and hand.item.active_time is not None]
+    lifts = [hand for hand in whole if cosine(hand.item.vector, down) < -_VERTICAL]
     causes = _find_forces(wish, lambda c: c.pushes)
-    if not carrying or not any(agrees(c, expectation) for c in causes):
+    if not lifts or not causes:
         return None
-    first, end = wish.get_span(causes[:1])
-    lift = field.constraints[carrying[-1]]
-    begun, stopped = lift.active_time or (0.0, wish.last)
+    (first, end), (begun, stopped) = wish.get_span(causes[:1]), wish.get_span(lifts[-1:])
     moves = wish.list_other_begins()
     if stopped > first + 0.5 or any(stopped - 0.5 < begin < first + 0.5 for begin in moves):
         return None  # what moves it meanwhile needs it free
+    lift = lifts[-1].item
     magnitude, until = _spread_effort(lift.magnitude * (stopped - begun), first, end)
-    hands = list(field.constraints)
-    hands[carrying[-1]] = lift.model_copy(update={"held_until": first if first > stopped else None})
-    lifted = wish.on(field.model_copy(update={"constraints": tuple(hands)}))
+    held = lift.model_copy(update={"held_until": first if first > stopped else None})
+    lifted = replace(wish, force_field=replace_items(wish.force_field, lifts[-1:], [held]))
     lowering = _prescribe(causes[0], down, magnitude, (first, until), None)
     return _put(lifted, causes, lowering), "it is carried down again"
 
 
 def _lead(wish: Wish) -> _Replaced:
     """Lead what moves at one speed, or so far that no force in range starts and stops it in its time."""
-    expectation, brief, last = wish.expectation, wish.brief, wish.last
+    expectation, brief, way = wish.expectation, wish.brief, wish.expectation.direction
     told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, brief)
     turns = expectation.kind is MotionKind.ROTATE
     measured = told is not None and told.unit == ("degrees" if turns else "body lengths")
@@ -412,40 +387,25 @@ def _lead(wish: Wish) -> _Replaced:
     if brief.anchored is not None or expectation.sudden or expectation.partial or expectation.repeats > 1:
         return None
     others = [e for e in wish.expectations if e is not expectation and e.kind is not MotionKind.STILL]
-    if any(share_time(e, expectation) for e in others) or expectation.direction is None:
-        return None  # what is led does nothing else
     causes = _find_forces(wish, lambda c: (turns or c.pushes) and c.item.region is None)
-    if not any(agrees(c, expectation) for c in causes):
-        return None
-    first, end = wish.get_span(causes)[0], min(expectation.window[1], last)
+    if way is None or not causes or any(share_time(e, expectation) for e in others):
+        return None  # what is led does nothing else
+    first, end = wish.get_span(causes)[0], min(expectation.window[1], wish.last)
     seconds = (end - first) * brief.frame_dt
     if turns:
-        band = told if measured else expect_rotation(expectation, brief.frame_count, False, seconds=seconds)
-        assert band is not None
+        band = told if told and measured else expect_rotation(expectation, False, seconds=seconds)
         effort = math.radians(band.target) / TURN
     else:
         effort = _find_way(wish, seconds) / TRAVEL
     if not expectation.even and find_magnitude(effort, seconds, True, brief) <= MAGNITUDE_MAX:
         return None
-    frames = find_reference_time(False, last * brief.frame_dt) / brief.frame_dt
-    effort *= frames if turns else frames * TRAVEL / PRESCRIBED_TRAVEL  # magnitude times frames
-    magnitude = clamp(effort / (end - first), MAGNITUDE_MIN, MAGNITUDE_MAX)
-    until = clamp(float(round(first + effort / magnitude)), first + 1.0, end)
-    kept = min([e.window[0] for e in others if e.window[0] >= end - 0.5], default=last)
-    size = clamp(effort / (until - first), MAGNITUDE_MIN, MAGNITUDE_MAX)
-    hand = _prescribe(causes[0], expectation.direction, size, (first, until), kept)
+    effort *= wish.reference * (1.0 if turns else TRAVEL / PRESCRIBED_TRAVEL)  # magnitude times frames
+    size, until = _spread_effort(effort, first, end, share=1.0)
+    hand = _prescribe(causes[0], way, size, (first, until), _find_next(wish, end))
     reason = "at one speed" if expectation.even else "no force in range starts and stops it in that time"
     far = effort <= 1.01 * MAGNITUDE_MAX * (until - first)
     short = "" if far else ", as far as the fastest goes in that time"
     return _put(wish, causes, hand), f"{reason}, so it is led there{short}"
 
 
-_RULES: tuple[Callable[[Wish], _Replaced], ...] = (
-    _deform,
-    _press_part,
-    _turn_ends,
-    _strike,
-    _carry,
-    _set_down,
-    _lead,
-)
+_RULES = (_deform, _press_part, _turn_ends, _strike, _carry, _set_down, _lead)

@@ -10,21 +10,22 @@ import math
 from collections.abc import Iterator, Sequence
 
 from physagent_jax.agents.matching import (
+    AXIAL,
     Cause,
     agrees,
-    find_first_skill,
+    find_action_type,
     find_misfits,
     find_own_causes,
     find_strays,
     list_causes,
 )
 from physagent_jax.agents.rules import edits, kinds
-from physagent_jax.agents.rules.edits import AXIAL, Case, Change
+from physagent_jax.agents.rules.edits import Case, Change
 from physagent_jax.agents.rules.tolerances import round_window
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import clamp, cosine, norm, scale
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, TRAVEL
-from physagent_jax.forces.schema import Action, ActionType, ForceField
+from physagent_jax.forces.schema import Action, ForceField
 
 _PUSH_BACK = 1.6  # how much harder to try if the motion is contrary although the force is right
 _GENTLER = 0.6  # the factor where too much came of it and nothing says by how much
@@ -40,19 +41,16 @@ def list_remedies(case: Case) -> Iterator[Change]:
     if case.expectation.kind is MotionKind.STILL:
         yield from _calm(case)
         return
-    if _is_lacking_gravity(case):
-        yield Change(
-            case.force_field.model_copy(update={"default_drop": True}),
-            "Gravity is switched on: it should fall.",
-            "gravity_makes_it_fall",
-        )
+    falls = case.expectation.kind is MotionKind.FALL
+    if falls and case.expectation.window[0] < 1 and not case.force_field.default_drop:
+        field = case.force_field.model_copy(update={"default_drop": True})
+        yield Change(field, "Gravity is switched on: it should fall.", "gravity_makes_it_fall")
         return
     causes = find_own_causes(case.expectation, case.expectations, case.force_field)
-    if not causes and case.expectation.kind is MotionKind.FALL:
-        return
     if not causes:
-        yield from _switch_type(case)
-        yield _add(case)
+        if not falls:
+            yield from _switch_type(case)
+            yield _add(case)
         return
     yield from _aim(case, causes)
     if case.failed("return") and case.expectation.stays:
@@ -63,25 +61,23 @@ def list_remedies(case: Case) -> Iterator[Change]:
         yield edits.act_on_part(case, causes)
     if case.failed("repeats"):
         yield edits.alternate(case, causes)
-    slow = case.expectation.sudden and case.failed("order")
-    if slow and any(c.pushes for c in causes):
-        yield _strike(case, causes)
+    if case.expectation.sudden and case.failed("order") and any(c.pushes for c in causes):
+        field = _replace(case, causes, edits.make_actions(case)[:1])
+        why = f"{edits.format_names(causes)} starts too slowly: a blow in its place."
+        yield Change(field, why, "known_skills")
     yield from _change_amount(case, causes)
-
-
-def _is_lacking_gravity(case: Case) -> bool:
-    """Return whether it should fall from the start, in a world where only `default_drop` lets things fall."""
-    falls = case.expectation.kind is MotionKind.FALL and case.expectation.window[0] < 1
-    return falls and not case.force_field.default_drop
 
 
 def _aim(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
     """Direction and window: as the sentence maps them; then against what is seen."""
     expectation = case.expectation
     if expectation.kind not in _NO_AIM:
-        astray = [c for c in causes if not agrees(c, expectation) or _is_pointing_beside(case, c)]
-        if len(astray) == len(causes):
-            yield edits.point(case, astray)
+        told = None if expectation.kind in AXIAL else expectation.direction
+        if not any(
+            agrees(c, expectation) and (told is None or cosine(c.direction, told) >= edits.POINTED)
+            for c in causes
+        ):
+            yield edits.point(case, causes)
     if expectation.kind is not MotionKind.FALL:
         mistimed = [c for c in causes if edits.is_mistimed(case, c)]
         whole = expectation.kind is not MotionKind.SWAY and len(causes) == 1
@@ -92,39 +88,27 @@ def _aim(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
             yield change
 
 
-def _is_pointing_beside(case: Case, cause: Cause) -> bool:
-    """Return whether it points noticeably beside where the sentence says, though not against it."""
-    told = case.expectation.direction
-    if told is None or case.expectation.kind in AXIAL:
-        return False
-    return cosine(cause.direction, told) < edits.POINTED
-
-
 def _change_amount(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
     """More or less of the same; if too little is asked together with too much, by another kind of skill."""
     check = case.failed("amount") or case.failed("direction")
     spoilt = case.failed("collateral") or case.failed("integrity")
     if check is None and spoilt is None:
         return
-    gain = _find_gain(case, causes) if check is not None else _measure_overdone(case)
+    overdone = [c.gain for c in case.checks if c.gain is not None and 0 < c.gain < 1]
+    gain = clamp(min(overdone, default=_GENTLER), 0.3, 0.85)
+    if check is not None:
+        gain = _find_gain(case, causes, _PUSH_BACK if check.gain is None else check.gain)
     if case.failed("integrity") or (spoilt is not None and gain > 1):
         yield from _try_other_kind(case, causes, gain)
     yield from _strengthen(case, causes, gain) if gain > 1 else _weaken(case, causes, gain)
 
 
-def _measure_overdone(case: Case) -> float:
-    gains = [check.gain for check in case.checks if check.gain is not None and 0 < check.gain < 1]
-    return clamp(min(gains, default=_GENTLER), 0.3, 0.85)
-
-
-def _find_gain(case: Case, causes: Sequence[Cause]) -> float:
+def _find_gain(case: Case, causes: Sequence[Cause], gain: float) -> float:
     """The factor on the effort: proportional at first, by the secant once two rounds differ in nothing else.
 
     The secant is taken in logarithms, response = effort ** p: it keeps the sign, and between one that was too little
     and one that was too much it stays between them.
     """
-    check = case.failed("amount") or case.failed("direction")
-    gain = check.gain if check and check.gain is not None else _PUSH_BACK
     if gain <= 0:  # the fixed mapping stays: other motion must be overcome
         return _PUSH_BACK
     now = sum(edits.get_effort(cause, case.last) for cause in causes)
@@ -161,15 +145,12 @@ def _identify(cause: Cause) -> tuple:
 def _strengthen(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
     """More of the same up to the limit, then for longer, then by the other kind of skill; nothing is stacked."""
     yield edits.scale_magnitudes(case, causes, gain)
-    if any(_goes_on(cause) for cause in causes) and case.expectation.kind is not MotionKind.SWAY:
+    forces = [c.skill for c in causes if c.group == "actions"]  # which act the more the longer they do
+    lasting = any(not (skill.is_sudden or skill.is_two_sided) for skill in forces)
+    if lasting and case.expectation.kind is not MotionKind.SWAY:
         yield from edits.lengthen(case, causes, math.sqrt(gain))
     yield from _try_other_kind(case, causes, gain)
     yield edits.scale_magnitudes(case, causes, MAGNITUDE_MAX / MAGNITUDE_MIN)
-
-
-def _goes_on(cause: Cause) -> bool:
-    """Return whether it is a force that moves or turns the object the further the longer it acts."""
-    return cause.group == "actions" and not (cause.skill.is_sudden or cause.skill.is_two_sided)
 
 
 def _try_other_kind(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
@@ -200,19 +181,10 @@ def _weaken(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change
     if impulses:
         yield edits.soften(case, impulses)
     lasting = [c for c in causes if not c.skill.is_sudden and not c.skill.prescribes]
-    if (
-        lasting and case.expectation.kind is not MotionKind.SWAY
-    ):  # pushes to and fro have to follow each other
+    if lasting and case.expectation.kind is not MotionKind.SWAY:  # pushes to and fro follow each other
         why = "the weakest push is still too much"
         yield edits.shorten(case, lasting, clamp(math.sqrt(gain), 0.3, 0.9), why)
     yield edits.scale_magnitudes(case, causes, MAGNITUDE_MIN / MAGNITUDE_MAX)
-
-
-def _strike(case: Case, causes: Sequence[Cause]) -> Change:
-    """Strike what should start at once, in place of a push."""
-    field = _replace(case, causes, edits.make_actions(case)[:1])
-    why = f"{edits.format_names(causes)} starts too slowly: a blow in its place."
-    return Change(field, why, "known_skills")
 
 
 def _replace(case: Case, causes: Sequence[Cause], new: Sequence[Action]) -> ForceField:
@@ -228,19 +200,17 @@ def _switch_type(case: Case) -> Iterator[Change]:
         new, kind = edits.make_actions(case), case.expectation.kind.value
         cannot = f"{edits.format_names(wrong)} ({wrong[0].skill.name}) cannot make it {kind}"
         why = f"{cannot}: replaced by {new[0].action_type}."
-        yield Change(_choose_kind(case, _replace(case, wrong, new)), why, "known_skills")
-
-
-def _choose_kind(case: Case, field: ForceField) -> ForceField:
-    """Choose the kind of a new action by what the sentence calls for, as at first."""
-    return kinds.choose_kinds(field, [case.expectation], case.brief).force_field
+        field = kinds.choose_kinds(_replace(case, wrong, new), [case.expectation], case.brief).force_field
+        yield Change(field, why, "known_skills")
 
 
 def _add(case: Case) -> Change:
+    """A new action, of the kind that the sentence calls for."""
     new = edits.make_actions(case)
     field = case.force_field.model_copy(update={"actions": (*case.force_field.actions, *new)})
+    field = kinds.choose_kinds(field, [case.expectation], case.brief).force_field
     why = f"Nothing made it {case.expectation.kind.value}: {new[0].action_type} is added."
-    return Change(_choose_kind(case, field), why, "sentence_direction")
+    return Change(field, why, "sentence_direction")
 
 
 def _calm(case: Case) -> Iterator[Change]:
@@ -263,7 +233,7 @@ def _calm(case: Case) -> Iterator[Change]:
         return
     speed = norm(window.displacement) * case.last / (last - first)  # [body lengths per clip]
     brake = Action(
-        action_type=ActionType(find_first_skill(MotionKind.MOVE, sudden=True).name),
+        action_type=find_action_type(MotionKind.MOVE, sudden=True),
         vector=scale(window.displacement, -1.0),
         magnitude=round(clamp(speed / TRAVEL, MAGNITUDE_MIN, MAGNITUDE_MAX), 4),
         active_time=(float(first), first + 1.0),

@@ -30,12 +30,9 @@ class Kept:
     def spare(self, change: Change, before: ForceField) -> Change | None:
         """The change without what it does to these entries; None if nothing is left of it, or it cannot be divided."""
         after = change.force_field
-        restored = after.model_copy(
-            update={
-                "actions": self._restore(before.actions, after.actions),
-                "constraints": self._restore(before.constraints, after.constraints),
-            }
-        )
+        actions = self._restore(before.actions, after.actions)
+        constraints = self._restore(before.constraints, after.constraints)
+        restored = after.model_copy(update={"actions": actions, "constraints": constraints})
         present = [*restored.actions, *restored.constraints]
         missing = [item for item in self.items if item not in present]
         if missing or restored == before or self.default_drop not in (None, restored.default_drop):
@@ -53,21 +50,15 @@ class Kept:
 
 
 def find_kept(base: Round, expectations: Sequence[ExpectedMotion], failed: Collection[int]) -> Kept:
-    """The causes of the stages that a round met.
+    """The causes of the stages that a round met; ``failed`` are the indices of the motions that failed.
 
     An entry that acts for longer in the time of a failed motion that it can cause is not among them.
-
-    Args:
-        base: The round.
-        expectations: All expected motions.
-        failed: Indices of those that failed.
     """
     met = [stage for stage in base.judgement.stages if stage.verdict is StageVerdict.MET]
     motions = [expectations[i] for stage in met for i in stage.expectations if i < len(expectations)]
     field = base.force_field
-    wanted = [
-        (expectations[i], {cause.name for cause in find_causes(expectations[i], field)}) for i in failed
-    ]
+    unmet = [expectations[i] for i in failed]
+    wanted = [(motion, {cause.name for cause in find_causes(motion, field)}) for motion in unmet]
     items = {}
     for motion in motions:
         for cause in find_causes(motion, field):

@@ -60,9 +60,7 @@ def _find_verdict(checks: Sequence[Check]) -> StageVerdict:
 
 def _find_decisive(checks: Sequence[Check]) -> Check | None:
     """The check that says most about a stage: the worst that failed, else one that was not seen, else the amount."""
-    failed = [check for check in checks if check.passed is False]
+    failed = sorted((check for check in checks if check.passed is False), key=lambda check: check.score)
     unseen = [check for check in checks if check.passed is None]
     amounts = [check for check in checks if check.aspect == "amount"]
-    if failed:
-        return min(failed, key=lambda check: check.score)
-    return next(iter((*unseen, *amounts, *checks)), None)
+    return next(iter((*failed, *unseen, *amounts, *checks)), None)
