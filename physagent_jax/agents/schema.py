@@ -212,6 +212,7 @@ class SemanticReply(Strict):
         not_understood: Content words that led to nothing.
         unsure: What was not understood and would change the motion, in plain sentences: no motion can then be called
             a success.
+        materials: Words for what the object is made of, as they stand in the sentence: "jelly" in "made of jelly".
         notes: Assumptions made, in plain sentences.
     """
 
@@ -224,6 +225,7 @@ class SemanticReply(Strict):
     evidence: tuple[Evidence, ...] = ()
     not_understood: tuple[str, ...] = ()
     unsure: tuple[str, ...] = ()
+    materials: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
 
