@@ -266,4 +266,22 @@ def read_returns(mentions: list[Mention], _names: frozenset[str]) -> list[Mentio
     return result
 
 
-PASSES = (drop_others, read_corrections, mark_exceptions, read_comparisons, read_returns)
+def read_landings(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Makes a toppling of a fall on a side: "it falls on its back", "tip it onto its right side"."""
+    result = list(mentions)
+    for at in range(3, len(mentions)):
+        on, owner, side = mentions[at - 2 : at + 1]
+        way = read_sections()["lying"].get(side.phrase) if side.kind is MentionKind.PLACE else None
+        verb = next((i for i in range(at - 2, -1, -1) if mentions[i].motion is not None), None)
+        motion = get_last_motion(mentions[:at])
+        if way is None or verb is None or motion is None or owner.form not in get_set("pronouns_of_owners"):
+            continue
+        tipped = motion.effect is Effect.TOPPLE or motion.effect is Effect.LEAN and on.form == "onto"
+        if on.form in ("on", "onto") and (tipped or mentions[verb].phrase == "fall"):
+            result[verb] = replace(mentions[verb], value=LEXICON.motions["topple"], phrase="topple")
+            result[at - 2] = empty(on)
+            result[at] = replace(side, kind=MentionKind.DIRECTION, value=(way,), phrase="lying")
+    return result
+
+
+PASSES = (drop_others, read_corrections, mark_exceptions, read_comparisons, read_returns, read_landings)
