@@ -153,6 +153,9 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         return over or begins_longer_phrase(reader, used[-1])
     described = before in LEXICON.intensities and not before.endswith("ly")
     article = reader.get_text(at - 2) in ("the", "its", "a", "an")
+    counted = before in NUMBERS and text.endswith("s") and reader.tokens[at].lemma in LEXICON.causes
+    if counted:  # "three blows"
+        return True
     if text in LEXICON.causes:  # "a hard blow", "an invisible force" are nouns, "they blow" a verb
         return reader.is_after_determiner(at) or described or reader.get_text(at - 2) in ("a", "an")
     if (

@@ -73,6 +73,8 @@ def _read_side(reader: Reader, at: int, size: int, phrase: str, names: Names) ->
     part = noun.removesuffix("s") if plural else noun
     used = list(range(at, at + size + 1))
     towards = reader.get_preposition(at) in get_set("before_ways")
+    if noun == "one" and any(m.kind is MentionKind.PLACE for m in reader.mentions):  # "its left arm ..., the right one"
+        return reader.make_mention(MentionKind.PLACE, Place(names, 2 / 3), f"{phrase} side", used)
     if part in LEXICON.part_nouns:
         if towards:
             return _make_direction(reader, names, phrase, used)

@@ -128,6 +128,8 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
             if clause.join is Join.AND and before.has(Effect.STRIKE) and clause.has(Effect.TOPPLE):
                 told = before.select(*WHERE)  # "a kick topples it to the right"
                 before.modifiers += [] if told else clause.select(*WAYS)
+            if clause.join is Join.AND and before.has(Effect.STRIKE) and clause.has(Effect.PUSH):
+                clause.join = Join.THEN  # "it is thrown to the left and slides down"
             merged.append(clause)
     return merged
 
@@ -224,7 +226,8 @@ def _is_carried_off(before: Clause, clause: Clause) -> bool:
         and get_verb(before.head).direction is None
     )
     driven = pushed and not before.select(*WHERE) and bool(clause.select(*WAYS))
-    return before.has(Effect.STRIKE) or driven
+    elsewhere = before.select(MentionKind.DIRECTION) and clause.select(MentionKind.DIRECTION)
+    return before.has(Effect.STRIKE) and not elsewhere or driven
 
 
 def _is_moved_by_wind(wind: Clause, clause: Clause) -> bool:
