@@ -64,6 +64,8 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
         kind = MentionKind.CAUSE
     elif kind is MentionKind.DIRECTION and words == ("away",) and _is_way_told_behind(reader, at):
         kind, value = MentionKind.FUNCTION, None  # "flies away to the right"
+    elif kind is MentionKind.DIRECTION and words == ("right",) and _is_exactly(reader, at):
+        kind, value = MentionKind.FUNCTION, None
     elif kind is MentionKind.DIRECTION and (
         reader.get_preposition(at) == "from" or _is_crossing(reader, at) or _is_locating_cause(reader, words)
     ):
@@ -199,6 +201,15 @@ def _is_means(reader: Reader, motion: Motion, at: int) -> bool:
 
 def _is_way_told_behind(reader: Reader, at: int) -> bool:
     return reader.get_text(at + 1) == "to" and reader.get_text(at + 3) in ("left", "right")
+
+
+def _is_exactly(reader: Reader, at: int) -> bool:
+    """Return whether "right" says no way but just where a blow lands: "hit it right on the head"."""
+    return (
+        reader.is_striking()
+        and reader.get_text(at + 1) in ("on", "in")
+        and reader.is_after_determiner(at + 3)
+    )
 
 
 def _is_crossing(reader: Reader, at: int) -> bool:

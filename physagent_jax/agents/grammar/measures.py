@@ -51,7 +51,17 @@ class Words:
 _TABLES = read_sections()
 _SCALES = {word: value for word, value in LEXICON.fractions.items() if word != "half"} | _TABLES["scales"]
 _VAGUE = get_set("vague")
-_GROUPS = ("somersaults", "factors", "as_far", "dimensions", "angles", "metres", "other_units", "compared", "adjectives")
+_GROUPS = (
+    "somersaults",
+    "factors",
+    "as_far",
+    "dimensions",
+    "angles",
+    "metres",
+    "other_units",
+    "compared",
+    "adjectives",
+)
 _BEGINNINGS = {word.split()[0] for name in ("factors", "as_far") for word in _TABLES[name]} | get_set(
     "before_factors"
 )
