@@ -266,4 +266,30 @@ def read_returns(mentions: list[Mention], _names: frozenset[str]) -> list[Mentio
     return result
 
 
-PASSES = (drop_others, read_corrections, mark_exceptions, read_comparisons, read_returns)
+def read_landings(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Makes a toppling of a fall on a side: "it falls on its back", "tip it onto its right side".
+
+    How an object lies while it goes is no part that is moved: "it slides to the left on its back".
+    """
+    result = list(mentions)
+    verb: int | None = None
+    for at, side in enumerate(mentions):
+        verb = at if side.motion is not None else verb
+        way = read_sections()["lying"].get(side.phrase) if side.kind is MentionKind.PLACE else None
+        motion = mentions[verb].motion if verb is not None else None
+        if verb is None or motion is None or way is None or at < verb + 3:
+            continue
+        on, owner = mentions[at - 2 : at]
+        if on.form not in ("on", "onto") or owner.form not in get_set("pronouns_of_owners"):
+            continue
+        tipped = motion.effect is Effect.TOPPLE or motion.effect is Effect.LEAN and on.form == "onto"
+        if tipped or mentions[verb].phrase == "fall":
+            result[verb] = replace(mentions[verb], value=LEXICON.motions["topple"], phrase="topple")
+            result[at - 2] = empty(on)
+            result[at] = replace(side, kind=MentionKind.DIRECTION, value=(way,), phrase="lying")
+        elif on.form == "on" and motion.generic and way in ("away", "toward"):
+            result[at] = empty(side)
+    return result
+
+
+PASSES = (drop_others, read_corrections, mark_exceptions, read_comparisons, read_returns, read_landings)

@@ -64,6 +64,8 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
         kind = MentionKind.CAUSE
     elif kind is MentionKind.DIRECTION and words == ("away",) and _is_way_told_behind(reader, at):
         kind, value = MentionKind.FUNCTION, None  # "flies away to the right"
+    elif kind is MentionKind.DIRECTION and words == ("right",) and _is_exactly(reader, at):
+        kind, value = MentionKind.FUNCTION, None
     elif kind is MentionKind.DIRECTION and (
         reader.get_preposition(at) == "from" or _is_crossing(reader, at) or _is_locating_cause(reader, words)
     ):
@@ -153,6 +155,9 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         return over or begins_longer_phrase(reader, used[-1])
     described = before in LEXICON.intensities and not before.endswith("ly")
     article = reader.get_text(at - 2) in ("the", "its", "a", "an")
+    counted = before in NUMBERS and text.endswith("s") and reader.tokens[at].lemma in LEXICON.causes
+    if counted:  # "three blows"
+        return True
     if text in LEXICON.causes:  # "a hard blow", "an invisible force" are nouns, "they blow" a verb
         return reader.is_after_determiner(at) or described or reader.get_text(at - 2) in ("a", "an")
     if (
@@ -196,6 +201,15 @@ def _is_means(reader: Reader, motion: Motion, at: int) -> bool:
 
 def _is_way_told_behind(reader: Reader, at: int) -> bool:
     return reader.get_text(at + 1) == "to" and reader.get_text(at + 3) in ("left", "right")
+
+
+def _is_exactly(reader: Reader, at: int) -> bool:
+    """Return whether "right" says no way but just where a blow lands: "hit it right on the head"."""
+    return (
+        reader.is_striking()
+        and reader.get_text(at + 1) in ("on", "in")
+        and reader.is_after_determiner(at + 3)
+    )
 
 
 def _is_crossing(reader: Reader, at: int) -> bool:

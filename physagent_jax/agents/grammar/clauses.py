@@ -147,7 +147,13 @@ def split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]:
             segments.append((mention.value, []))
         else:
             segments[-1] = (_combine(join, mention, len(segments) == 1), inside)
-    return [segment for segment in segments if segment[1]]
+    return [(_find_earlier(join, segment), segment) for join, segment in segments if segment]
+
+
+def _find_earlier(join: Join, segment: list[Mention]) -> Join:
+    """The relation of a segment; "push it, but spin it first" spins it before."""
+    first = join is Join.BUT and bool(segment) and segment[-1].phrase == "first"
+    return Join.AFTER if first and any(m.kind is MentionKind.VERB for m in segment) else join
 
 
 def _part_list(segments: list[tuple[Join, list[Mention]]]) -> list[tuple[Join, list[Mention]]]:

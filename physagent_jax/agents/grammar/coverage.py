@@ -168,7 +168,8 @@ def _is_heading(spot: _Spot) -> bool:
 
 
 def _is_number(spot: _Spot) -> bool:
-    return not spot.word.isalpha()
+    """A number, or a sign that turns one around: "by -45 degrees"."""
+    return not spot.word.isalpha() or spot.word == "minus"
 
 
 def _is_measured(spot: _Spot) -> bool:

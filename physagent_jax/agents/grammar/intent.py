@@ -24,6 +24,7 @@ _STRENGTHS = {
     MentionKind.COMPARATIVE: LEXICON.comparatives,
 }
 _SENSES = {1: "counterclockwise", -1: "clockwise"}
+_CHOSEN = (MentionKind.VERB, MentionKind.DIRECTION, MentionKind.FROM, MentionKind.SENSE)
 _MOST_CLAUSES, _MOST_WORDS = 100, 1000  # limits of the intent
 _LONGEST, _MOST_TIMES = 200, 1_000_000
 
@@ -33,7 +34,7 @@ def make_intent(
 ) -> intent.Intent:
     """The intent of clauses, with what stands between them."""
     told = [clause for clause in clauses if clause.head is not None]
-    doubts = [doubt for clause in told for doubt in _list_doubts(clause)]
+    doubts = [doubt for clause in told for doubt in _list_doubts(clause)] + _list_choices(mentions)
     if len(told) > _MOST_CLAUSES:
         doubts.insert(0, f"Only the first {_MOST_CLAUSES} of {len(told)} motions are read.")
     return intent.Intent(
@@ -215,7 +216,21 @@ def _list_doubts(clause: Clause) -> list[str]:
         f"Which of several times ({', '.join(several)}) is meant is not understood."
         for several in (starts, lengths)
         if len(several) > 1 and not clause.negated
+    ] + [
+        f"How much '{mention.words}' each time is, is not understood."
+        for mention in clause.select(MentionKind.COMPARATIVE)
+        if not clause.inherited and any((count.count or 0) > 1 for count in find_repeats(clause))
     ]
+
+
+def _list_choices(mentions: list[Mention]) -> list[str]:
+    """Doubts about two motions or two ways of which one is meant: "push it left or lift it"."""
+    doubts = []
+    told = [m for m in mentions if m.kind is not MentionKind.FUNCTION or m.phrase == "or"]
+    for before, choice, after in zip(told, told[1:], told[2:]):
+        if choice.phrase == "or" and after.kind in _CHOSEN and before.kind in _CHOSEN:
+            doubts.append(f"Which of '{before.words}' and '{after.words}' is meant is not understood.")
+    return doubts
 
 
 def _find_held(clauses: list[Clause]) -> intent.Held | None:

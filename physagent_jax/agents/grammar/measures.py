@@ -51,7 +51,17 @@ class Words:
 _TABLES = read_sections()
 _SCALES = {word: value for word, value in LEXICON.fractions.items() if word != "half"} | _TABLES["scales"]
 _VAGUE = get_set("vague")
-_GROUPS = ("factors", "as_far", "dimensions", "angles", "metres", "other_units", "compared", "adjectives")
+_GROUPS = (
+    "somersaults",
+    "factors",
+    "as_far",
+    "dimensions",
+    "angles",
+    "metres",
+    "other_units",
+    "compared",
+    "adjectives",
+)
 _BEGINNINGS = {word.split()[0] for name in ("factors", "as_far") for word in _TABLES[name]} | get_set(
     "before_factors"
 )
@@ -136,6 +146,7 @@ def _make_quantity(
     before = words.get(at - 1)
     by = before == "by" or (before == "about" and words.get(at - 2) == "by")
     before = words.get(at - 2) if before in _TABLES["about"] else before
+    turned = words.get(at - 2) if before in get_set("pronouns") else before
     counted = number not in ("a", "an") or bool(groups.get("whole"))
     holds = {
         "": False,
@@ -147,6 +158,7 @@ def _make_quantity(
         "by": by,
         "part_by": value < 1.0 and by,
         "broken": value != round(value),
+        "turned": value < 1.0 and turned in _TABLES["turns"],
         "large": value >= _LEAST_DEGREES,
         "to": before == "to",
         "unless_to": before not in ("to", "at", "until"),

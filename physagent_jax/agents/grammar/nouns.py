@@ -13,6 +13,8 @@ from physagent_jax.agents.intent import Solid
 from physagent_jax.agents.lexicon import Effect, Names, Place
 from physagent_jax.agents.schema import SceneBrief
 
+_REACH = 12  # words before "the right one" in which the part is named
+
 
 def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
     """The words of ``sentence`` that name the object: its name and kind, or a noun for its kind, singular and plural.
@@ -73,6 +75,9 @@ def _read_side(reader: Reader, at: int, size: int, phrase: str, names: Names) ->
     part = noun.removesuffix("s") if plural else noun
     used = list(range(at, at + size + 1))
     towards = reader.get_preposition(at) in get_set("before_ways")
+    parted = any(mention.kind is MentionKind.PLACE for mention in reader.mentions[-_REACH:])
+    if noun == "one" and parted:  # "its left arm goes up, the right one down"
+        return reader.make_mention(MentionKind.PLACE, Place(names, 2 / 3), f"{phrase} side", used)
     if part in LEXICON.part_nouns:
         if towards:
             return _make_direction(reader, names, phrase, used)

@@ -32,7 +32,20 @@ def read_clauses(mentions: list[Mention]) -> list[Clause]:
         blown = clause.head is not None and get_verb(clause.head).wind and clause.select(MentionKind.FROM)
         if blown:  # "a wind from the right blows it away": off, wherever that is
             clause.modifiers = [m for m in clause.modifiers if m.phrase != "away"]
-    return _sort_clauses(_merge_results(clauses))
+    untils = [m.first for m in mentions if m.kind is MentionKind.JOIN and m.phrase == "until"]
+    return _sort_clauses(_merge_results(_turn_untils(clauses, untils)))
+
+
+def _turn_untils(clauses: list[Clause], untils: list[int]) -> list[Clause]:
+    """Puts what does not happen until something else does behind that: "it does not fall until it is pushed"."""
+    turned = list(clauses)
+    for at, (late, early) in enumerate(zip(clauses, clauses[1:])):
+        if late.verb is None or early.verb is None or not late.negated or get_verb(late.verb).generic:
+            continue
+        if any(late.verb.first < until < early.verb.first for until in untils):
+            late.negated, late.join, early.join = False, Join.THEN, late.join
+            turned[at : at + 2] = [early, late]
+    return turned
 
 
 def _inherit(clauses: list[Clause], index: int) -> None:
@@ -89,7 +102,7 @@ def _take_over(clause: Clause, before: Clause) -> None:
 def _merge_results(clauses: list[Clause]) -> list[Clause]:
     """Makes one clause of cause and effect ("pushes it so that it bends"): the effect's verb, all modifiers."""
     merged: list[Clause] = []
-    for clause in clauses:
+    for index, clause in enumerate(clauses):
         before = merged[-1] if merged else None
         acts = before is not None and before.head is not None and clause.verb is not None
         if before is None or not acts or clause.negated or before.negated or before.has(Effect.HOLD):
@@ -99,8 +112,12 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
             clause.join = _find_comma(merged, clause)
         if clause.join is Join.RESULT and before.has(Effect.STILL):
             clause.join = Join.THEN  # "nothing happens until it is hit"
+        if clause.join is Join.RESULT and _is_first_of_steps(clause, clauses[index + 1 :]):
+            clause.join = Join.THEN
         if clause.stays and not clause.modifiers and before.has(get_verb(clause.verb).effect):
             before.stays = True  # "compress it and keep it compressed"
+        elif _is_saying_size_again(before, clause):
+            _absorb(before, clause)
         elif _is_falling_over(before, clause):
             _absorb(before, clause)
         elif (
@@ -108,8 +125,27 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
         ):
             merged += _relate(before, clause)
         else:
+            if clause.join is Join.AND and before.has(Effect.STRIKE) and clause.has(Effect.TOPPLE):
+                told = before.select(*WHERE)  # "a kick topples it to the right"
+                before.modifiers += [] if told else clause.select(*WAYS)
+            if clause.join is Join.AND and before.has(Effect.STRIKE) and clause.has(Effect.PUSH):
+                clause.join = Join.THEN  # "it is thrown to the left and slides down"
             merged.append(clause)
     return merged
+
+
+def _is_saying_size_again(before: Clause, clause: Clause) -> bool:
+    """Return whether a second verb only measures the change of size: "it deflates and shrinks to half its size"."""
+    first, second = get_verb(before.head), get_verb(clause.verb)
+    alike = first.effect is second.effect in (Effect.SCALE, Effect.SWELL) and first.sign == second.sign
+    measured = bool(clause.select(MentionKind.QUANTITY)) and not before.modifiers
+    return alike and measured and clause.join is Join.AND and before.verb is not clause.verb
+
+
+def _is_first_of_steps(clause: Clause, behind: list[Clause]) -> bool:
+    """Return whether what follows repeats its verb: "it sways: its top goes left, then right, and back"."""
+    repeated = bool(behind) and behind[0].inherited and behind[0].verb is clause.verb
+    return repeated and get_verb(clause.verb).generic
 
 
 def _find_comma(merged: list[Clause], clause: Clause) -> Join:
@@ -190,7 +226,8 @@ def _is_carried_off(before: Clause, clause: Clause) -> bool:
         and get_verb(before.head).direction is None
     )
     driven = pushed and not before.select(*WHERE) and bool(clause.select(*WAYS))
-    return before.has(Effect.STRIKE) or driven
+    elsewhere = before.select(MentionKind.DIRECTION) and clause.select(MentionKind.DIRECTION)
+    return before.has(Effect.STRIKE) and not elsewhere or driven
 
 
 def _is_moved_by_wind(wind: Clause, clause: Clause) -> bool:
