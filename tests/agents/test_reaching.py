@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from physagent_jax.agents.rules.kinds import MEAN_OF_ENDS, SLAB, choose_kinds
-from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL, TURN
+from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY, PRESCRIBED_TRAVEL, TURN
 from physagent_jax.forces.schema import ActionType, ConstraintType
 from tests.agents.scenes import brief, read
 from tests.agents.tellings import ground
@@ -195,6 +195,28 @@ def test_what_stands_behind_a_colon_measures_what_stands_before():
     up, down = reply.expectations
     assert (up.direction, down.direction, reply.unsure) == (UP, (0, 0, -1), ())
     assert (up.part, down.part) == (UP, (0, 0, -1)) and up.amount.value + down.amount.value == 40
+
+
+def test_a_thing_that_lands_aside_is_thrown_there():
+    """From half its length it falls for sqrt(2 h / g); a blow of M is M body lengths per clip."""
+    prompt = (
+        "drop it from half its length; as it reaches the ground it is 0.4 of its length farther to the right"
+    )
+    reply, field, last = planned(prompt, size=0.8)
+    (blow,) = field.actions
+    seconds = math.sqrt(2 * DROP_HEIGHT * 0.8 / GRAVITY)
+    assert (
+        field.default_drop
+        and not reply.unsure
+        and (blow.action_type, blow.vector)
+        == (
+            ActionType.IMPULSE,
+            RIGHT,
+        )
+    )
+    assert blow.magnitude * seconds / (last * 0.04) == pytest.approx(0.4, rel=1e-3)
+    move = next(e for e in reply.expectations if e.direction == RIGHT)
+    assert move.window == (0, round(seconds / 0.04)) and move.amount.value == 0.4
 
 
 def test_a_throw_on_the_ground_rises_by_its_magnitude():

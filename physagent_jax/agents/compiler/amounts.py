@@ -25,6 +25,9 @@ _SCALES = (Effect.SCALE, Effect.SWELL)
 _UNITS = {"lengths": _TRAVELS, "metres": _TRAVELS, "degrees": _TURNS}
 _SPUN = (Effect.TURN, Effect.LEAN, Effect.ROLL)  # turned by a torque
 
+_SAME_HEIGHT = 0.1
+"""[body lengths] by which a height may differ from the one that everything is dropped from."""
+
 _STRAIN_PER_M = 0.2
 """[1] that a stretch or squeeze shows for M = 1: between the linear 0.15 and what soft solids do at full strength."""
 
@@ -36,11 +39,13 @@ class Target(NamedTuple):
         amount: The target.
         names: The axis that it names; empty = none.
         everywhere: Whether all dimensions change.
+        usual: Whether the quantity is what the motion has by itself: there is nothing to aim at.
     """
 
     amount: Amount | None = None
     names: Names = ()
     everywhere: bool = False
+    usual: bool = False
 
 
 def find_target(quantity: Quantity, motion: Motion, before: Amount | None) -> Target:
@@ -52,6 +57,8 @@ def find_target(quantity: Quantity, motion: Motion, before: Amount | None) -> Ta
         return Target()
     if effect in _UNITS.get(unit, ()):
         return Target(Amount.model_validate({"value": value, "unit": unit}))
+    if effect is Effect.FALL and (unit == "lengths" or unit == "share" and quantity.dimension == "length"):
+        return Target(usual=abs(value - calibration.DROP_HEIGHT) <= _SAME_HEIGHT)
     if unit != "share" or quantity.dimension in ("far", "volume"):
         return Target()
     becomes = quantity.relation in ("to", "is")  # "pull it to twice its length", "until it is half as tall"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from physagent_jax.agents.compiler.amounts import find_effort, find_held_magnitude
@@ -18,7 +19,7 @@ from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import add, dot, normalise, scale
 from physagent_jax.agents.windows import divide
-from physagent_jax.forces.calibration import MAGNITUDE_MAX
+from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY, MAGNITUDE_MAX
 from physagent_jax.forces.schema import ActionType
 
 _RAISING = (Effect.STRIKE, Effect.JUMP)
@@ -85,10 +86,24 @@ def compile_fall(task: Task) -> None:
         task.expect(MotionKind.FALL, up, task.window)
         return
     _let_fall(task)
-    task.expect(MotionKind.FALL, None, task.window)
-    if event.direction is not None and abs(dot(event.direction, up)) < _UPRIGHT:
+    if event.direction is None or abs(dot(event.direction, up)) >= _UPRIGHT:
+        task.expect(MotionKind.FALL, None, task.window)
+    elif task.builder.default_drop and (effort := find_effort(event.amount, Effect.PUSH, task.brief)):
+        task.expect(MotionKind.FALL, None, task.window, amount=None)  # the quantity is that of the way aside
+        _throw_aside(task, effort)
+    else:
+        task.expect(MotionKind.FALL, None, task.window)
         task.act(ActionType.TRANSLATION, event.direction, event.strength, task.window)
         task.expect(MotionKind.MOVE, event.direction, task.window)
+
+
+def _throw_aside(task: Task, effort: float) -> None:
+    """Adds the blow by which a falling object lands so far aside: it falls for sqrt(2 h / g)."""
+    brief, (first, last), way = task.brief, task.window, task.direction
+    seconds = math.sqrt(2.0 * DROP_HEIGHT * brief.size / GRAVITY)
+    strength = effort * find_reference_seconds(brief) / seconds
+    task.act(ActionType.IMPULSE, way, strength, make_impulse_window(first))
+    task.expect(MotionKind.MOVE, way, (first, min(first + seconds / brief.frame_dt, last)))
 
 
 def _let_fall(task: Task) -> None:

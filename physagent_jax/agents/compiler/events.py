@@ -164,6 +164,12 @@ class Event:
         return any(way.names == ("up",) for way in self.pick(WayKind.TO))
 
     @property
+    def lands_aside(self) -> bool:
+        """Return whether it tells where something comes down: "as it reaches the ground it is farther to the right"."""
+        lands = self.verb is not None and self.verb.lands and not self.clause.negated
+        return lands and any(way.names not in (("up",), ("down",)) for way in self.pick(WayKind.TO))
+
+    @property
     def is_in_wind(self) -> bool:
         """Return whether a wind does it."""
         return any(each is not None and each.wind for each in (self.cause, self.verb))

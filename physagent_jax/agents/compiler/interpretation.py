@@ -180,11 +180,13 @@ def _take_over_direction(event: Event, before: Event) -> None:
 
 def _find_quantities(event: Event, before: Event | None, brief: SceneBrief) -> None:
     """The target that the clause's quantities set, its axis, and what they say that cannot be used."""
-    motion = event.motion
+    motion = replace(event.motion, effect=Effect.PUSH) if event.lands_aside else event.motion
     for quantity in event.clause.quantities:
         if quantity.dimension == "strength":
             continue
         found = find_target(quantity, motion, before.amount if before else None)
+        if found.usual:
+            continue
         if found.amount is None or event.amount is not None:
             words = quantity.text or f"{quantity.value:g} {quantity.unit}"
             event.doubts.append(f"'{words}' is a quantity that nothing here is measured in.")

@@ -42,8 +42,15 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     interpret(event, _find_measure(events, event), builder.brief)
     _measure_return(event, events)
     event = _put_under_gravity(event, builder.gravity)
-    if events and events[-1].effect is Effect.FALL and event.effect is Effect.FALL and event.is_bare:
-        return  # "it drops and bounces"
+    if events and events[-1].effect is Effect.FALL and event.effect is Effect.FALL:
+        last = events[-1]
+        if event.is_bare:
+            return  # "it drops and bounces"
+        if event.lands_aside and last.direction is None:
+            last.direction, last.amount = event.direction, event.amount
+            last.doubts += event.doubts
+            last.sources |= event.sources
+            return  # "drop it; as it reaches the ground it is farther to the right"
     if event.effect is Effect.FALL and builder.gravity is None and event.is_upwards:
         builder.gravity = "up"  # "it falls upwards"
     events.append(event)

@@ -15,7 +15,6 @@ from physagent_jax.agents.llm.base import Messages, ModelError, Schema, import_p
 from physagent_jax.agents.llm.completions import format_message, format_schema
 from physagent_jax.agents.llm.in_process import FileModel, FileOptions
 from physagent_jax.core.reading import check_regular, shorten
-from physagent_jax.kernels.threads import core_count
 
 _LARGEST_FILE = 2**41  # bytes
 
@@ -100,5 +99,7 @@ def _join(chunks: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 def count_free_cores() -> int:
     """Cores of this process that nothing else uses, by the load of the last minute; at least 1."""
+    from physagent_jax.kernels.threads import core_count  # brings jax
+
     load = os.getloadavg()[0] if hasattr(os, "getloadavg") else 0.0
     return max(1, round(core_count() - load))

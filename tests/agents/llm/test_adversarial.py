@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("openai", reason="the extra `llm` is not installed")
 
 from benchmarks.agents.adversarial import measure_kind
-from benchmarks.agents.markdown import write_tables
+from benchmarks.agents.markdown import condense, write_tables
 from benchmarks.agents.replies import KEY, list_kinds
 from benchmarks.agents.roles import ROLES
 from benchmarks.agents.server import complete
@@ -36,9 +36,10 @@ def test_replies_end_as_they_have_to(start):
 
 def test_rows_become_tables():
     rows = [measure_kind(BY_NAME[name], ROLES[1], 0) for name in ("right", "empty")]
-    text = write_tables({"adversarial": {"runs": [], "complete": True, "rows": rows}})["adversarial"]
+    section = {"runs": [], "complete": True, "rows": rows}
+    text = write_tables(condense({"adversarial": section}))["adversarial"]
     assert "2 replies of 2 kinds; 2 of them end as they have to" in text
-    assert "| empty |  | 1 |  | 3 |" in text
+    assert "| answered | 1 | right |" in text and "| refused | 1 | empty |" in text
 
 
 def spoil(kind, **changes):
