@@ -78,6 +78,8 @@ class ConsoleObserver(Observer):
         """Print what was assumed, and the words that led to nothing, while the run can still be stopped."""
         for note in reply.notes:
             stderr.print(f"  assumed: {_escape(note)}")
+        if reply.ignored:
+            stderr.print(f"  ignored: {_escape(', '.join(reply.ignored))}")
         if reply.not_understood:
             stderr.print(f"  [yellow]not understood:[/] {_escape(describe_unknown(reply))}")
         for doubt in reply.unsure:

@@ -118,6 +118,7 @@ def to_json(reply: SemanticReply, brief: SceneBrief) -> dict:
         "seconds": round((brief.frame_count - 1) * brief.frame_dt, 6),
         "materials": list(reply.materials),
         "assumptions": list(reply.notes),
+        "ignored": list(reply.ignored),
         "not_understood": list(reply.not_understood),
         "unsure": list(reply.unsure),
         "directions": brief.directions.model_dump(mode="json"),
@@ -152,6 +153,8 @@ def describe_plan(reply: SemanticReply, brief: SceneBrief, reading: str = "") ->
     lines.append(f"held: {brief.anchored or 'nowhere'}")
     lines.append(f"clip: {brief.frame_count} frames, {(brief.frame_count - 1) * frame_dt:.3g} s")
     lines += [f"assumed: {note}" for note in reply.notes]
+    if reply.ignored:
+        lines.append(f"ignored: {', '.join(reply.ignored)}")
     if reply.not_understood:
         lines.append(f"not understood: {describe_unknown(reply)}")
     return lines + [f"unsure, so that nothing is called a success: {doubt}" for doubt in reply.unsure]

@@ -197,6 +197,7 @@ def summarise(store, seconds: float) -> dict:
         "iterations": manifest.iterations,
         "stopped": manifest.stopped,
         "assumptions": understood.notes,
+        "ignored": understood.ignored,
         "not_understood": understood.not_understood,
         "unsure": understood.unsure,
         "frames": len(best.kinetic_energy),

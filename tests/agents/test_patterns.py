@@ -115,6 +115,7 @@ def test_the_nearest_known_motions_are_named():
         ("the robot spins in the orchard", "orchard"),
         ("the robot spins, volumetric fog, award winning", "volumetric"),
         ("a blacksmith hits the robot from the left", "blacksmith"),
+        ("the robot leans left, golden hour, 35mm", "35mm"),
     ],
 )
 def test_looks_scenery_and_whoever_acts_are_ignored(text, word):

@@ -58,7 +58,7 @@ COUNTS = {
     "development/eighth": 240, "development/ninth": 239, "adversarial/maintainers": 185,
 }  # fmt: skip
 SHARES = {"first": 3, "second": 2, "fourth": 2, "fifth": 2, "seventh": 2}
-"""Of authors some of whose sentences are held back: one in so many."""
+"""Authors some of whose sentences are held back: one in so many."""
 
 
 def test_the_corpus_is_whole_and_its_splits_are_as_they_were_drawn():

@@ -115,8 +115,7 @@ def sort_words(mentions: list[Mention], names: frozenset[str], brief: SceneBrief
 def _list_spots(mentions: list[Mention], names: frozenset[str]) -> Iterator[_Spot]:
     """The places of words that are not understood."""
     motion: Motion | None = None
-    moves = any(mention.kind in MOTIONS for mention in mentions)
-    captions = moves and any(m.kind is MentionKind.UNKNOWN and is_look(m.phrase) for m in mentions)
+    captions = _is_caption(mentions)
     for begin, end in list_segments(mentions):
         for index in range(begin, end):
             mention = mentions[index]
@@ -127,6 +126,30 @@ def _list_spots(mentions: list[Mention], names: frozenset[str]) -> Iterator[_Spo
             if strange or mention.kind is MentionKind.FUNCTION and mention.phrase in get_set("particles"):
                 reach = max(begin, index - _REACH), min(end, index + _REACH)
                 yield _Spot(mentions, names, index, *reach, motion, captions)
+
+
+def _is_caption(mentions: list[Mention]) -> bool:
+    """Return whether a motion stands among words of looks."""
+    moves = any(mention.kind in MOTIONS for mention in mentions)
+    looks = (
+        m.kind is MentionKind.IGNORED or m.kind is MentionKind.UNKNOWN and is_look(m.phrase) for m in mentions
+    )
+    return moves and any(looks)
+
+
+def ignore_captions(mentions: list[Mention]) -> list[Mention]:
+    """The mentions with numbers ignored that a caption tells by themselves: ", golden hour, 35mm,"."""
+    if not _is_caption(mentions):
+        return mentions
+    result = list(mentions)
+    for begin, end in list_segments(mentions):
+        kinds = {mention.kind for mention in mentions[begin:end]}
+        if kinds <= {MentionKind.QUANTITY, MentionKind.UNKNOWN}:
+            for at in range(begin, end):
+                if mentions[at].kind is MentionKind.QUANTITY:
+                    words = mentions[at].words
+                    result[at] = Mention(MentionKind.IGNORED, None, words, words, mentions[at].first, words)
+    return result
 
 
 def is_mostly_unknown(mentions: list[Mention], coverage: Coverage) -> bool:

@@ -9,7 +9,7 @@ from physagent_jax.agents.compiler import compile_forces, compile_intent
 from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.grammar.asides import OTHER
 from physagent_jax.agents.grammar.clauses import Clause, mark_displacements
-from physagent_jax.agents.grammar.coverage import Coverage, is_mostly_unknown, sort_words
+from physagent_jax.agents.grammar.coverage import Coverage, ignore_captions, is_mostly_unknown, sort_words
 from physagent_jax.agents.grammar.intent import make_intent
 from physagent_jax.agents.grammar.mentions import WAYS, Mention, MentionKind
 from physagent_jax.agents.grammar.nouns import collect_names
@@ -57,7 +57,7 @@ def read_intent(prompt: str, brief: SceneBrief) -> Intent:
     _check_text(prompt)
     materials = find_materials(prompt, brief)
     names, text = collect_names(prompt, brief), mask_materials(prompt, materials)
-    mentions = read_mentions(text, names)
+    mentions = ignore_captions(read_mentions(text, names))
     coverage = sort_words(mentions, names, brief)
     if is_mostly_unknown(mentions, coverage):
         raise UserError(
