@@ -1,11 +1,14 @@
 """Check the writing law of CONTRIBUTING.md as far as a script can: docstring heads, descriptions, commit subjects.
 
+Docstrings are those of modules, classes and functions, and the texts that follow an attribute or a constant.
+
 Prints one line per fault and exits with 1 if there is any.
 """
 
 from __future__ import annotations
 
 import ast
+import itertools
 import re
 import subprocess
 import sys
@@ -18,6 +21,8 @@ LONGEST_SUBJECT = 72
 
 _HEAD = re.compile(r"(What|Who|Whose|How|Which|Where|When|Why|Whether)\b")
 _GENITIVE = re.compile(r"\s+[\w, *]+: (Of |Likewise\b)")
+_BARE_GENITIVE = re.compile(r"(Of |Likewise\b)")
+_DOCUMENTED = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
 
 
 def find_docstring_faults(source: str) -> Iterator[tuple[int, str]]:
@@ -27,18 +32,31 @@ def find_docstring_faults(source: str) -> Iterator[tuple[int, str]]:
         source: Text of a Python module.
     """
     for node in ast.walk(ast.parse(source)):
-        if not isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+        if isinstance(node, _DOCUMENTED) and (text := ast.get_docstring(node)):
+            line = getattr(node, "lineno", 1)
+            lines = text.splitlines()
+            if _HEAD.match(lines[0]):
+                yield line, f"the head does not name the thing: {lines[0]!r}"
+            for each in lines:
+                if _GENITIVE.match(each):
+                    yield line, f"the description is no whole noun phrase: {each.strip()!r}"
+        for line, text in _list_attribute_docstrings(node):
+            head = text.strip().partition("\n")[0]
+            if _HEAD.match(head):
+                yield line, f"the head does not name the thing: {head!r}"
+            if _BARE_GENITIVE.match(head):
+                yield line, f"the description is no whole noun phrase: {head!r}"
+
+
+def _list_attribute_docstrings(node: ast.AST) -> Iterator[tuple[int, str]]:
+    """Yield (line, text) of the strings that follow an assignment in a module's or a class's body."""
+    if not isinstance(node, ast.Module | ast.ClassDef):
+        return
+    for assignment, after in itertools.pairwise(node.body):
+        if not isinstance(assignment, ast.Assign | ast.AnnAssign) or not isinstance(after, ast.Expr):
             continue
-        text = ast.get_docstring(node)
-        if not text:
-            continue
-        line = getattr(node, "lineno", 1)
-        lines = text.splitlines()
-        if _HEAD.match(lines[0]):
-            yield line, f"the head does not name the thing: {lines[0]!r}"
-        for each in lines:
-            if _GENITIVE.match(each):
-                yield line, f"the description is no whole noun phrase: {each.strip()!r}"
+        if isinstance(after.value, ast.Constant) and isinstance(after.value.value, str):
+            yield after.lineno, after.value.value
 
 
 def find_subject_faults(subjects: list[str]) -> Iterator[str]:

@@ -22,7 +22,8 @@ from baselines.tasks import Task
 from baselines.truncation import WHOLE, Truncation
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.parameters import ForceFieldParameters
-from physagent_jax.forces.schema import Action, ActionType, ForceField
+from physagent_jax.forces.schema import Action, ForceField
+from physagent_jax.forces.skills import get_skill
 
 GRADIENT_COST = 4.3
 """[forward-equivalents] of a value with its gradient, for clips whose states fit into memory, as the tasks' do.
@@ -205,8 +206,7 @@ class Evaluator:
         columns: list[np.ndarray] = []
         for row, item in enumerate(unknowns.entries):
             first, last = row * unknowns.stride, (row + 1) * unknowns.stride
-            turns = unknowns.directions and isinstance(item, Action)
-            if turns and item.action_type is ActionType.SCALE:
+            if unknowns.directions and isinstance(item, Action) and get_skill(item).is_two_sided:
                 columns += self._turn(unknowns, rollout, u, first, score)
                 first += 3
             columns += [self._difference(unknowns, rollout, u, index, score) for index in range(first, last)]
@@ -326,7 +326,7 @@ class Evaluator:
         """The gradient with differences for what turns a `scale`; what reverse mode says along it is kept."""
         slopes = list(gradient.actions)
         for index, action in enumerate(force_field.actions):
-            if action.action_type is not ActionType.SCALE:
+            if not get_skill(action).is_two_sided:
                 continue
             along = np.asarray(action.vector)
             slope = (np.asarray(slopes[index].vector, float) @ along) * along

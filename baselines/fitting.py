@@ -14,7 +14,8 @@ from baselines.evaluation import Evaluator
 from baselines.responses import Responses, Structure, make_field
 from baselines.superposition import HEADER, Base
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.schema import Action, ActionType, ForceField
+from physagent_jax.forces.schema import Action, ForceField
+from physagent_jax.forces.skills import get_skill
 from physagent_jax.metrics.targets import Integrity, Target
 from physagent_jax.metrics.task_judge import compute_residuals
 
@@ -111,8 +112,8 @@ class Fitter:
                 if (skill, slot.place) not in self.responses.steps:
                     continue
                 bank[row, place] = self.responses.superpose(skill, slot)
-                free[row, place] = place >= len(old) or skill is not ActionType.SCALE
-                axial[row, place] = place >= len(old) and skill is ActionType.SCALE
+                free[row, place] = place >= len(old) or not skill.skill.is_two_sided
+                axial[row, place] = place >= len(old) and skill.skill.is_two_sided
         if begun is not None:
             known[:, : len(old)] = begun.numbers.reshape(-1, 3)
         new = np.arange(size)[:, None] >= len(old)
@@ -132,7 +133,7 @@ class Fitter:
         count = len(begun.structure)
         more = make_field(structure, u[count : count + len(structure)], False, frames)
         kept = [
-            item if item.action_type is ActionType.SCALE else _set_number(item, v)
+            item if get_skill(item).is_two_sided else _set_number(item, v)
             for item, v in zip(begun.field.actions, u)
         ]
         update = dict(

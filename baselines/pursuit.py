@@ -25,10 +25,10 @@ from physagent_jax.metrics.targets import Path
 from physagent_jax.metrics.task_judge import compute_residuals
 
 ROUNDS = 1.0
-"""How often the first searches may have their cost before the best goes on alone: the rest is for what comes after."""
+"""Multiple of their cost that the first searches may have before the best goes on alone."""
 
 PROMISE = 0.7
-"""Of the loss: an action that would leave more is not added."""
+"""Share of the loss; an action that would leave more is not added."""
 
 TRIED = 3
 """Additions that are tried at once, of different kinds, places or axes."""
@@ -37,25 +37,25 @@ MOST = 6
 """Actions."""
 
 BROKEN = 2.0
-"""Of the loss before: with more, an addition is not gone on with."""
+"""Multiple of the loss before; an addition that leaves more is given up."""
 
 NEARLY = 1.5
 """Residual up to which the worst clause is made to count more."""
 
 POWER = 3
-"""By which it counts (`misses.sharpen`)."""
+"""Power by which it counts (`misses.sharpen`)."""
 
 FOLLOWED = 0.05
 """Loss, in place of `GOOD`, at which stored paths are followed everywhere: their residual is a mean over frames."""
 
 WORTH = 0.9
-"""Of the loss: what leaves more has not gained enough to be gone on with at once, or to be looked at again."""
+"""Share of the loss; what leaves more has not gained enough to be gone on with at once, or to be looked at again."""
 
 PATIENCE = 3
 """Steps in which as much has to be gained."""
 
 PART = 0.35
-"""Of what is left of the budget that a search may spend before others have their turn."""
+"""Share of the remaining budget that a search may spend before others have their turn."""
 
 
 def pursue(

@@ -9,7 +9,8 @@ import numpy as np
 from baselines.tasks import Task
 from physagent_jax.forces.calibration import MAGNITUDE_MAX
 from physagent_jax.forces.parameters import ForceFieldParameters
-from physagent_jax.forces.schema import Action, ActionType, ForceField, VelocityConstraint
+from physagent_jax.forces.schema import Action, ForceField, VelocityConstraint
+from physagent_jax.forces.skills import get_skill
 from physagent_jax.metrics.identifiability import Identifiability, find_identifiability
 from physagent_jax.metrics.recovery import Force, RecoveryErrors, compare_forces
 from physagent_jax.metrics.task_judge import compute_residuals
@@ -33,13 +34,13 @@ def _list_forces(field: ForceField, frame_count: int) -> list[Force]:
 
 
 def _read_force(entry: Action | VelocityConstraint, frame_count: int) -> Force:
-    kind = entry.action_type if isinstance(entry, Action) else entry.constraint_type
+    skill = get_skill(entry)
     x, y, z = (entry.magnitude * c for c in entry.vector)
     return Force(
-        kind=kind.value,
+        kind=skill.name,
         vector=(x, y, z),
         window=entry.active_time or (0.0, float(frame_count - 1)),
-        axial=kind is ActionType.SCALE,
+        axial=skill.is_two_sided,
         magnitude=entry.magnitude,
     )
 
@@ -60,7 +61,7 @@ def measure_identifiability(task: Task, force_field: ForceField) -> Identifiabil
             step = STEP * np.eye(3)[axis]
             above, below = (_find_residuals(task, force_field, index, sign * step) for sign in (1, -1))
             columns.append((above - below) / (2 * STEP))
-            names.append(f"actions[{index}] {action.action_type.value} {'xyz'[axis]}")
+            names.append(f"actions[{index}] {action.action_type} {'xyz'[axis]}")
     return find_identifiability(np.stack(columns, 1), names, np.full(len(names), MAGNITUDE_MAX))
 
 

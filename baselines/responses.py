@@ -25,24 +25,30 @@ from physagent_jax.forces.schema import (
     Region,
     VelocityConstraint,
 )
+from physagent_jax.forces.skills import list_skills
 from physagent_jax.metrics.targets import Stretch, Turn
 from physagent_jax.metrics.task_judge import compute_residuals
 
-SKILLS = (ActionType.TRANSLATION, ActionType.IMPULSE, ActionType.SCALE, ActionType.TORQUE)
-"""Of equals the first is preferred."""
+_SUPERPOSED = [skill for skill in list_skills("actions") if skill.superposes]
 
-WRING = ConstraintType.PARTICLE_ROTATION
+SKILLS = tuple(ActionType(s.name) for s in sorted(_SUPERPOSED, key=lambda s: s.is_axis or s.is_two_sided))
+"""Skills whose response in any window follows from one simulation; among equals the first is preferred."""
+
+WRING = ConstraintType("enforce_particle_rotation")
 """Two ends turned against each other and held so: what no torque does to a body that springs back. Prescribed motions
 do not add up, so that both ends are one response."""
 
-END_SKILLS = (ActionType.TRANSLATION, ActionType.IMPULSE, ActionType.TORQUE)
-"""Of an end; a stretch too where the target speaks of its length."""
+END_SKILLS = tuple(skill for skill in SKILLS if not skill.skill.is_two_sided)
+"""Skills of an end; those with two sides too where the target speaks of its length."""
+
+SIDED_SKILLS = tuple(skill for skill in SKILLS if skill.skill.is_two_sided)
+"""A stretch or squeeze along an axis."""
 
 STRENGTH = MAGNITUDE_MIN
 """[|M|] of what is simulated: weak, to be in proportion; what is pulled hard tears, and says nothing of what holds."""
 
 SHARE = 0.4
-"""Of the budget that responses may cost; regions that would cost more are left out."""
+"""Share of the budget that responses may cost; regions that would cost more are left out."""
 
 BLOW_LENGTH = 2
 """[frames] of a blow."""
@@ -51,11 +57,13 @@ CLOSEST = 3
 """[frames] by which two changes are apart, at least."""
 
 PARTICLES = 120
-"""Of which the superposed paths are made, about."""
+"""Particles of the superposed paths, about."""
 
 CLEARLY = 0.9
-"""Of the loss at rest: a fall that leaves more is none of what is asked for. What falls comes to touch the ground, and
-answers to every skill in another way."""
+"""Share of the loss at rest; a fall that leaves more is none of what is asked for.
+
+An object that falls comes to touch the ground, and answers to every skill in another way.
+"""
 
 SHORTER = 4
 """Part of the clip for which a skill acts whose response failed: less strength the library does not have."""
@@ -112,7 +120,7 @@ class Responses:
         """The response to a skill in a slot, shape (3, T, 2 + n, 3)."""
         step = self.steps[skill, slot.place]
         begun = _delay(step, slot.first)
-        if skill in (ActionType.IMPULSE, WRING) or slot.last >= step.shape[1] - 1:
+        if skill.skill.is_sudden or skill is WRING or slot.last >= step.shape[1] - 1:
             return begun
         return begun - _delay(step, slot.last)
 
@@ -172,7 +180,7 @@ def _respond(evaluator: Evaluator, skill: Skill, slot: Slot, axis: np.ndarray) -
 
 def _adds_up(skill: Skill) -> bool:
     """Return whether acting for longer is acting for a short time again and again."""
-    return skill in (ActionType.TRANSLATION, ActionType.TORQUE)
+    return skill.skill.group == "actions" and skill.skill.is_memoryless
 
 
 def _prolong(added: np.ndarray, short: int) -> np.ndarray:
@@ -200,7 +208,7 @@ def list_places(evaluator: Evaluator) -> list[tuple[Slot, Sequence[Skill]]]:
         make_end(each.part) for each in clauses if isinstance(each, Stretch) and each.part is not None
     ]
     for region in regions:
-        more = (ActionType.SCALE,) if region in stretched else ()
+        more = SIDED_SKILLS if region in stretched else ()
         places[Slot(0, end, region)] = (*END_SKILLS, *more)
     return list(places.items())
 
@@ -225,7 +233,7 @@ def list_changes(evaluator: Evaluator) -> list[int]:
 
 def fit_slot(skill: Skill, slot: Slot, evaluator: Evaluator) -> Slot:
     """The slot; a blow's is at its beginning, and ends are turned until the first change."""
-    if skill is ActionType.IMPULSE:
+    if skill.skill.is_sudden:
         return dataclasses.replace(slot, last=min(slot.first + BLOW_LENGTH, slot.last))
     if skill is WRING:
         return dataclasses.replace(slot, first=0, last=list_changes(evaluator)[0])
@@ -239,7 +247,7 @@ def make_field(structure: Structure, u: np.ndarray, drop: bool, frame_count: int
         size = float(np.linalg.norm(vector))
         way = vector / size if size > 1e-6 else np.array([1.0, 0.0, 0.0])
         size = min(max(size, MAGNITUDE_MIN), MAGNITUDE_MAX)
-        if skill is ActionType.SCALE and way[np.argmax(np.abs(way))] < 0:
+        if skill.skill.is_two_sided and way[np.argmax(np.abs(way))] < 0:
             way, size = -way, -size  # a squeeze
         x, y, z = way.tolist()
         window = None if (slot.first, slot.last) == (0, end) else (float(slot.first), float(slot.last))

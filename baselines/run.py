@@ -45,15 +45,15 @@ class Command:
     seconds: float | None = None
     """Wall time that may be spent [s]."""
     seed: int = 0
-    """Of everything random."""
+    """Seed of everything random."""
     options: tuple[str, ...] = ()
-    """Of the method, as name=value."""
+    """Options of the method, as name=value."""
     tasks: Path = TASKS
     """Folder of tasks."""
     data: Path | None = None
     """Folder of captured objects, for the tasks on these."""
     material: str = OWN
-    """What the object is made of: own, implied (by its kind), softer, stiffer, omniphysgs, a named material, a
+    """Material of the object: own, implied (by its kind), softer, stiffer, omniphysgs, a named material, a
     constitutive model, or a JSON object of fields."""
     out: Path | None = None
     """Run folder; default: runs/<method>_<task>."""

@@ -20,18 +20,17 @@ from baselines.structures import find_starts
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import Action, ActionType, ForceField
+from physagent_jax.forces.skills import list_skills
 
 Types = Literal["task", "enumerated", "responses", "agent", "expert"]
 Numbers = Literal["task", "random", "responses", "agent", "expert"]
 
-KINDS = (
-    (ActionType.TRANSLATION, 1.0),
-    (ActionType.SCALE, 1.0),
-    (ActionType.SCALE, -1.0),
-    (ActionType.IMPULSE, 1.0),
-    (ActionType.TORQUE, 1.0),
+KINDS = tuple(
+    (ActionType(skill.name), sign)
+    for skill in list_skills("actions")
+    for sign in ((1.0, -1.0) if skill.is_two_sided else (1.0,))
 )
-"""What an action can be: the skills, a stretch and a squeeze apart, for no vector turns one into the other."""
+"""Skills of an action; a stretch and a squeeze are two, for no vector turns one into the other."""
 
 BLOW = (0.0, 2.0)
 """[frames] of a blow whose window nobody has said: short, and at once."""
@@ -43,7 +42,7 @@ HOP = 0.15
 """[|M| v] standard deviation by which a search that got stuck begins again beside its best."""
 
 FIRST_SHARE = 0.6
-"""Of the budget that is spent on finding out which of several searches is the best."""
+"""Share of the budget that is spent on finding the best of several searches."""
 
 Descent = Iterator[float]
 """A local search that can be stopped after every step: yields the best loss so far."""
@@ -210,7 +209,7 @@ def fill_actions(
     template: ForceField, count: int | None = None, frame_count: int | None = None
 ) -> ForceField:
     """The template; with ``count`` actions in equal parts of the clip if it has another number, one if it has none."""
-    first = Action(action_type=ActionType.TRANSLATION, vector=(1.0, 0.0, 0.0))
+    first = Action(action_type=KINDS[0][0], vector=(1.0, 0.0, 0.0))
     first = template.actions[0] if template.actions else first
     if count is None or count == len(template.actions) or frame_count is None:
         return template if template.actions else template.model_copy(update=dict(actions=(first,)))
@@ -222,7 +221,7 @@ def fill_actions(
 def turn_into(action: Action, kind: tuple[ActionType, float]) -> Action:
     """The action as another kind; its direction, strength and window stay, but a blow over the whole clip is none."""
     update: dict = dict(action_type=kind[0], magnitude=kind[1] * abs(action.magnitude))
-    if kind[0] is ActionType.IMPULSE and action.active_time is None:
+    if kind[0].skill.is_sudden and action.active_time is None:
         update["active_time"] = BLOW
     return action.model_copy(update=update)
 

@@ -58,11 +58,11 @@ class Command(harness.Command):
     json: Path = RAW / "distillation.json"
     """File of the raw rows; those of other parts are kept."""
     parts: tuple[Literal["cosines"], ...] = ("cosines",)
-    """There is one."""
+    """Parts to measure; there is one."""
     prior: Literal["wan", "modelscope", "cogvideox", "toy"] = "toy"
-    """Whose gradients."""
+    """Prior that gives the gradients."""
     weights: str = "runs/toy_prior/prior"
-    """Of the prior."""
+    """Weights of the prior."""
     tasks: Path = TASKS
     """Folder of the tasks."""
     data: Path | None = None

@@ -61,7 +61,7 @@ _PLACES = {
     "synthesize": "api",
     "trajectory": "simulation.trajectory",
 }
-"""Where each name comes from."""
+"""Module of each name."""
 
 __all__ = [
     "FinishedRun",

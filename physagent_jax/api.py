@@ -15,8 +15,9 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import format_validation_error
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.perception.protocols import PerceptionBackends
+from physagent_jax.run.chosen_agents import open_agents
 from physagent_jax.run.finished import FinishedRun, open_run
-from physagent_jax.run.loop import agents_of, run_loop
+from physagent_jax.run.loop import run_loop
 from physagent_jax.run.observer import Observer
 from physagent_jax.run.reading import place_for_field, read_for_scene
 from physagent_jax.run.resolve import ResolvedRun, resolve
@@ -108,12 +109,13 @@ def build_scene(
     width: int | None = None,
     height: int | None = None,
     ledger: bool = False,
+    agents: Mapping[str, Any] | None = None,
 ) -> CompiledScene:
     """A scene of an object and what acts on it, ready to be simulated.
 
     Args:
         loaded: The object.
-        prompt: What should happen, for the offline semantic agent to read.
+        prompt: What should happen, for the semantic agent to read.
         force_field: What acts, in place of a sentence; None and no sentence = nothing.
         material: A name, or fields of `run.spec.MaterialChoice`; None = what the object's kind implies.
         anchor: A kind, or fields of `run.spec.AnchorChoice`; "auto" = what the sentence says, else what the kind
@@ -125,6 +127,7 @@ def build_scene(
         width: Width of the pictures [px]; None = the preset's.
         height: Height of the pictures [px]; None = the preset's.
         ledger: Whether exchanged energy and momentum are recorded.
+        agents: Fields of `run.spec.AgentChoice`; None = the grammar reads.
 
     Raises:
         UserError: The sentence is not understood, a value is out of range, both a sentence and a force field are
@@ -142,12 +145,14 @@ def build_scene(
         world=world,
         friction=friction,
         ledger=ledger,
+        agents=dict(agents or {}),
     )
     run = resolve(_validate(**changed), source=loaded.source)
     for text in run.warnings:
         warnings.warn(text, UserWarning, stacklevel=2)
     if prompt:
-        reply = read_for_scene(run, loaded.body, agents_of(run.spec).semantic.compile).value
+        with open_agents(run.spec, run.base_dir) as chosen:
+            reply = read_for_scene(run, loaded.body, chosen.semantic.compile).value
         field, (template, notes) = reply.force_field, run.place(loaded.body, reply)
     else:
         field = _make_force_field(force_field)

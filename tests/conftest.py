@@ -6,6 +6,7 @@ import os
 import shutil
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import jax
 import pytest
@@ -53,6 +54,16 @@ def programs_let_go():
     """Release the programs of earlier modules before a process runs out of memory mappings."""
     yield
     programs.release_programs()
+
+
+@pytest.fixture
+def least_optimised():
+    """Compile a test's programs with the fewest optimisations, where compiling takes much longer than running."""
+    config: Any = jax.config  # its flags are not typed
+    before = config.read("jax_disable_most_optimizations")
+    config.update("jax_disable_most_optimizations", True)
+    yield
+    config.update("jax_disable_most_optimizations", before)
 
 
 @pytest.fixture

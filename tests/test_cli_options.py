@@ -5,7 +5,7 @@ import typing
 
 import pytest
 
-from physagent_jax.agents.schema import SemanticReply
+from physagent_jax.agents.schema import Judgement, SemanticReply, Verdict
 from physagent_jax.cli import join_options
 from physagent_jax.cli.console import ConsoleObserver
 from physagent_jax.cli.options import OPTIONS, to_spec
@@ -21,19 +21,24 @@ def test_options_say_what_a_spec_says(tmp_path, robot_path):
     command = Run(
         out=tmp_path, object=robot_path, prompt="drop it", frames=12, particles=900, resolution=64, seed=7,
         anchor="box", anchor_box=(2, 2, 2, 1, 1, 0.5), soften=3.0, save_splats="spz", max_iterations=2,
-        video_size="160x90", follow=True,
+        video_size="160x90", follow=True, reader="model", form="by-clause", llm="http://127.0.0.1:8000/v1", model="m",
     )  # fmt: skip
     spec = small(
         robot_path, "drop it", frames=12, particles=900, resolution=64, seed=7, rounds=2,
         anchor=dict(kind="box", point=(2, 2, 2), half_size=(1, 1, 0.5)),
         material=dict(soften=3.0), save=dict(splats="spz", video_size=(160, 90)), camera=dict(follow=True),
+        agents=dict(
+            semantic=dict(name="model", options=dict(form="by-clause")),
+            model=dict(name="openai", options=dict(url="http://127.0.0.1:8000/v1", model="m")),
+        ),
     )  # fmt: skip
     assert to_spec(vars(command)) == spec
 
 
 def test_every_option_sets_a_field():
-    """But those that say where, at what price, and how it is told."""
-    beside = {"out", "spec", "anchor_box", "max_minutes", "max_memory", "overwrite", "json_line"}
+    """But those that say where, at what price, and how it is told; four together set `agents.model`."""
+    beside = {"out", "spec", "record", "anchor_box", "max_minutes", "max_memory", "overwrite", "json_line"}
+    beside |= {"llm", "model", "eyes", "replay"}
     attributes = {option.removeprefix("--").replace("-", "_") for option in OPTIONS.values()}
     assert attributes | beside == {field.name for field in dataclasses.fields(Run)}
 
@@ -48,6 +53,12 @@ def test_the_terminal_tells_what_was_assumed_and_not_understood(capsys):
     ConsoleObserver().understood(reply)
     told = capsys.readouterr().err
     assert "assumed: left is [the viewer's]." in told and "not understood: purple\n" in told
+
+
+def test_the_terminal_tells_how_a_judgement_came_about(capsys):
+    judgement = Judgement(verdict=Verdict.FAIL, notes=("Rules and model [disagree].",))
+    ConsoleObserver().judged(0, judgement)
+    assert "round 1: FAIL" in (told := capsys.readouterr().err) and "Rules and model [disagree]." in told
 
 
 def test_a_doubt_about_what_may_be_the_object_says_how_to_name_it(capsys):

@@ -40,3 +40,12 @@ def test_heads_that_name_the_thing_pass(head):
 
 def test_long_subjects_are_found():
     assert len(list(check_writing.find_subject_faults(["Mend it", "x" * 72, "x" * 73]))) == 1
+
+
+@pytest.mark.parametrize("head", ["What it is made of.", "Who reads it.", "Of the ground.", "Likewise."])
+def test_attributes_and_constants_are_named_by_their_docstrings(head):
+    for indent, before in (("", ""), ("    ", "class A:\n")):
+        source = f'{before}{indent}x: int = 0\n{indent}"""{{}}"""\n'
+        faults = list(check_writing.find_docstring_faults(source.format(head)))
+        assert [line for line, _ in faults] == [source.count("\n")], "the text after the assignment"
+        assert not list(check_writing.find_docstring_faults(source.format("Width of the pictures [px].")))

@@ -32,7 +32,7 @@ RATES = (0.1, 0.3)
 """[|M| v] from which the first rate is taken: with 0.5 a search from near begins by leaving."""
 
 MEMORIES = (0.5, 0.8)
-"""Of the gradient and of its square."""
+"""Decay rates of the means of the gradient and of its square."""
 
 
 @dataclasses.dataclass(frozen=True)

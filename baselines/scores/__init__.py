@@ -19,7 +19,7 @@ _PLACES = {
     "cogvideox": ("cogvideox", "CogVideoXPrior"),
     "toy": ("toy.prior", "ToyPrior"),
 }
-"""Where each prior is; the first is the default of the real ones."""
+"""Module and class of each prior; the first is the default of the real ones."""
 
 PRIORS = tuple(_PLACES)
 

@@ -52,7 +52,7 @@ class Command(harness.Command):
     json: Path = RAW / "accuracy.json"
     """File of the raw rows; those of other parts are kept."""
     parts: tuple[Literal["verification", "work_precision", "quadrature"], ...] = PARTS
-    """Which tables to measure; the file's others are kept."""
+    """Tables to measure; the file's others are kept."""
     plot: Path | None = None
     """Also draw the work-precision plot here (PNG)."""
     repeats: int = 3

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from benchmarks import distillation, limits, rendering, startup
 from benchmarks.accuracy import markdown as accuracy
+from benchmarks.agents import markdown as agents
 from benchmarks.executor import markdown as executor
 from benchmarks.first_results import markdown as first_results
 from benchmarks.gradients import markdown as gradients
@@ -23,6 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
 RESULTS, DOCS = ROOT / "benchmarks" / "results", ROOT / "docs"
 _MODULES = (
     accuracy,
+    agents,
     distillation,
     executor,
     first_results,

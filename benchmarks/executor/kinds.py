@@ -11,8 +11,9 @@ from benchmarks.executor.scenes import Clip, Setting, prepare
 from benchmarks.executor.tasks import LAST
 from benchmarks.harness import Row
 from physagent_jax.agents.matching import find_causes
+from physagent_jax.agents.regions import make_end_region
 from physagent_jax.agents.rules import kinds
-from physagent_jax.agents.rules.language.regions import make_end_region
+from physagent_jax.agents.rules.edits import Wish
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind
 from physagent_jax.agents.vectors import scale
 from physagent_jax.core.rotations import polar
@@ -110,12 +111,12 @@ def _make_scale(setting: Setting, comparison: Comparison, axis: Vector) -> tuple
         active_time=(0.0, LAST),
     )
     field, target = ForceField(actions=(pull,)), kinds.expect_strain(expected, not stretches).target
-    causes = find_causes(expected, field)
+    causes, wish = find_causes(expected, field), Wish(field, expected, (), setting.brief)
     match comparison.kind:
         case "ends":
-            field = kinds.move_ends(field, causes, expected, setting.brief)
+            field = kinds.move_ends(wish, causes)
         case "plates":
-            field = kinds.press_between(field, causes, expected, setting.brief)
+            field = kinds.press_between(wish, causes)
     return field, target
 
 

@@ -11,6 +11,7 @@ from physagent_jax.agents.vectors import add, cross, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import Action, ActionType, ForceField
+from physagent_jax.forces.skills import get_skill
 
 FRAMES = 50
 LAST = float(FRAMES - 1)
@@ -195,6 +196,12 @@ _OTHER = {
 }
 
 
+def _mistake(action: Action) -> Action:
+    """The action as a skill of another kind; a push in place of what turns or deforms, unless the table says."""
+    turned = ActionType.TORQUE if "move" in get_skill(action).causes else ActionType.TRANSLATION
+    return action.model_copy(update={"action_type": _OTHER.get(action.action_type, turned)})
+
+
 def _delay_last(field: ForceField, brief: SceneBrief) -> ForceField:
     del brief
     window = (LAST - 8.0, LAST)
@@ -231,7 +238,7 @@ FAULTS: dict[str, Fault] = {
     "double": _scale_magnitudes(2.0),
     "minimum": _scale_magnitudes(0.0),
     "maximum": _scale_magnitudes(10.0),
-    "type": _change_each(lambda a: a.model_copy(update={"action_type": _OTHER[a.action_type]})),
+    "type": _change_each(_mistake),
     "late": _delay_last,
     "missing": lambda field, brief: ForceField(),
     "first missing": lambda field, brief: field.model_copy(update={"actions": field.actions[1:]}),

@@ -37,9 +37,9 @@ class Command:
     threads: int = 2
     """Threads that are held against one."""
     rounds: int = 9
-    """Of each way."""
+    """Rounds of each way."""
     particles: int = 20_000
-    """Of the cube."""
+    """Particles of the cube."""
     steps: int = 50
     """Substeps of a timed run."""
 

@@ -21,7 +21,7 @@ from physagent_jax.mpm import cell_order
 
 ROOT = Path(__file__).resolve().parents[2]
 ORDERS = ("sorted", "random")
-"""Of the particles that every code is given: by cell, or as they were drawn. Ours sorts them in any case."""
+"""Orders of the particles that every code is given: by cell, or as they were drawn. Ours sorts them in any case."""
 ROUNDS = 3  # in which the codes take turns, each in a new process: a machine is not equally fast for minutes
 
 

@@ -75,7 +75,7 @@ class Command(harness.Command):
     data: Path | None = None
     """Folder of captured objects; tasks on those are left out without it."""
     split: Literal["development", "test", "both"] = "both"
-    """Which tasks."""
+    """Split of the tasks."""
     families: tuple[str, ...] = ()
     """Only these; none = all."""
     smooth: bool = False
@@ -85,15 +85,15 @@ class Command(harness.Command):
     budget: float = USUAL
     """Forward-equivalents of each fit: the last mark. Fits with another budget are kept beside these."""
     seeds: int = 1
-    """Of what is random; the rest is done once."""
+    """Seeds of what is random; the rest is done once."""
     workers: int = 1
     """Fits side by side, each on its share of the cores: for what is counted, not for seconds to quote."""
     settings: tuple[str, ...] = ("softer", "stiffer")
     """For `materials`: as `--material` of `baselines.run`."""
     prior: Literal["wan", "modelscope", "cogvideox", "toy"] = "toy"
-    """Who leads the methods of score distillation."""
+    """Prior of the methods of score distillation."""
     weights: str = "runs/toy_prior/prior"
-    """Of the prior."""
+    """Weights of the prior."""
     clip: Path | None = None
     """Folder of a CLIP model, for `clipsim`."""
     leaderboard: Path | None = None

@@ -195,7 +195,7 @@ PROBLEMS = (
     ),
     Problem("viscosity", SPILT, {"viscosity": 20.0}, times("viscosity", 20.0, 3.0, 1 / 3)),
 )
-"""What the tracks tell."""
+"""Problems that the tracks determine."""
 
 SMOOTH = (Problem("impulse in free flight", TOSSED, {"impulse": np.array(KICK)}, turned("impulse", KICK)),)
 """Without contact: only its loss is looked at, and what the resolution does to it."""
@@ -217,5 +217,8 @@ HIDDEN = (
         False,
     ),
 )
-"""What they do not tell: only E over density moves what falls on a floor; what flies freely, or lands gently, tells
-nothing of its law."""
+"""Problems that they do not determine.
+
+Only E over density moves an object that falls on a floor; one that flies freely, or lands gently, tells nothing of its
+law.
+"""

@@ -1,8 +1,7 @@
 """`python -m benchmarks.language [--quick] [--json OUT] [--markdown MD]`: sentences read as a person reads them.
 
-What a sentence says was written by hand before the parser was made to read it. A third of the first author's
-sentences and half of the others', by their hash, are test splits: no rule is made for them, and they are not looked at
-one by one.
+What a sentence says was written by hand before the grammar was made to read it. No rule is made for sentences of the
+test split, and they are not looked at one by one.
 """
 
 from __future__ import annotations
@@ -18,10 +17,11 @@ import tyro
 from benchmarks import harness
 from benchmarks.harness import RAW, Job, Row
 from benchmarks.language.markdown import PAGE, PARTS
-from benchmarks.language.notation import FILES, LIMIT, Sentence, read_sentences
+from benchmarks.language.notation import SPLITS, Sentence, read_split
 from benchmarks.language.score import get_answer, make_scene, score
+from benchmarks.language.totals import count_outcomes, describe_shares, is_met
 from physagent_jax.agents.context import AgentContext
-from physagent_jax.agents.rules.semantic import RuleSemanticAgent
+from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent
 from physagent_jax.agents.schema import SceneBrief, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_skills
@@ -33,37 +33,30 @@ class Command(harness.Command):
 
     json: Path = RAW / "language.json"
     """File of the raw rows; those of other parts are kept."""
-    parts: tuple[Literal["sentences", "own_words"], ...] = PARTS
-    """own_words: without the readings that second readers added to the first, the second and the seventh author's."""
+    parts: tuple[Literal["sentences"], ...] = PARTS
 
 
 def main() -> int:
     """Run the command line."""
     command = tyro.cli(Command)
-    parts = {part: partial(_list_jobs, command.quick, part == "own_words") for part in PARTS}
-    return harness.main(command, parts, PAGE)
+    return harness.main(command, {"sentences": partial(_list_jobs, command.quick)}, PAGE)
 
 
-def _list_jobs(quick: bool, own_words: bool) -> list[Job]:
-    jobs = []
-    for author in FILES:
-        sentences = read_sentences(author, own_words)[:: 4 if quick else 1]
-        for split in ("development", "test"):
-            chosen = [sentence for sentence in sentences if sentence.split == split]
-            if chosen:
-                jobs.append(Job(f"{author} author, {split}", partial(read_split, chosen)))
-    return jobs
+def _list_jobs(quick: bool) -> list[Job]:
+    return [Job(split, partial(read_all, split, read_split(split)[:: 4 if quick else 1])) for split in SPLITS]
 
 
-def read_split(sentences: list[Sentence]) -> list[Row]:
-    """A row for each sentence; those that are misread without a word fail where there are more than `LIMIT`."""
+def read_all(split: str, sentences: list[Sentence]) -> list[Row]:
+    """A row for each sentence of a split; where the split is not as required, those that are not right fail."""
     rows = [read_one(sentence) for sentence in sentences]
-    share = sum(row["silent"] for row in rows) / len(rows)
-    return [row | {"good": not row["silent"] or share <= LIMIT} for row in rows]
+    count = count_outcomes(rows)
+    harness.say(f"{split}: {describe_shares(count)}")
+    met = is_met(split, count)
+    return [row | {"good": met or not row["wrong"]} for row in rows]
 
 
 def read_one(sentence: Sentence) -> Row:
-    """Row of a sentence: the answer of the parser beside that of a person."""
+    """Row of a sentence: the answer of the grammar beside that of a person."""
     brief = make_scene(sentence.object_name)
     reply = compile_sentence(sentence.text, brief)
     fields = score(sentence, reply, brief)
@@ -85,9 +78,9 @@ def read_one(sentence: Sentence) -> Row:
 
 
 def compile_sentence(text: str, brief: SceneBrief) -> SemanticReply | None:
-    """The parser's reply; None if it refuses."""
+    """The grammar's reply; None if it refuses."""
     try:
-        return RuleSemanticAgent().compile(AgentContext(text, brief, describe_skills())).value
+        return GrammarSemanticAgent().compile(AgentContext(text, brief, describe_skills())).value
     except UserError:
         return None
 

@@ -1,6 +1,7 @@
-"""The lines of a file of sentences: a sentence, and what a person understands by it.
+"""Sentences of the corpus, and the notation of what a person understands by them.
 
-    sentence => reading || another reading that is as good ||+ one that a second reader added || another of theirs
+The corpus is a folder of YAML: ``corpus/SPLIT/AUTHOR.yaml`` has an author's sentences of a split, each with its text,
+its object, its group, its readings, and readings that second readers ``added``. Any reading is right.
 
 A reading is ``refused`` (no motion may be made of it), ``unsure`` (something that matters is outside the grammar, and
 the reply must say so) or motions, then the surroundings behind bars:
@@ -21,25 +22,33 @@ A ``?fall`` after a ``lean`` may as well begin with it: nobody sees where toppli
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-# Authors: their file, and which share of it is held back (one in ..., 0 = none). All but the first had read neither
-# the parser nor, but for a few lines that show the notation, the others' sentences when writing.
-FILES = {
-    "first": ("sentences.txt", 3),
-    "second": ("second_author.txt", 2),
-    "third": ("third_author.txt", 0),  # a half until it was opened
-    "fourth": ("fourth_author.txt", 2),
-    "fifth": ("fifth_author.txt", 2),
-    "sixth": ("sixth_author.txt", 0),  # who mended the parser by them afterwards
-    "seventh": ("seventh_author.txt", 2),
-    "eighth": ("eighth_author.txt", 0),
-    "ninth": ("ninth_author.txt", 0),
-}
-LIMIT = 0.03  # of the sentences held back that may be misread without a word
+import yaml
+
+SPLITS = ("development", "test", "adversarial")
+"""Folders: open sentences; those held back from rules; and hard ones, which are no sample and count for no total."""
+AUTHORS = (
+    "first",
+    "second",
+    "third",
+    "fourth",
+    "fifth",
+    "sixth",
+    "seventh",
+    "eighth",
+    "ninth",
+    "maintainers",
+)
+CORPUS = Path(__file__).with_name("corpus")
+FILES = tuple(
+    f"{split}/{author}"
+    for author in AUTHORS
+    for split in SPLITS
+    if (CORPUS / split / f"{author}.yaml").is_file()
+)
 UNITS = {"deg": "degrees", "x": "factor", "L": "lengths", "m": "metres"}
 
 
@@ -79,13 +88,14 @@ class Reading:
 
 @dataclass(frozen=True)
 class Sentence:
-    """A line of the file.
+    """A sentence of the corpus.
 
     Attributes:
         text, object_name, group: The sentence, what it is about and which kind of sentence it is.
         expected: The readings as they are written.
         readings: The same, parsed; what may be left out is there in one and missing in another.
-        author: Who wrote it, one of `FILES`.
+        author: Who wrote it, one of `AUTHORS`.
+        split: One of `SPLITS`. It was drawn by the text's hash, and is written down so that no edit moves a sentence.
     """
 
     text: str
@@ -94,40 +104,25 @@ class Sentence:
     expected: str
     readings: tuple[Reading, ...] = field(repr=False, default=())
     author: str = "first"
-
-    @property
-    def split(self) -> str:
-        """Name of the split, by the hash: "test" for the held-back share, "development" for the others."""
-        share = FILES[self.author][1]
-        held_back = share > 0 and hashlib.sha256(self.text.encode()).digest()[0] % share == 0
-        return "test" if held_back else "development"
+    split: str = "development"
 
 
-def read_sentences(author: str = "first", own_words: bool = False) -> list[Sentence]:
-    """All sentences of an author, one of `FILES`; with ``own_words`` without what second readers added.
+def read_split(split: str) -> list[Sentence]:
+    """All sentences of one of `SPLITS`."""
+    return [each for file in FILES if file.startswith(f"{split}/") for each in read_sentences(file)]
 
-    The additions to the third, the fourth and the fifth author's are not marked as such: they stay.
-    """
-    sentences, group, name = [], "", ""
-    path = Path(__file__).with_name(FILES[author][0])
-    for line in path.read_text(encoding="utf-8").splitlines():
-        line = line.strip()
-        if not line or line.startswith("//"):
-            continue
-        if line.startswith("# "):
-            group = line[2:]
-        elif line.startswith("["):
-            name = line.strip("[]")
-        else:
-            text, expected = (side.strip() for side in line.split(" => "))
-            expected = expected.partition(" ||+ ")[0] if own_words else expected.replace(" ||+ ", " || ")
-            readings = tuple(
-                each
-                for alternative in expected.split(" || ")
-                for each in expand_options(parse_reading(alternative.strip()))
-            )
-            sentences.append(Sentence(text, name, group, expected, readings, author))
-    return sentences
+
+def read_sentences(file: str) -> list[Sentence]:
+    """All sentences of one of `FILES`."""
+    split, author = file.split("/")
+    rows = yaml.load((CORPUS / f"{file}.yaml").read_text(encoding="utf-8"), yaml.CSafeLoader)  # noqa: S506
+    return [_make_sentence(author=author, split=split, **row) for row in rows]
+
+
+def _make_sentence(text, object, group, readings, added=(), **origin) -> Sentence:
+    written = (*readings, *added)
+    parsed = tuple(each for reading in written for each in expand_options(parse_reading(reading)))
+    return Sentence(text, object, group, " || ".join(written), parsed, **origin)
 
 
 def parse_reading(text: str) -> Reading:

@@ -11,7 +11,7 @@ import jax
 import numpy as np
 
 Answer = Mapping[str, np.ndarray | bytes | float]
-"""What is compared, by name: arrays, numbers or files."""
+"""Values that are compared, by name: arrays, numbers or files."""
 
 ROUND_OFF = 1e-6  # what float32 may differ by, over the largest value, unless a skip states a reason for more
 

@@ -57,7 +57,7 @@ def judge(clip: Clip, sight: Sight, clips: Path, data: Path | None) -> Row:
         return row | _verdict(clip, "FAIL") | {"refused": error.what}
     context = AgentContext(clip.sentence, context.brief, context.skills, reply)
     windows = tuple(agents.planner.windows(context))
-    report = _look(clip, sight, windows, clips, data)
+    report = look(clip, sight, windows, clips, data)
     observation = Observation(reply.force_field, report, _NoFrames())
     judgement = agents.planner.judge(context, observation).value
     row |= _verdict(clip, judgement.verdict.value) | {"score": judgement.score}
@@ -102,9 +102,18 @@ def _verdict(clip: Clip, verdict: str) -> Row:
     return {"verdict": verdict, "right": (verdict == "SUCCESS") == (clip.wrong is None)}
 
 
-def _look(
+def look(
     clip: Clip, sight: Sight, windows: Sequence[tuple[int, int]], clips: Path, data: Path | None
 ) -> MotionReport:
+    """The motion report of a clip, from the folder if it is there.
+
+    Args:
+        clip: The clip.
+        sight: As for `judge`.
+        windows: Frames that it should tell apart.
+        clips: Folder of clips.
+        data: Folder of captured objects and a photo.
+    """
     words = [
         find_file(clip.thing, clip.motion, clips, data).stem,
         sight,

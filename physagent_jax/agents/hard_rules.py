@@ -8,39 +8,36 @@ it accepts a `ForceField` or raw JSON, so that a language model's reply is mende
 from __future__ import annotations
 
 import copy
+import functools
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from pydantic import ValidationError
 
-from physagent_jax.agents.matching import Cause, agrees, find_own_causes, list_causes, overlaps
+from physagent_jax.agents.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, overlaps
 from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.stacking import find_room, fits, has_room
-from physagent_jax.agents.vectors import add, clamp, cosine, normalise, scale
+from physagent_jax.agents.vectors import add, clamp, cosine, norm, normalise, scale
 from physagent_jax.core.strict import Vector
+from physagent_jax.forces import schema as forces
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.schema import (
-    Action,
-    ActionType,
-    ConstraintType,
-    ForceField,
-    VelocityConstraint,
-    is_too_short,
-)
+from physagent_jax.forces.schema import ForceField, is_too_short
+from physagent_jax.forces.skills import Skill, find_skill
 
 LONGEST_IMPULSE = 2.0  # frames
 _GROUPS = {
-    "actions": ("action_type", ActionType, Action),
-    "constraints": ("constraint_type", ConstraintType, VelocityConstraint),
+    "actions": ("action_type", forces.ActionType, forces.Action),
+    "constraints": ("constraint_type", forces.ConstraintType, forces.VelocityConstraint),
 }
-_IMPULSES = (ActionType.IMPULSE.value, ConstraintType.PARTICLE_IMPULSE.value)
 _SAME_VECTOR = 0.9999
 _PARALLEL = 0.9
+_AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 Entries = dict[str, Any]  # {"default_drop": bool, "actions": [dict], "constraints": [dict]}
+Entry = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -68,6 +65,21 @@ class Context:
     brief: SceneBrief
     expectations: tuple[ExpectedMotion, ...] = ()
 
+    @property
+    def last(self) -> float:
+        """Index of the clip's last frame."""
+        return float(self.brief.frame_count - 1)
+
+    @functools.cached_property
+    def allowed(self) -> list[Vector]:
+        """Directions that entries may have."""
+        named = [e.direction for e in self.expectations if e.direction is not None]
+        lines = [*_AXES, *named]
+        return [*base_directions(self.brief.directions), *lines, *(scale(v, -1.0) for v in lines)]
+
+
+Rule = Callable[[Entries, Context], tuple[Entries, list[str]]]
+
 
 def apply_hard_rules(
     force_field: ForceField | Mapping[str, Any],
@@ -81,9 +93,10 @@ def apply_hard_rules(
         brief: The scene.
         expectations: What the sentence asks for.
     """
-    raw = force_field.model_dump(mode="json") if isinstance(force_field, ForceField) else dict(force_field)
-    entries, repairs = raw, []
-    context = Context(brief, tuple(expectations))
+    entries = (
+        force_field.model_dump(mode="json") if isinstance(force_field, ForceField) else dict(force_field)
+    )
+    repairs, context = [], Context(brief, tuple(expectations))
     for name, rule in RULES.items():
         entries, reasons = rule(copy.deepcopy(entries), context)
         repairs += [Repair(name, why) for why in reasons]
@@ -93,66 +106,133 @@ def apply_hard_rules(
 def base_directions(table: DirectionTable) -> list[Vector]:
     """The six directions and all their normalised sums: the only ones that actions may use."""
     lines = [(table.right, table.left), (table.up, table.down), (table.toward, table.away)]
-    vectors = []
-    for choice in itertools.product(*[((0.0, 0.0, 0.0), *line) for line in lines]):
-        unit = normalise(add(choice))
-        if unit is not None:
-            vectors.append(unit)
-    return vectors
+    choices = itertools.product(*[((0.0, 0.0, 0.0), *line) for line in lines])
+    return [unit for choice in choices if (unit := normalise(add(choice)))]
+
+
+def _on_each(repair: Callable[[Entry, str, Context], Iterator[str]]) -> Rule:
+    """A rule about single entries: it changes one in place, or empties what is to be dropped, and says why."""
+
+    @functools.wraps(repair)
+    def rule(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
+        reasons = [
+            f"{group}[{index}]{why}"
+            for group in _GROUPS
+            for index, item in enumerate(entries[group])
+            for why in repair(item, group, context)
+        ]
+        return entries | {group: [item for item in entries[group] if item] for group in _GROUPS}, reasons
+
+    return rule
 
 
 def known_skills(entries: Entries, _context: Context) -> tuple[Entries, list[str]]:
     """Only the library's skills and keys: unknown keys are removed, unknown or malformed entries dropped."""
-    reasons: list[str] = []
     drop = entries.get("default_drop", False)
     clean: Entries = {"default_drop": drop if isinstance(drop, bool) else str(drop).lower() == "true"}
-    reasons += [
-        f"'{key}' is not part of a force field: removed"
-        for key in entries
-        if key not in ("default_drop", *_GROUPS)
-    ]
+    foreign = [key for key in entries if key not in ("default_drop", *_GROUPS)]
+    reasons = [f"'{key}' is not part of a force field: removed" for key in foreign]
     for group, (type_key, types, model) in _GROUPS.items():
         clean[group] = []
         items = entries.get(group) or []
         for index, item in enumerate(items if isinstance(items, (list, tuple)) else []):
-            if not isinstance(item, Mapping) or item.get(type_key) not in {t.value for t in types}:
+            if not isinstance(item, Mapping) or item.get(type_key) not in [*types]:
                 reasons.append(f"{group}[{index}] is not a known skill: dropped")
                 continue
             unknown = [key for key in item if key not in model.model_fields]
             reasons += [f"{group}[{index}].{key} is not a field of a skill: removed" for key in unknown]
-            clean[group].append({key: value for key, value in item.items() if key in model.model_fields})
+            clean[group].append({key: value for key, value in item.items() if key not in unknown})
     return clean, reasons
 
 
-def unit_vectors(entries: Entries, _context: Context) -> tuple[Entries, list[str]]:
+@_on_each
+def unit_vectors(item: Entry, _group: str, _context: Context) -> Iterator[str]:
     """||v|| = 1: vectors are normalised; an entry without a usable direction is dropped."""
-    reasons: list[str] = []
-    for group in _GROUPS:
-        kept = []
-        for index, item in enumerate(entries[group]):
-            vector = _read_numbers(item.get("vector"), 3)
-            unit = normalise(vector) if vector else None
-            if vector is None or unit is None:
-                reasons.append(f"{group}[{index}].vector is no direction: the entry is dropped")
-                continue
-            if abs(math.dist(unit, vector)) > 1e-6:
-                reasons.append(f"{group}[{index}].vector is normalised")
-            kept.append({**item, "vector": list(unit)})
-        entries[group] = kept
-    return entries, reasons
+    vector = _read_numbers(item.get("vector"), 3)
+    unit = normalise(vector) if vector else None
+    if vector is None or unit is None:
+        item.clear()
+        yield ".vector is no direction: the entry is dropped"
+        return
+    item["vector"] = list(unit)
+    if abs(math.dist(unit, vector)) > 1e-6:
+        yield ".vector is normalised"
 
 
-def magnitude_range(entries: Entries, _context: Context) -> tuple[Entries, list[str]]:
+@_on_each
+def magnitude_range(item: Entry, _group: str, _context: Context) -> Iterator[str]:
     """0.4 <= |M| <= 1.6 with the sign kept; something that is no number becomes 1."""
-    reasons: list[str] = []
-    for group, index, item in _map_each(entries):
-        given = _read_numbers([item.get("magnitude", 1.0)], 1)
-        value = given[0] if given else 1.0
-        kept = math.copysign(clamp(abs(value), MAGNITUDE_MIN, MAGNITUDE_MAX), value)
-        if not given or abs(kept - value) > 1e-9:
-            reasons.append(f"{group}[{index}].magnitude {item.get('magnitude')} becomes {kept:g}")
-        item["magnitude"] = kept
-    return entries, reasons
+    told = item.get("magnitude", 1.0)
+    given = _read_numbers([told], 1)
+    value = given[0] if given else 1.0
+    item["magnitude"] = kept = math.copysign(clamp(abs(value), MAGNITUDE_MIN, MAGNITUDE_MAX), value)
+    if not given or abs(kept - value) > 1e-9:
+        yield f".magnitude {told} becomes {kept:g}"
+
+
+@_on_each
+def window_in_clip(item: Entry, _group: str, context: Context) -> Iterator[str]:
+    """0 <= first < last <= last frame; a window that is no window becomes the whole clip."""
+    told, end = item.get("active_time"), context.last
+    if told is None:
+        return
+    window, kept = _read_numbers(told, 2), None
+    if window and end >= 1:
+        first, last = clamp(min(window), 0.0, end), clamp(max(window), 0.0, end)
+        begin = min(first, end - 1.0)
+        kept = [begin, begin + 1.0] if is_too_short(first, last) else [first, last]
+    item["active_time"] = kept
+    if kept is None or list(window or ()) != kept:
+        yield f".active_time {told} becomes {kept or 'the whole clip'}"
+
+
+@_on_each
+def held_until_in_clip(item: Entry, group: str, context: Context) -> Iterator[str]:
+    """Hold what was moved somewhere until a frame after its window and inside the clip, or release it."""
+    told, window = item.pop("held_until", None), item.get("active_time")
+    if told is None:
+        return
+    given = _read_numbers([told], 1)
+    if given and window and not _get_skill(group, item).is_sudden:
+        until = min(given[0], context.last)
+        item |= {"held_until": until} if until > window[1] else {}
+    if given is None or item.get("held_until") != given[0]:
+        yield f".held_until becomes {item.get('held_until', 'nothing')}"
+
+
+@_on_each
+def known_regions(item: Entry, group: str, _context: Context) -> Iterator[str]:
+    """Regions must be well formed: what cannot be read as one is removed, and the whole object is used."""
+    try:
+        _GROUPS[group][2].model_validate(item)
+    except ValidationError as error:
+        wrong = {str(detail["loc"][0]) for detail in error.errors() if detail["loc"]}
+        for key in sorted(wrong & {"region", "object"}):
+            item[key] = None
+            yield f".{key} is malformed: removed"
+
+
+@_on_each
+def brief_impulse(item: Entry, group: str, context: Context) -> Iterator[str]:
+    """An impulse is sudden: its window spans at most two frames."""
+    first, last = item.get("active_time") or (0.0, context.last)
+    if _get_skill(group, item).is_sudden and context.last >= 1 and last - first > LONGEST_IMPULSE:
+        item["active_time"] = [first, first + 1.0]
+        yield f" is an impulse: its window becomes {item['active_time']}"
+
+
+@_on_each
+def directional_rigidity(item: Entry, _group: str, context: Context) -> Iterator[str]:
+    """Base vectors are immutable; composites are their normalised sums.
+
+    World axes and the directions that the sentence names are allowed too; anything else is moved to the
+    nearest of these.
+    """
+    given = tuple(item["vector"])
+    nearest = max(context.allowed, key=lambda v: cosine(v, given))
+    if cosine(nearest, given) < _SAME_VECTOR:
+        item["vector"] = list(nearest)
+        yield f".vector is no sum of base directions: moved to {_format(nearest)}"
 
 
 def no_stacking(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
@@ -163,29 +243,25 @@ def no_stacking(entries: Entries, context: Context) -> tuple[Entries, list[str]]
     count nor make room.
     """
     reasons: list[str] = []
-    last = float(context.brief.frame_count - 1)
     kept: list[Cause] = []
-    gone: dict[str, set[int]] = {group: set() for group in _GROUPS}
-    for cause in list_causes(ForceField.model_validate(entries)):
-        room, fellows = find_room(cause, kept, last)
+    gone: list[Cause] = []
+    for cause in _list_causes(entries):
+        room, fellows = find_room(cause, kept, context.last)
         if fits(room, cause.item.magnitude):
             kept.append(cause)
             continue
-        names = ", ".join(fellow.name for fellow in fellows)
-        item = entries[cause.group][cause.index]
-        why = f"{cause.name} adds to {names} along the same line, which cannot be made stronger"
         if has_room(room):
+            item = entries[cause.group][cause.index]
             item["magnitude"] = math.copysign(max(room, MAGNITUDE_MIN), item["magnitude"])
             kept.append(Cause(cause.group, cause.index, _GROUPS[cause.group][2].model_validate(item)))
-            reasons.append(
-                f"{why} than {MAGNITUDE_MAX:g} in all: its magnitude becomes {item['magnitude']:g}"
-            )
+            change = f"its magnitude becomes {item['magnitude']:g}"
         else:
-            gone[cause.group].add(cause.index)
-            reasons.append(f"{why} than {MAGNITUDE_MAX:g} in all: removed")
-    for group, indices in gone.items():
-        entries[group] = [item for index, item in enumerate(entries[group]) if index not in indices]
-    return entries, reasons
+            gone.append(cause)
+            change = "removed"
+        names = ", ".join(fellow.name for fellow in fellows)
+        why = f"{cause.name} adds to {names} along the same line, which cannot be made stronger"
+        reasons.append(f"{why} than {MAGNITUDE_MAX:g} in all: {change}")
+    return _drop(entries, gone), reasons
 
 
 def gravity_makes_it_fall(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
@@ -193,125 +269,20 @@ def gravity_makes_it_fall(entries: Entries, context: Context) -> tuple[Entries, 
 
     In a world without gravity a later fall has to be a push: gravity would not wait for it.
     """
-    falls = [e for e in context.expectations if e.kind is MotionKind.FALL and e.window[0] < 1]
+    falls = [e for e in context.expectations if e.kind is MotionKind.FALL]
     down = context.brief.directions.down
-    if not falls or any(
-        e.kind is not MotionKind.FALL and e.direction and cosine(e.direction, down) > _PARALLEL
-        for e in context.expectations
-    ):
+    pushed = [e.direction for e in context.expectations if e.kind is not MotionKind.FALL and e.direction]
+    if all(e.window[0] >= 1 for e in falls) or any(cosine(way, down) > _PARALLEL for way in pushed):
         return entries, []
-    reasons = []
-    lowered = [
-        cause
-        for cause in list_causes(ForceField.model_validate(entries))
-        if cause.type in (ActionType.TRANSLATION, ConstraintType.PARTICLE_TRANSLATION)
-        and cause.item.region is None
-        and cosine(cause.direction, down) > _PARALLEL
-        and not any(agrees(cause, e) for e in context.expectations if e.kind is MotionKind.SWAY)
-    ]
-    for group in _GROUPS:
-        indices = {cause.index for cause in lowered if cause.group == group}
-        entries[group] = [item for index, item in enumerate(entries[group]) if index not in indices]
-    reasons += [f"{cause.name} pushes down what is to fall: removed, gravity does it" for cause in lowered]
+    lasting = [c for c in _list_causes(entries) if "fall" in c.skill.causes and not c.skill.is_sudden]
+    downward = [c for c in lasting if c.item.region is None and cosine(c.direction, down) > _PARALLEL]
+    sways = [e for e in context.expectations if e.kind is MotionKind.SWAY]
+    lowered = [cause for cause in downward if not any(agrees(cause, e) for e in sways)]
+    entries = _drop(entries, lowered)
+    reasons = [f"{cause.name} pushes down what is to fall: removed, gravity does it" for cause in lowered]
     if context.brief.world == "free" and not entries["default_drop"]:
         entries["default_drop"] = True
         reasons.append("gravity acts on what is to fall: switched on, with the ground below")
-    return entries, reasons
-
-
-def window_in_clip(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
-    """0 <= first < last <= last frame; a window that is no window becomes the whole clip."""
-    reasons: list[str] = []
-    end = float(context.brief.frame_count - 1)
-    for group, index, item in _map_each(entries):
-        if item.get("active_time") is None:
-            continue
-        window = _read_numbers(item["active_time"], 2)
-        kept = None
-        if window and end >= 1:
-            first, last = clamp(min(window), 0.0, end), clamp(max(window), 0.0, end)
-            kept = (
-                [min(first, end - 1.0), min(first, end - 1.0) + 1.0]
-                if is_too_short(first, last)
-                else [first, last]
-            )
-        if kept is None or window is None or list(window) != kept:
-            reasons.append(
-                f"{group}[{index}].active_time {item['active_time']} becomes {kept or 'the whole clip'}"
-            )
-        item["active_time"] = kept
-    return entries, reasons
-
-
-def held_until_in_clip(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
-    """Hold what was moved somewhere until a frame after its window and inside the clip, or release it."""
-    reasons: list[str] = []
-    end = float(context.brief.frame_count - 1)
-    for group, index, item in _map_each(entries):
-        if item.get("held_until") is None:
-            item.pop("held_until", None)
-            continue
-        given = _read_numbers([item.pop("held_until")], 1)
-        window = item.get("active_time")
-        blow = item.get("constraint_type") == ConstraintType.PARTICLE_IMPULSE.value
-        until = None if given is None or window is None or blow else min(given[0], end)
-        if until is not None and window is not None and until > window[1]:
-            item["held_until"] = until
-        if given is None or item.get("held_until") != given[0]:
-            reasons.append(f"{group}[{index}].held_until becomes {item.get('held_until', 'nothing')}")
-    return entries, reasons
-
-
-def known_regions(entries: Entries, _context: Context) -> tuple[Entries, list[str]]:
-    """Regions must be well formed: what cannot be read as one is removed, and the whole object is used."""
-    reasons: list[str] = []
-    for group, index, item in _map_each(entries):
-        model = _GROUPS[group][2]
-        try:
-            model.model_validate(item)
-        except ValidationError as error:
-            bad = {str(detail["loc"][0]) for detail in error.errors() if detail["loc"]} & {"region", "object"}
-            for key in sorted(bad):
-                reasons.append(f"{group}[{index}].{key} is malformed: removed")
-                item[key] = None
-    return entries, reasons
-
-
-def brief_impulse(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
-    """An impulse is sudden: its window spans at most two frames."""
-    reasons: list[str] = []
-    end = float(context.brief.frame_count - 1)
-    for group, index, item in _map_each(entries):
-        type_key = _GROUPS[group][0]
-        if item[type_key] not in _IMPULSES or end < 1:
-            continue
-        first, last = item.get("active_time") or (0.0, end)
-        if last - first > LONGEST_IMPULSE:
-            item["active_time"] = [first, first + 1.0]
-            reasons.append(f"{group}[{index}] is an impulse: its window becomes {item['active_time']}")
-    return entries, reasons
-
-
-def directional_rigidity(entries: Entries, context: Context) -> tuple[Entries, list[str]]:
-    """Base vectors are immutable; composites are their normalised sums.
-
-    World axes and the directions that the sentence names are allowed too; anything else is moved to the
-    nearest of these.
-    """
-    reasons: list[str] = []
-    allowed = base_directions(context.brief.directions)
-    for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
-        allowed += [axis, scale(axis, -1.0)]
-    for expectation in context.expectations:
-        if expectation.direction is not None:
-            allowed += [expectation.direction, scale(expectation.direction, -1.0)]
-    for group, index, item in _map_each(entries):
-        nearest = max(allowed, key=lambda v: cosine(v, tuple(item["vector"])))
-        if cosine(nearest, tuple(item["vector"])) < _SAME_VECTOR:
-            item["vector"] = list(nearest)
-            reasons.append(
-                f"{group}[{index}].vector is no sum of base directions: moved to {_format(nearest)}"
-            )
     return entries, reasons
 
 
@@ -326,12 +297,10 @@ def sentence_direction(entries: Entries, context: Context) -> tuple[Entries, lis
         if expectation.kind in (MotionKind.SWAY, MotionKind.FALL, MotionKind.STILL):
             continue
         causes = find_own_causes(expectation, context.expectations, ForceField.model_validate(entries))
-        if not causes or any(agrees(cause, expectation) for cause in causes):
-            continue
-        for cause in causes:
+        contrary = not any(agrees(cause, expectation) for cause in causes)
+        told, axial = expectation.direction, expectation.kind in AXIAL
+        for cause in causes if contrary else ():
             item = entries[cause.group][cause.index]
-            told = expectation.direction
-            axial = expectation.kind in (MotionKind.STRETCH, MotionKind.SQUEEZE)
             if told is None or axial or cosine(cause.direction, told) < -_PARALLEL:
                 item["magnitude"] = -item["magnitude"]
                 change = "its sign is flipped"
@@ -351,57 +320,51 @@ def paired_translation(entries: Entries, context: Context) -> tuple[Entries, lis
     """
     reasons: list[str] = []
     for expectation in context.expectations:
-        if expectation.kind not in (MotionKind.STRETCH, MotionKind.SQUEEZE) or expectation.direction is None:
+        if expectation.kind not in AXIAL or expectation.direction is None:
             continue
         if expectation.kind is MotionKind.SQUEEZE and (expectation.partial or expectation.part is not None):
             continue
-        field = ForceField.model_validate(entries)
-        slabs = [
-            cause
-            for cause in list_causes(field)
-            if cause.type is ConstraintType.PARTICLE_TRANSLATION
-            and cause.item.region is not None
-            and abs(cosine(cause.item.vector, expectation.direction)) > _PARALLEL
-            and overlaps(cause, expectation.window)
-        ]
+        acting = [c for c in _list_causes(entries) if overlaps(c, expectation.window)]
+        ends = [c for c in acting if c.skill.deforms == "ends" and c.item.region is not None]
+        slabs = [c for c in ends if abs(cosine(c.item.vector, expectation.direction)) > _PARALLEL]
         if not slabs or _is_pair(slabs):
             continue
-        first = entries["constraints"][slabs[0].index]
-        gone = {cause.index for cause in slabs[1:]}
-        kept = [item for i, item in enumerate(entries["constraints"]) if i not in gone]
-        entries["constraints"] = [*kept, _mirror(first)]
-        reasons.append(
-            f"{slabs[0].name} is given its symmetrically opposed partner; {len(gone)} others are removed"
-        )
+        mirrored, gone = _mirror(entries["constraints"][slabs[0].index]), slabs[1:]
+        entries = _drop(entries, gone)
+        entries["constraints"].append(mirrored)
+        partner = f"{slabs[0].name} is given its symmetrically opposed partner"
+        reasons.append(f"{partner}; {len(gone)} others are removed")
     return entries, reasons
 
 
-def _is_pair(slabs: list) -> bool:
-    if len(slabs) != 2:
-        return False
-    one, two = (cause.item for cause in slabs)
-    speeds = [scale(item.vector, item.magnitude) for item in (one, two)]
-    return math.dist(speeds[0], scale(speeds[1], -1.0)) < 1e-6 and one.active_time == two.active_time
+def _is_pair(slabs: list[Cause]) -> bool:
+    sums = add(scale(slab.item.vector, slab.item.magnitude) for slab in slabs)
+    return len(slabs) == 2 and norm(sums) < 1e-6 and slabs[0].item.active_time == slabs[1].item.active_time
 
 
 def _mirror(item: dict[str, Any]) -> dict[str, Any]:
     """The same constraint on the opposite side of the object's middle, moving the other way."""
-    region = copy.deepcopy(item["region"])
-    if region["kind"] == "half_space":
-        region["point"] = [1.0 - c for c in region["point"]]
-        region["normal"] = [-c for c in region["normal"]]
-    elif region["kind"] == "box":
-        region["low"], region["high"] = [1.0 - c for c in region["high"]], [1.0 - c for c in region["low"]]
-    else:
-        region["center"] = [1.0 - c for c in region["center"]]
-    return {**item, "region": region, "vector": [-c + 0.0 for c in item["vector"]]}
+    region, other = item["region"], {"low": "high", "high": "low"}
+    places = [key for key in ("point", "center", "low", "high") if key in region]
+    mirrored = region | {other.get(key, key): [1.0 - c for c in region[key]] for key in places}
+    if "normal" in region:
+        mirrored["normal"] = [-c for c in region["normal"]]
+    return {**item, "region": mirrored, "vector": [-c + 0.0 for c in item["vector"]]}
 
 
-def _map_each(entries: Entries):
-    """(group, index, item) of every entry."""
-    for group in _GROUPS:
-        for index, item in enumerate(entries[group]):
-            yield group, index, item
+def _list_causes(entries: Entries) -> list[Cause]:
+    return list_causes(ForceField.model_validate(entries))
+
+
+def _drop(entries: Entries, causes: Sequence[Cause]) -> Entries:
+    """The entries without some."""
+    gone = {(cause.group, cause.index) for cause in causes}
+    kept = {g: [item for i, item in enumerate(entries[g]) if (g, i) not in gone] for g in _GROUPS}
+    return entries | kept
+
+
+def _get_skill(group: str, item: Mapping[str, Any]) -> Skill:
+    return find_skill(item[_GROUPS[group][0]])
 
 
 def _read_numbers(value: Any, count: int) -> tuple | None:
@@ -419,23 +382,10 @@ def _format(vector: Vector) -> str:
     return "[" + ", ".join(f"{c:.3g}" for c in vector) + "]"
 
 
-Rule = Callable[[Entries, Context], tuple[Entries, list[str]]]
-
 # In order: form before content, so that later rules can rely on valid entries.
-RULES: dict[str, Rule] = {
-    rule.__name__: rule
-    for rule in (
-        known_skills,
-        unit_vectors,
-        magnitude_range,
-        window_in_clip,
-        held_until_in_clip,
-        known_regions,
-        brief_impulse,
-        directional_rigidity,
-        sentence_direction,
-        paired_translation,
-        gravity_makes_it_fall,
-        no_stacking,
-    )
-}
+_ORDERED: tuple[Rule, ...] = (
+    *(known_skills, unit_vectors, magnitude_range, window_in_clip, held_until_in_clip, known_regions),
+    *(brief_impulse, directional_rigidity, sentence_direction, paired_translation, gravity_makes_it_fall),
+    no_stacking,
+)
+RULES: dict[str, Rule] = {rule.__name__: rule for rule in _ORDERED}

@@ -1,9 +1,9 @@
 """Holds against motions: whether a hold gives way, stays, or makes a motion impossible.
 
 A hold that only the object's kind implies gives way to a motion that needs the object free: it falls, rises, turns as
-a whole, or leaves its place (`ExpectedMotion.leaves_place`). What is bent, swayed, stretched or twisted keeps it, and
-so does a push of which no distance is told: it bends what is rooted. A hold that the sentence or the user asks for
-never gives way; a motion that it makes impossible is found before anything is simulated.
+a whole, or leaves its place (`ExpectedMotion.leaves_place`). What is bent, swayed, stretched or twisted keeps it. So
+does a push of which neither a distance nor another place is told: it bends what is rooted. A hold that the sentence or
+the user asks for never gives way; a motion that it makes impossible is found before anything is simulated.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SemanticRepl
 from physagent_jax.agents.vectors import cosine
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.schema import ActionType
+from physagent_jax.forces.skills import get_skill
 
 _UPWARD = 0.5  # cosine to the vertical from which on a way leads up
 _LEVEL = 0.7  # cosine to the vertical below which an axis is level
@@ -49,13 +49,8 @@ class Hold:
 
 
 def find_leaving(reply: SemanticReply, up: Vector) -> ExpectedMotion | None:
-    """The first planned motion that needs the object free; None if a hold can stay.
-
-    Args:
-        reply: The plan.
-        up: Unit vector against gravity.
-    """
-    return next((each for each in _list_motions(reply) if _needs_free(each, up)), None)
+    """The first planned motion that needs the object free, if gravity pulls against ``up``; None if a hold can stay."""
+    return next((each for each in _list_whole_motions(reply) if _needs_free(each, up)), None)
 
 
 def find_impossible(hold: Hold, reply: SemanticReply, up: Vector) -> ExpectedMotion | None:
@@ -63,13 +58,8 @@ def find_impossible(hold: Hold, reply: SemanticReply, up: Vector) -> ExpectedMot
 
     What is held can still be pulled, pushed and turned as far as it gives way, so that fewer motions are impossible
     than need the object free.
-
-    Args:
-        hold: What holds it.
-        reply: The plan.
-        up: Unit vector against gravity.
     """
-    return next((each for each in _list_motions(reply) if _is_impossible(each, hold, up)), None)
+    return next((each for each in _list_whole_motions(reply) if _is_impossible(each, hold, up)), None)
 
 
 def refuse_impossible(hold: Hold, reply: SemanticReply, up: Vector, *, whole: bool) -> None:
@@ -99,33 +89,19 @@ def refuse_impossible(hold: Hold, reply: SemanticReply, up: Vector, *, whole: bo
 
 
 def describe_yielding(hold: Hold, reply: SemanticReply, up: Vector) -> str | None:
-    """A warning that a lift or a turn only stretches or twists what is held; None if there is none to give.
-
-    Args:
-        hold: What holds the object.
-        reply: The plan.
-        up: Unit vector against gravity.
-    """
-    motions = [each for each in _list_motions(reply) if _needs_free(each, up)]
+    """A warning that a lift or a turn only stretches or twists what is held; None if there is none to give."""
+    motions = [each for each in _list_whole_motions(reply) if _needs_free(each, up)]
     upright = [each for each in motions if each.kind is MotionKind.ROTATE or _find_height(each, up) > _UPWARD]
     if not upright:
         return None
-    return (
-        f"{_name(upright[0])}: the object is held at {_PLACES[hold.place]}, so that it can only stretch, bend or "
-        "twist and not leave its place"
-    )
+    held = f"the object is held at {_PLACES[hold.place]}"
+    return f"{_name(upright[0])}: {held}, so that it can only stretch, bend or twist and not leave its place"
 
 
 def describe_release(motion: ExpectedMotion, kind: str) -> str:
-    """The assumption that a hold of the object's kind gives way, in a sentence.
-
-    Args:
-        motion: The motion that needs the object free.
-        kind: The object's kind.
-    """
-    return (
-        f"{_name(motion)} needs the object free: it is not held, as an object of kind '{kind}' otherwise is."
-    )
+    """The assumption that the hold of an object of this kind gives way to a motion, in a sentence."""
+    free = f"it is not held, as an object of kind '{kind}' otherwise is"
+    return f"{_name(motion)} needs the object free: {free}."
 
 
 def _name(motion: ExpectedMotion) -> str:
@@ -136,63 +112,50 @@ def _list_motions(reply: SemanticReply) -> tuple[ExpectedMotion, ...]:
     """The expected motions; without any, those that the force field tells of."""
     if reply.expectations:
         return reply.expectations
-    field, motions = reply.force_field, []
-    if field.default_drop:
-        motions.append(ExpectedMotion(kind=MotionKind.FALL, window=(0, 1)))
+    field = reply.force_field
+    motions = [ExpectedMotion(kind=MotionKind.FALL, window=(0, 1))] if field.default_drop else []
     for action in field.actions:
-        if action.action_type in (ActionType.TRANSLATION, ActionType.IMPULSE) and action.region is None:
-            motions.append(
-                ExpectedMotion(
-                    kind=MotionKind.MOVE,
-                    direction=action.vector,
-                    window=action.active_time or (0, 1),
-                    sudden=action.action_type is ActionType.IMPULSE,
-                )
-            )
+        skill, window = get_skill(action), action.active_time or (0, 1)
+        if "move" in skill.causes and action.region is None:
+            move = {"direction": action.vector, "window": window, "sudden": skill.is_sudden}
+            motions.append(ExpectedMotion(kind=MotionKind.MOVE, **move))
     return tuple(motions)
 
 
+def _list_whole_motions(reply: SemanticReply) -> list[ExpectedMotion]:
+    """The motions of the object as a whole: no part needs it free, and none is impossible by its hold."""
+    return [each for each in _list_motions(reply) if not each.partial and each.part is None]
+
+
 def _needs_free(motion: ExpectedMotion, up: Vector) -> bool:
-    if not _is_of_whole(motion):
-        return False
+    height = _find_height(motion, up)
     match motion.kind:
         case MotionKind.FALL:
             return True
         case MotionKind.MOVE:
-            return motion.leaves_place or _find_height(motion, up) > _UPWARD
+            return motion.leaves_place or height > _UPWARD
         case MotionKind.ROTATE:
-            bent = abs(_find_height(motion, up)) < _LEVEL and 0 < _find_angle(motion) < _BENT
-            return motion.repeats == 1 and not bent
+            return motion.repeats == 1 and not (abs(height) < _LEVEL and 0 < _find_angle(motion) < _BENT)
     return False
 
 
 def _is_impossible(motion: ExpectedMotion, hold: Hold, up: Vector) -> bool:
-    if not _is_of_whole(motion):
-        return False
+    height = _find_height(motion, up)
     match motion.kind:
         case MotionKind.FALL:
             return True
         case MotionKind.MOVE:
-            rises = _find_height(motion, up) > _UPWARD and hold.place == "base"
-            return motion.sudden and (motion.leaves_place or rises)
+            return motion.sudden and (motion.leaves_place or (height > _UPWARD and hold.place == "base"))
         case MotionKind.ROTATE:
-            return abs(_find_height(motion, up)) < _LEVEL and _find_angle(motion) >= _TURNED_OVER
+            return abs(height) < _LEVEL and _find_angle(motion) >= _TURNED_OVER
     return False
-
-
-def _is_of_whole(motion: ExpectedMotion) -> bool:
-    return not motion.partial and motion.part is None
 
 
 def _find_height(motion: ExpectedMotion, up: Vector) -> float:
     """Cosine of the motion's direction or axis to the vertical; 0 if it has none."""
-    if motion.direction is None:
-        return 0.0
-    x, y, z = motion.direction
-    return cosine((x, y, z), up)
+    return 0.0 if motion.direction is None else cosine(motion.direction, up)
 
 
 def _find_angle(motion: ExpectedMotion) -> float:
     """Angle that the sentence tells [degrees]; 0 if it tells none."""
-    told = motion.amount is not None and motion.amount.unit == "degrees"
-    return motion.amount.value if told and motion.amount is not None else 0.0
+    return motion.amount.value if motion.amount is not None and motion.amount.unit == "degrees" else 0.0

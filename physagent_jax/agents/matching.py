@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import cosine, scale
@@ -18,28 +19,10 @@ from physagent_jax.forces.schema import (
     Region,
     VelocityConstraint,
 )
+from physagent_jax.forces.skills import Skill, get_skill, list_skills
 
-_LINEAR = (
-    ActionType.TRANSLATION,
-    ActionType.IMPULSE,
-    ConstraintType.PARTICLE_TRANSLATION,
-    ConstraintType.PARTICLE_IMPULSE,
-)
-FITTING_TYPES: dict[MotionKind, tuple[ActionType | ConstraintType, ...]] = {
-    MotionKind.MOVE: _LINEAR,
-    MotionKind.SWAY: _LINEAR,
-    MotionKind.FALL: _LINEAR,
-    MotionKind.STRETCH: (ActionType.SCALE, ConstraintType.PARTICLE_TRANSLATION),
-    MotionKind.SQUEEZE: (
-        ActionType.SCALE,
-        ConstraintType.PARTICLE_TRANSLATION,
-        ConstraintType.MOVING_PLATE,
-    ),
-    MotionKind.ROTATE: (ActionType.TORQUE, ConstraintType.PARTICLE_ROTATION),
-    MotionKind.STILL: (),
-}
 _ALIGNED = 0.5
-_AXIAL = (MotionKind.STRETCH, MotionKind.SQUEEZE)
+AXIAL = (MotionKind.STRETCH, MotionKind.SQUEEZE)
 
 
 @dataclass(frozen=True)
@@ -62,9 +45,19 @@ class Cause:
         return f"{self.group}[{self.index}]"
 
     @property
-    def type(self) -> ActionType | ConstraintType:
-        """Its action or constraint type."""
-        return self.item.action_type if isinstance(self.item, Action) else self.item.constraint_type
+    def skill(self) -> Skill:
+        """Its skill."""
+        return get_skill(self.item)
+
+    @property
+    def pushes(self) -> bool:
+        """Return whether it is a force that lasts and moves the whole of its particles along a direction."""
+        return self.group == "actions" and "move" in self.skill.causes and not self.skill.is_sudden
+
+    def prescribe(self, **fields: Any) -> VelocityConstraint:
+        """The velocity constraint that does its work, with these fields."""
+        name = self.skill.prescribed_by or self.skill.name
+        return VelocityConstraint(constraint_type=ConstraintType(name), **fields)
 
     @property
     def direction(self) -> Vector:
@@ -72,11 +65,16 @@ class Cause:
         return scale(self.item.vector, 1.0 if self.item.magnitude > 0 else -1.0)
 
 
+def find_action_type(kind: MotionKind, sudden: bool = False) -> ActionType:
+    """The skill by which forces bring about a motion; the first of the library's, or a blow where it is sudden."""
+    fitting = (s for s in list_skills("actions") if s.is_sudden is sudden and (sudden or kind in s.causes))
+    return ActionType(next(fitting).name)
+
+
 def list_causes(force_field: ForceField) -> list[Cause]:
     """Every entry of a force field."""
-    return [Cause("actions", i, a) for i, a in enumerate(force_field.actions)] + [
-        Cause("constraints", i, c) for i, c in enumerate(force_field.constraints)
-    ]
+    groups = ("actions", "constraints")
+    return [Cause(group, i, item) for group in groups for i, item in enumerate(getattr(force_field, group))]
 
 
 def overlaps(cause: Cause, window: tuple[float, float]) -> bool:
@@ -104,14 +102,9 @@ def is_thrown_up(
 
 def find_causes(expectation: ExpectedMotion, force_field: ForceField) -> list[Cause]:
     """Entries of a fitting type that act in the window: those along the expected line, else all of them."""
-    fitting = [
-        cause
-        for cause in list_causes(force_field)
-        if cause.type in FITTING_TYPES[expectation.kind] and overlaps(cause, expectation.window)
-    ]
-    if (
-        expectation.kind in _AXIAL
-    ):  # a translation of something else than an end neither stretches nor squeezes
+    acting = [c for c in list_causes(force_field) if overlaps(c, expectation.window)]
+    fitting = [c for c in acting if expectation.kind in c.skill.causes]
+    if expectation.kind in AXIAL:  # a translation of something else than an end does neither
         fitting = [c for c in fitting if c.group == "actions" or _moves_ends(c) is not None]
     if expectation.direction is None:
         return fitting
@@ -123,43 +116,29 @@ def find_own_causes(
     expectation: ExpectedMotion, expectations: Sequence[ExpectedMotion], force_field: ForceField
 ) -> list[Cause]:
     """Causes of an expected motion without those that serve another one: they are not to be turned from it."""
-    served = {
-        cause.name
-        for other in expectations
-        if other is not expectation and other.kind is not MotionKind.SWAY
-        for cause in find_causes(other, force_field)
-        if agrees(cause, other)
-    }
-    return [
-        cause
-        for cause in find_causes(expectation, force_field)
-        if cause.name not in served or agrees(cause, expectation)
-    ]
+    others = [e for e in expectations if e is not expectation and e.kind is not MotionKind.SWAY]
+    served = {c.name for e in others for c in find_causes(e, force_field) if agrees(c, e)}
+    causes = find_causes(expectation, force_field)
+    return [c for c in causes if c.name not in served or agrees(c, expectation)]
 
 
 def find_misfits(
     expectation: ExpectedMotion, expectations: Sequence[ExpectedMotion], force_field: ForceField
 ) -> list[Cause]:
     """Actions in the window whose type cannot cause this motion and that no other expectation needs."""
-    needed = {
-        c.name for other in expectations if other is not expectation for c in find_causes(other, force_field)
-    }
-    return [
-        cause
-        for cause in list_causes(force_field)
-        if cause.group == "actions"
-        and cause.type not in FITTING_TYPES[expectation.kind]
-        and overlaps(cause, expectation.window)
-        and cause.name not in needed
-    ]
+    others = [e for e in expectations if e is not expectation]
+    needed = {c.name for e in others for c in find_causes(e, force_field)}
+    acting = [c for c in list_causes(force_field) if overlaps(c, expectation.window)]
+    misfits = [c for c in acting if c.group == "actions" and expectation.kind not in c.skill.causes]
+    return [c for c in misfits if c.name not in needed]
 
 
 def _moves_ends(cause: Cause) -> MotionKind | None:
     """Return whether a constraint moves an end of the object outwards or inwards; None = neither."""
-    if cause.type is ConstraintType.MOVING_PLATE:
+    if cause.skill.deforms == "plates":
         return MotionKind.SQUEEZE
     region = cause.item.region
-    if cause.type is not ConstraintType.PARTICLE_TRANSLATION or region is None:
+    if cause.skill.deforms is None or region is None:
         return None
     along = max((cosine(cause.direction, side) for side in _list_ends(region)), key=abs, default=0.0)
     if abs(along) < _ALIGNED:
@@ -173,11 +152,8 @@ def _list_ends(region: Region) -> list[Vector]:
         return [region.normal]
     if not isinstance(region, BoxRegion):
         return []
-    ends: list[Vector] = []
-    for low, high, axis in zip(region.low, region.high, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))):
-        if (low <= 0) != (high >= 1):
-            ends.append(axis if high >= 1 else scale(axis, -1.0))
-    return ends
+    axes = zip(region.low, region.high, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
+    return [scale(axis, 1.0 if high >= 1 else -1.0) for low, high, axis in axes if (low <= 0) != (high >= 1)]
 
 
 def find_strays(expectations: Sequence[ExpectedMotion], force_field: ForceField) -> list[Cause]:
@@ -185,7 +161,6 @@ def find_strays(expectations: Sequence[ExpectedMotion], force_field: ForceField)
 
     What acts the other way along the line of a cause that has ended is its brake, or the other half of a swing.
     """
-    causes = list_causes(force_field)
     serving: list[Cause] = []
     for expectation in expectations:
         if expectation.kind in (MotionKind.STILL, MotionKind.FALL):
@@ -197,25 +172,20 @@ def find_strays(expectations: Sequence[ExpectedMotion], force_field: ForceField)
         if expectation.kind is MotionKind.SWAY:
             serving += find_causes(expectation, force_field)
     names = {cause.name for cause in serving}
-    return [cause for cause in causes if cause.name not in names and not _brakes(cause, serving)]
+    others = [cause for cause in list_causes(force_field) if cause.name not in names]
+    return [cause for cause in others if not _brakes(cause, serving)]
 
 
 def _brakes(cause: Cause, serving: Sequence[Cause]) -> bool:
     """Return whether it begins where one of ``serving`` ends, and acts against it."""
-    if cause.item.active_time is None:
-        return False
-    begin = cause.item.active_time[0]
-    return any(
-        other.item.active_time is not None
-        and other.item.active_time[1] <= begin + 0.5
-        and cosine(cause.direction, other.direction) < -_ALIGNED
-        for other in serving
-    )
+    against = [c.item.active_time for c in serving if cosine(cause.direction, c.direction) < -_ALIGNED]
+    window = cause.item.active_time
+    return window is not None and any(time is not None and time[1] <= window[0] + 0.5 for time in against)
 
 
 def agrees(cause: Cause, expectation: ExpectedMotion) -> bool:
     """Return whether a cause drives the motion the way that the sentence says (its sign, for stretch and squeeze)."""
-    if expectation.kind in _AXIAL:
+    if expectation.kind in AXIAL:
         if cause.group == "constraints":
             return _moves_ends(cause) is expectation.kind
         return (cause.item.magnitude > 0) == (expectation.kind is MotionKind.STRETCH)

@@ -1,6 +1,7 @@
 """Schemas that agents exchange: the scene brief, the intent, the judgement.
 
-Pure data: no arrays, no jax. Frames are the unit of time, body lengths the unit of length.
+Pure data: no arrays, no jax. Frames are the unit of time, body lengths the unit of length. ``words`` are those of the
+sentence that led to a value.
 """
 
 from __future__ import annotations
@@ -90,7 +91,6 @@ class AnchorRequest(Strict):
 
     Attributes:
         kind: "base" (a slab at the foot), "top", "none" (explicitly free), or None (says nothing).
-        words: The words that led to it.
         described: True if a word describes the object so ("potted"); False if the sentence asks that it be held.
     """
 
@@ -106,7 +106,6 @@ class ObstacleRequest(Strict):
         kind: "wall" stands upright or hangs overhead across the way; "block" is a box beside the object.
         direction: Where it is, seen from the object (unit world vector).
         distance: Distance of its face from the object's nearest side [body lengths].
-        words: The words that led to it.
     """
 
     kind: Literal["wall", "block"] = "wall"
@@ -119,10 +118,9 @@ class WorldRequest(Strict):
     """A request of the sentence about the surroundings; None = nothing.
 
     Attributes:
-        gravity: "down", "up" (reversed) or "none".
+        gravity: "up" is reversed.
         ground: Whether there is ground under the object.
         obstacles: Walls and blocks that it names.
-        words: The words that led to it.
     """
 
     gravity: Literal["down", "up", "none"] | None = None
@@ -165,7 +163,6 @@ class ExpectedMotion(Strict):
         leaves_place: True if a move takes the object as a whole from its place: it is thrown, it jumps, it slides or
             is carried, or it goes a told distance. False for what may as well bend an object whose foot is held.
         amount: A quantity that the sentence names; None = none.
-        words: The words that led to it.
     """
 
     kind: MotionKind
@@ -189,7 +186,6 @@ class Evidence(Strict):
     """The words that led to a value, for the report.
 
     Attributes:
-        words: The words as they stand in the prompt.
         field: The value's place, like "actions[0].vector".
         value: The value in words.
         why: The rule, in a short sentence.
@@ -211,10 +207,12 @@ class SemanticReply(Strict):
         anchor: What the sentence says about holding.
         world: What it says about gravity, ground and obstacles.
         frame_count: Frames that the clip should have for what is asked; None = as the brief says.
+        ignored: Words about looks, scenery, camera or mood, which do not bear on the motion: no bar to success.
         evidence: Which words led to which value.
         not_understood: Content words that led to nothing.
         unsure: What was not understood and would change the motion, in plain sentences: no motion can then be called
             a success.
+        materials: Words for what the object is made of, as they stand in the sentence: "jelly" in "made of jelly".
         notes: Assumptions made, in plain sentences.
     """
 
@@ -223,9 +221,11 @@ class SemanticReply(Strict):
     anchor: AnchorRequest = AnchorRequest()
     world: WorldRequest = WorldRequest()
     frame_count: int | None = Field(default=None, ge=2, le=10_000)
+    ignored: tuple[str, ...] = ()
     evidence: tuple[Evidence, ...] = ()
     not_understood: tuple[str, ...] = ()
     unsure: tuple[str, ...] = ()
+    materials: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 
 
@@ -263,6 +263,35 @@ class Check(Strict):
     remedy: str = ""
 
 
+class StageVerdict(enum.StrEnum):
+    """The verdict on one stage of a sentence."""
+
+    MET = "met"
+    NOT_MET = "not met"
+    NOT_SEEN = "not seen"
+
+
+class Stage(Strict):
+    """One step of a sentence, judged by itself: the motions that begin together.
+
+    Attributes:
+        expectations: Indices of its motions.
+        window: [first, last] frames of its motions.
+        verdict: Met, if all of its checks passed; not met, if one failed; not seen, if one could not be made.
+        asked: The range in words of the check that decides it, with its question.
+        measured: The value seen in words.
+        misfit: What the worst of its checks is short of a full score, in [0, 1]; 0 = met.
+    """
+
+    expectations: tuple[Count, ...]
+    words: str = ""
+    window: tuple[_Frame, _Frame]
+    verdict: StageVerdict
+    asked: str = ""
+    measured: str = ""
+    misfit: float = Field(default=0.0, ge=0, le=1)
+
+
 class Judgement(Strict):
     """The planner's answer: SUCCESS, or FAIL with a suggestion; that alone is a complete judgement.
 
@@ -270,13 +299,22 @@ class Judgement(Strict):
         verdict: Whether the motion is what the sentence asks for.
         score: 0 (contrary) .. 1 (as asked), ranks the rounds; None = the planner gives none.
         checks: Every comparison made, if the planner judges by comparisons.
+        stages: The sentence's steps in order, each with its own verdict, if the planner judges them one by one.
         suggestion: What the executor should change, in words (empty on SUCCESS).
+        notes: How it came about, in plain sentences: a model's comparison, a disagreement between judges.
     """
 
     verdict: Verdict
     score: float | None = Field(default=None, ge=0, le=1)
     checks: tuple[Check, ...] = ()
+    stages: tuple[Stage, ...] = ()
     suggestion: str = ""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def stages_met(self) -> int:
+        """The number of stages that came true."""
+        return sum(stage.verdict is StageVerdict.MET for stage in self.stages)
 
 
 class Rewrite(Strict):

@@ -8,37 +8,30 @@ from collections.abc import Sequence
 from physagent_jax.agents.matching import Cause
 from physagent_jax.agents.vectors import cosine, dot
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.schema import ActionType, BoxRegion, ConstraintType, HalfSpaceRegion, Region
+from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, Region
 
 _PARALLEL = 0.9
 _SAMPLES = [i / 8 for i in range(9)]
-_ONE_KIND = {
-    ConstraintType.PARTICLE_IMPULSE: ActionType.IMPULSE
-}  # a blow is a blow, however it is carried out
 
 
 def find_room(cause: Cause, others: Sequence[Cause], last: float) -> tuple[float, list[Cause]]:
-    """The magnitude that is left for ``cause`` beside ``others`` that act at the same time.
-
-    Args:
-        cause: What is to act too.
-        others: What acts already.
-        last: Last frame of the clip.
+    """The magnitude that is left for ``cause`` beside ``others``, in a clip that ends with frame ``last``.
 
     Returns:
         1.6 less the largest sum, at any instant, of what pulls the same way along the same line on the same matter;
         and what pulls there.
     """
-    fellows = [other for other in others if acts_alike(cause, other) and share_window(cause, other, last)]
-    first, end = get_span(cause, last)
-    instants = [first, *(start for other in fellows if first <= (start := get_span(other, last)[0]) < end)]
+    first, end = _get_span(cause, last)
+    fellows = []
+    for other in others:
+        begun, ended = _get_span(other, last)
+        if begun < end and first < ended and _acts_alike(cause, other):
+            fellows.append((other, begun, ended, _project(cause, other)))
     largest = 0.0
-    for instant in instants:
-        acting = [
-            other for other in fellows if get_span(other, last)[0] <= instant < get_span(other, last)[1]
-        ]
-        largest = max(largest, sum(max(_project(cause, other), 0.0) for other in acting))
-    return MAGNITUDE_MAX - largest, [other for other in fellows if _project(cause, other) > 0]
+    for instant in (first, *(begun for _, begun, _, _ in fellows if first <= begun < end)):
+        acting = (max(size, 0.0) for _, begun, ended, size in fellows if begun <= instant < ended)
+        largest = max(largest, sum(acting))
+    return MAGNITUDE_MAX - largest, [other for other, _, _, size in fellows if size > 0]
 
 
 def fits(room: float, magnitude: float) -> bool:
@@ -51,34 +44,26 @@ def has_room(room: float) -> bool:
     return room >= MAGNITUDE_MIN - 1e-9
 
 
-def acts_alike(one: Cause, other: Cause) -> bool:
+def _acts_alike(one: Cause, other: Cause) -> bool:
     """Return whether two entries are of one kind, along one line, and on the same particles."""
-    kinds = [_ONE_KIND.get(c.type, c.type) for c in (one, other)]  # type: ignore[arg-type]
-    if kinds[0] is not kinds[1] or abs(cosine(one.item.vector, other.item.vector)) < _PARALLEL:
+    kinds = [cause.skill.stacks_with or cause.skill.name for cause in (one, other)]
+    if kinds[0] != kinds[1] or abs(cosine(one.item.vector, other.item.vector)) < _PARALLEL:
         return False
-    return one.item.object == other.item.object and do_regions_meet(one.item.region, other.item.region)
+    return one.item.object == other.item.object and _do_regions_meet(one.item.region, other.item.region)
 
 
-def share_window(one: Cause, other: Cause, last: float) -> bool:
-    """Return whether there is an instant in which both act."""
-    (a, b), (c, d) = get_span(one, last), get_span(other, last)
-    return a < d and c < b
-
-
-def get_span(cause: Cause, last: float) -> tuple[float, float]:
+def _get_span(cause: Cause, last: float) -> tuple[float, float]:
     """First and last frame in which it acts."""
     return cause.item.active_time or (0.0, max(last, 1e-3))
 
 
 def _project(cause: Cause, other: Cause) -> float:
     """The other's magnitude in the sense of ``cause``; an axis of a stretch has no sense of its own."""
-    value = other.item.magnitude * (1.0 if cause.item.magnitude > 0 else -1.0)
-    if cause.type is ActionType.SCALE:
-        return value
-    return value if cosine(cause.item.vector, other.item.vector) > 0 else -value
+    along = cause.skill.is_two_sided or cosine(cause.item.vector, other.item.vector) > 0
+    return other.item.magnitude * (1.0 if (cause.item.magnitude > 0) == along else -1.0)
 
 
-def do_regions_meet(one: Region | None, other: Region | None) -> bool:
+def _do_regions_meet(one: Region | None, other: Region | None) -> bool:
     """Return whether two parts of the object have something in common; looked at on a lattice over its bounding box."""
     if one is None or other is None or one == other:
         return True

@@ -54,17 +54,10 @@ class Trace(Strict):
 
     def followed_by(self, later: Trace) -> Trace:
         """This call and a later one of the same agent as one: the later answer, and the cost of both."""
-        return later.model_copy(
-            update=dict(
-                model=later.model or self.model,
-                messages=self.messages + later.messages,
-                validation_errors=self.validation_errors + later.validation_errors,
-                repairs=self.repairs + later.repairs,
-                input_tokens=self.input_tokens + later.input_tokens,
-                output_tokens=self.output_tokens + later.output_tokens,
-                latency_seconds=self.latency_seconds + later.latency_seconds,
-            )
-        )
+        cost = ("input_tokens", "output_tokens", "latency_seconds")
+        both = ("messages", "validation_errors", "repairs", *cost)
+        summed = {name: getattr(self, name) + getattr(later, name) for name in both}
+        return later.model_copy(update={"model": later.model or self.model, **summed})
 
 
 @dataclass(frozen=True)

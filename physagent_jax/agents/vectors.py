@@ -16,6 +16,16 @@ def add(vectors: Iterable[Vector]) -> Vector:
     return (x, y, z)
 
 
+def subtract(a: Vector, b: Vector) -> Vector:
+    """``a - b``."""
+    return add([a, scale(b, -1.0)])
+
+
+def reject(v: Vector, axis: Vector, low: float = -math.inf, high: float = math.inf) -> Vector:
+    """``v`` less its part along a unit vector, of which only what lies in [low, high] is taken away."""
+    return add([v, scale(axis, -clamp(dot(v, axis), low, high))])
+
+
 def scale(v: Vector, factor: float) -> Vector:
     """``factor * v``; adding 0.0 turns -0.0 into 0.0, so that equal vectors print alike."""
     return (factor * v[0] + 0.0, factor * v[1] + 0.0, factor * v[2] + 0.0)

@@ -75,7 +75,7 @@ class Schema:
             "manifest",
         ]
     ] = "scene"
-    """Which format."""
+    """Name of the format."""
 
     def __call__(self) -> int:
         """Run the command; return the exit code."""

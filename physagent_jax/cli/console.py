@@ -78,6 +78,8 @@ class ConsoleObserver(Observer):
         """Print what was assumed, and the words that led to nothing, while the run can still be stopped."""
         for note in reply.notes:
             stderr.print(f"  assumed: {_escape(note)}")
+        if reply.ignored:
+            stderr.print(f"  ignored: {_escape(', '.join(reply.ignored))}")
         if reply.not_understood:
             stderr.print(f"  [yellow]not understood:[/] {_escape(describe_unknown(reply))}")
         for doubt in reply.unsure:
@@ -108,8 +110,16 @@ class ConsoleObserver(Observer):
         stderr.print(
             f"[{colour}]{'✓' if good else '✗'}[/] {which}: [{colour}]{judgement.verdict.value}[/]{score}"
         )
+        for number, stage in enumerate(judgement.stages, 1):
+            if len(judgement.stages) > 1:
+                found = f"{stage.asked}: {stage.measured}"
+                stderr.print(
+                    f"  stage {number}, {stage.verdict.value}: {_escape(f'{stage.words} ({found})')}"
+                )
         if judgement.suggestion:
             stderr.print(f"  {_escape(judgement.suggestion)}")
+        for note in judgement.notes:
+            stderr.print(f"  {_escape(note)}")
 
     def close(self) -> None:
         """Remove a bar that is still on the screen."""

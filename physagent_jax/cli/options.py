@@ -40,7 +40,8 @@ OPTIONS = {
     "camera.elevation_degrees": "--elevation",
     "world": "--world",
     "friction": "--friction",
-    "agents.semantic.name": "--semantic",
+    "agents.semantic.name": "--reader",
+    "agents.semantic.options.form": "--form",
     "agents.planner.name": "--planner",
     "agents.executor.name": "--executor",
     "rounds": "--max-iterations",
@@ -54,7 +55,15 @@ OPTIONS = {
 }
 """The option that sets each field of the spec; the box of an anchor and the pictures' height have theirs below."""
 
-_BESIDE = {"out", "spec", "max_minutes", "max_memory", "overwrite", "json_line"}  # not what a run is
+_BESIDE = {
+    "out",
+    "spec",
+    "record",
+    "max_minutes",
+    "max_memory",
+    "overwrite",
+    "json_line",
+}  # not what a run is
 
 
 def to_spec(options: Mapping[str, Any]) -> RunSpec:
@@ -72,11 +81,14 @@ def to_spec(options: Mapping[str, Any]) -> RunSpec:
     values = {field: _simplify(options[_name_attribute(option)]) for field, option in OPTIONS.items()}
     values["overrides.height"] = values["overrides.width"]
     values["camera.follow"] = options["follow"] or None
+    _check_model(options)
+    model = choose_model(options["llm"], options["model"], options["replay"], eyes=options["eyes"])
     video_size = parse_size(values.pop("save.video_size"))
     if (box := options["anchor_box"]) is not None:
         values["anchor.point"], values["anchor.half_size"] = box[:3], box[3:]
     try:
         tree = _nest(values)
+        tree["agents"]["model"] = model
         tree["save"]["video_size"] = video_size  # None too says something here
         return RunSpec.model_validate(tree)
     except ValidationError as error:
@@ -100,6 +112,49 @@ def parse_size(text: str) -> tuple[int, int] | None:
     if not 16 <= min(width, height) <= max(width, height) <= 4096:
         raise UserError("`--video-size` must be 16 to 4096 pixels a side", got=text, do="Pass 1280x720")
     return width, height
+
+
+def choose_model(
+    place: str | None, name: str | None, cassette: Path | None, *, eyes: bool = False
+) -> dict[str, Any] | None:
+    """The language model of ``--llm``, ``--model``, ``--eyes`` and ``--replay``; None if they name none.
+
+    Raises:
+        UserError: They exclude each other, or one means nothing without another.
+    """
+    if cassette is not None:
+        if place is not None or name is not None:
+            raise UserError(
+                "`--replay` and `--llm` both say who answers",
+                do="Pass one of them; the cassette knows its model",
+            )
+        return {"name": "replay", "options": {"path": str(cassette)}}
+    if place is None:
+        for option, given in (("--model", name is not None), ("--eyes", eyes)):
+            if given:
+                raise UserError(
+                    f"`{option}` means nothing without `--llm`", do="Pass --llm http://HOST:PORT/v1"
+                )
+        return None
+    seeing = {"eyes": True} if eyes else {}
+    if place.startswith(("http://", "https://")):
+        if name is None:
+            raise UserError(
+                "`--llm` needs the model's name", got=place, do="Pass --model NAME, as the server has it"
+            )
+        return {"name": "openai", "options": {"url": place, "model": name, **seeing}}
+    path = Path(place)
+    if name is not None:
+        raise UserError("`--model` means nothing with a model's file", got=place, do="Leave it out")
+    if path.is_dir():
+        return {"name": "transformers", "options": {"path": place, **seeing}}
+    if path.is_file():
+        return {"name": "llama", "options": {"path": place, **seeing}}
+    raise UserError(
+        "`--llm` is a server's address, a GGUF file or a folder with a model",
+        got=place,
+        do="Pass http://HOST:PORT/v1, or a path that exists",
+    )
 
 
 def read_whole_spec(path: Path, changed: Iterable[str]) -> RunSpec:
@@ -166,6 +221,31 @@ def _check_pairs(options: Mapping[str, Any]) -> None:
         if options["anchor"] == kind and not given:
             example = "x y z hx hy hz" if kind == "box" else "mask.npy"
             raise UserError(f"`--anchor {kind}` needs a {kind}", do=f"Pass {option} {example}")
+
+
+_ASKING = {"reader": ("model", "both"), "planner": ("chat", "both"), "executor": ("chat",)}
+
+
+def _check_model(options: Mapping[str, Any]) -> None:
+    """Refuse an agent that asks a model where none is named, and a model that nobody asks."""
+    asking = [f"--{role} {options[role]}" for role, names in _ASKING.items() if options[role] in names]
+    named = options["llm"] is not None or options["replay"] is not None
+    if asking and not named:
+        raise UserError(
+            f"`{asking[0]}` asks a language model, and none is named",
+            do="Pass --llm http://HOST:PORT/v1 --model NAME, --llm with a model's file or folder, or --replay CASSETTE",
+        )
+    if named and not asking:
+        raise UserError(
+            f"`--{'llm' if options['llm'] is not None else 'replay'}` names a language model that nobody asks",
+            do="Pass --reader model, --planner chat or --executor chat too",
+        )
+    if options["form"] is not None and options["reader"] == "grammar":
+        raise UserError(
+            "`--form` means nothing where no model reads", do="Pass --reader model, or leave it out"
+        )
+    if options["record"] is not None and options["llm"] is None:
+        raise UserError("`--record` has nothing to record without `--llm`", do="Pass --llm, or leave it out")
 
 
 def _nest(values: dict[str, Any]) -> dict[str, Any]:

@@ -29,7 +29,7 @@ class Plan:
     """
 
     prompt: tyro.conf.Positional[str]
-    """What should happen, in everyday English."""
+    """The wanted motion, in everyday English."""
     object: Path
     """3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply)."""
     preset: PresetName = PresetName.FAST
@@ -41,15 +41,27 @@ class Plan:
     kind: str | None = None
     """plant, food, robot, ... (decides what is held); default: its card, else from the file's name."""
     azimuth: float | None = None
-    """Where the camera stands, in degrees about the vertical: it decides what left is."""
+    """The camera's place, in degrees about the vertical: it decides what left is."""
+    material: str | None = None
+    """As for `physagent run`."""
     anchor: Literal["auto", "none", "base", "top"] = "auto"
-    """What is held fixed; auto: what the sentence says, else what the kind implies."""
+    """The part that is held fixed; auto: as the sentence says, else as the kind implies."""
     world: Literal["ground", "free"] | None = None
     """As for `physagent run`."""
     frames: int | None = None
     """Pictures of the clip; default: as many as the sentence needs."""
-    semantic: str = "rules"
-    """Who reads the sentence."""
+    reader: Literal["grammar", "model", "both"] = "grammar"
+    """Agent that reads the sentence; both: the grammar's reading stands, and the model may doubt it."""
+    form: Literal["clauses", "by-clause", "paper"] | None = None
+    """As for `physagent run`."""
+    llm: str | None = None
+    """The language model: http://HOST:PORT/v1 of a server, a GGUF file, or a folder with a model."""
+    model: str | None = None
+    """Name of the model, as the server of --llm has it."""
+    record: Path | None = None
+    """Cassette that keeps every request to the model and its answer."""
+    replay: Path | None = None
+    """Cassette with the model's answers, in place of --llm."""
     json_line: Annotated[bool, tyro.conf.arg(name="json")] = False
     """Print one line of JSON instead of sentences."""
 
@@ -57,8 +69,8 @@ class Plan:
         """Run the command; return the exit code."""
         from physagent_jax.cli.console import warn
         from physagent_jax.run.brief import make_brief
+        from physagent_jax.run.chosen_agents import open_agents
         from physagent_jax.run.first_picture import check_first_picture, is_in_doubt
-        from physagent_jax.run.loop import agents_of
         from physagent_jax.run.reading import read_for_scene
         from physagent_jax.run.resolve import resolve
         from physagent_jax.scene.body import make_body
@@ -73,7 +85,8 @@ class Plan:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", UserWarning)
             body = make_body(template.source, template.preset.filling, template.preset.domain, run.base_dir)
-        reply = read_for_scene(run, body, agents_of(run.spec).semantic.compile).value
+        with open_agents(run.spec, run.base_dir, record=self.record) as agents:
+            reply = read_for_scene(run, body, agents.semantic.compile).value
         template, placed = run.place(body, reply)
         after = make_brief(template, frames_fixed=run.frames_fixed)
         damped = damp(template, body)[1]
@@ -103,7 +116,9 @@ def to_json(reply: SemanticReply, brief: SceneBrief) -> dict:
         "anchor": {"held": brief.anchored, **shown["anchor"]},
         "frames": brief.frame_count,
         "seconds": round((brief.frame_count - 1) * brief.frame_dt, 6),
+        "materials": list(reply.materials),
         "assumptions": list(reply.notes),
+        "ignored": list(reply.ignored),
         "not_understood": list(reply.not_understood),
         "unsure": list(reply.unsure),
         "directions": brief.directions.model_dump(mode="json"),
@@ -138,6 +153,8 @@ def describe_plan(reply: SemanticReply, brief: SceneBrief, reading: str = "") ->
     lines.append(f"held: {brief.anchored or 'nowhere'}")
     lines.append(f"clip: {brief.frame_count} frames, {(brief.frame_count - 1) * frame_dt:.3g} s")
     lines += [f"assumed: {note}" for note in reply.notes]
+    if reply.ignored:
+        lines.append(f"ignored: {', '.join(reply.ignored)}")
     if reply.not_understood:
         lines.append(f"not understood: {describe_unknown(reply)}")
     return lines + [f"unsure, so that nothing is called a success: {doubt}" for doubt in reply.unsure]

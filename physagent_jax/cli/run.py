@@ -34,7 +34,7 @@ class Run:
     object: Path | None = None
     """3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply)."""
     prompt: str | None = None
-    """What should happen, in everyday English."""
+    """The wanted motion, in everyday English."""
     spec: Path | None = None
     """JSON or YAML that says all of the run, in place of the options that do (`physagent schema run`)."""
     preset: PresetName = PresetName.FAST
@@ -45,13 +45,13 @@ class Run:
     kind: str | None = None
     """plant, food, robot, ... (decides material and anchor); default: its card, else from the file's name."""
     azimuth: float | None = None
-    """Where the camera stands, in degrees about the vertical; default: the card's, else where the object is broad."""
+    """The camera's place, in degrees about the vertical; default: the card's, else where the object is broad."""
     elevation: float = 10.0
     """The camera's height above the horizon, in degrees."""
     follow: bool = False
     """Have the video's camera go along with the object; else it does so only if the object would be too small."""
     anchor: AnchorChoice = "auto"
-    """What is held fixed; auto: what the sentence says, else what the kind implies."""
+    """The part that is held fixed; auto: as the sentence says, else as the kind implies."""
     anchor_box: tuple[float, float, float, float, float, float] | None = None
     """For --anchor box: centre and half size in metres (the object's longest side is 1 m, centred in the domain)."""
     anchor_mask: Path | None = None
@@ -63,17 +63,17 @@ class Run:
     soften: float | Literal["auto"] | None = None
     """Make the material so many times softer, with the same strains at yield; auto: so that a round is affordable."""
     youngs_modulus: float | None = None
-    """E [Pa]; default: the material's."""
+    """Young's modulus E [Pa]; default: the material's."""
     poissons_ratio: float | None = None
-    """nu; default: the material's."""
+    """Poisson's ratio nu; default: the material's."""
     density: float | None = None
-    """[kg/m^3]; default: the material's."""
+    """Density [kg/m^3]; default: the material's."""
     damping_ratio: float | None = None
     """Share of critical damping of the object's lowest mode, 0 to 1; default: its kind's, if that costs little."""
     world: Literal["ground", "free"] = "ground"
     """ground: it stands on the ground and gravity acts, unless the sentence says otherwise; free: it floats."""
     friction: float | None = None
-    """Of the ground; default: that of a dry floor (0.4), and none in the free world."""
+    """Friction coefficient of the ground; default: that of a dry floor (0.4), and none in the free world."""
     opacity_threshold: float = 0.02
     """Gaussians with less opacity are left out."""
     splat_encoding: SplatEncoding | None = None
@@ -86,18 +86,32 @@ class Run:
     """Width and height of the pictures that perception gets; default: the preset's."""
     video_size: str = "1280x720"
     """Width and height of the video, which is drawn for people; off: none is."""
-    max_iterations: int = 3
-    """Rounds at most."""
-    semantic: str = "rules"
-    """Who reads the sentence."""
-    planner: str = "rules"
-    """Who judges the motion."""
-    executor: str = "rules"
-    """Who rewrites the force field."""
+    max_iterations: Annotated[int, tyro.conf.arg(aliases=("--rounds",))] = 3
+    """Rounds at most; they end earlier where none of the last two improved anything."""
+    reader: Literal["grammar", "model", "both"] = "grammar"
+    """Agent that reads the sentence; both: the grammar's reading stands, and the model may doubt it."""
+    form: Literal["clauses", "by-clause", "paper"] | None = None
+    """Answer of a model that reads: words of the whole sentence (clauses, the default), words clause by clause
+    (by-clause, for small models), or the paper's force field (paper)."""
+    planner: Literal["rules", "chat", "both"] = "rules"
+    """Agent that judges the motion; chat: a model; both: a success needs rules and model."""
+    executor: Literal["rules", "chat"] = "rules"
+    """Agent that rewrites the force field; chat: a model, inside the hard rules."""
+    llm: str | None = None
+    """The language model: http://HOST:PORT/v1 of a server, a GGUF file, or a folder with a model. A key comes from the
+    environment alone."""
+    model: str | None = None
+    """Name of the model, as the server of --llm has it."""
+    eyes: bool = False
+    """Show key frames to the model that judges: it has to take pictures."""
+    record: Path | None = None
+    """Cassette that keeps every request to the model and its answer."""
+    replay: Path | None = None
+    """Cassette with the model's answers, in place of --llm."""
     probe: bool = False
     """First try force fields on a coarse version of the scene; the rounds then begin with the best of them."""
     seed: int = 0
-    """Of everything random."""
+    """Seed of everything random."""
     ledger: bool = False
     """Also record work, dissipation and impulses, frame by frame (plotted in the report)."""
     save_frames: bool = False
@@ -117,6 +131,7 @@ class Run:
         """Run the command; return the exit code."""
         # Imported here, so that --help does not wait for JAX.
         from physagent_jax.report.html import write_report
+        from physagent_jax.run.chosen_agents import open_agents
         from physagent_jax.run.loop import run_loop
         from physagent_jax.run.resolve import resolve
         from physagent_jax.run.store import PLAIN_VIDEO, VIDEO
@@ -137,9 +152,16 @@ class Run:
         observer = ConsoleObserver()
         command = " ".join(map(shlex.quote, sys.argv))
         try:
-            store = run_loop(
-                run, self.out, observer=observer, limits=limits, overwrite=self.overwrite, command=command
-            )
+            with open_agents(run.spec, run.base_dir, record=self.record) as agents:
+                store = run_loop(
+                    run,
+                    self.out,
+                    agents=agents,
+                    observer=observer,
+                    limits=limits,
+                    overwrite=self.overwrite,
+                    command=command,
+                )
         finally:
             observer.close()
         report = write_report(store.path)
@@ -150,7 +172,9 @@ class Run:
         if self.json_line:
             print(json.dumps(summary))
         else:
-            stderr.print(f"[bold]{summary['verdict']}[/] after {summary['iterations']} round(s)")
+            stderr.print(
+                f"[bold]{summary['verdict']}[/] after {summary['iterations']} round(s): {summary['stopped']}"
+            )
             video = PLAIN_VIDEO if run.spec.save.video_size is None else VIDEO
             print(f"video:  {store.path / video}\nreport: {report}")
         return 0
@@ -171,7 +195,9 @@ def summarise(store, seconds: float) -> dict:
     return {
         "verdict": manifest.verdict,
         "iterations": manifest.iterations,
+        "stopped": manifest.stopped,
         "assumptions": understood.notes,
+        "ignored": understood.ignored,
         "not_understood": understood.not_understood,
         "unsure": understood.unsure,
         "frames": len(best.kinetic_energy),

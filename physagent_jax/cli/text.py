@@ -12,6 +12,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import shorten
 
 _LONGEST = 4096  # bytes of an argument: as long as a path may be on Linux, and more than a sentence needs
+_RENAMED = {"--semantic": "--reader"}  # options of earlier versions
 _HANDLER = "physagent.stand_in"  # how Python calls what replaces characters that an encoding lacks
 _STAND_INS = {
     "·": "-", "✓": "+", "✗": "x", "…": "...", "×": "x", "–": "-", "—": "-", "‘": "'", "’": "'", "“": '"', "”": '"',
@@ -38,6 +39,11 @@ def check_arguments(arguments: Sequence[str]) -> None:
         UserError: One is empty, too long, holds a zero byte, or bytes that are no text in the terminal's encoding.
     """
     for argument in arguments:
+        if (old := argument.partition("=")[0]) in _RENAMED:
+            new = _RENAMED[old]
+            raise UserError(
+                f"`{old}` is called `{new}` now", got=argument, do=f"Pass {new} grammar, model or both"
+            )
         shown = shorten(repr(argument), 60)
         if not argument or (argument.startswith("--") and argument.endswith("=")):
             raise UserError("an argument is empty", got=shown, do="Leave the option out, or give it a value")

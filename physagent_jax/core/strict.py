@@ -21,7 +21,7 @@ Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Positive = Annotated[float, Field(ge=1 / LARGEST, le=LARGEST)]
 NonNegative = Annotated[float, Field(ge=0, le=LARGEST)]
 Seed = Annotated[int, Field(ge=0, lt=2**32)]
-"""Of a random generator: NumPy's and JAX's both take it."""
+"""Seed of a random generator: NumPy's and JAX's both take it."""
 Numbers = tuple[Number, Number, Number]
 Count = Annotated[int, Field(ge=0, lt=2**63)]
 

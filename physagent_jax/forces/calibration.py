@@ -2,7 +2,7 @@
 
 Plain numbers, so that agents read them without arrays. Lengths are in body lengths (L, the object's longest extent)
 and times in clips (T) unless a unit is given. A skill at M = 1 does what is said here to a free object on which nothing
-else acts; the formulas are in `forces.skills`.
+else acts; the formulas are in `forces.scaling`.
 """
 
 from __future__ import annotations
@@ -104,21 +104,3 @@ def find_reference_time(held: bool, duration: float) -> float:
         duration: Duration of the clip [s].
     """
     return HELD_TIME if held else min(duration, REFERENCE_TIME)
-
-
-def describe_meaning(skill: str) -> str:
-    """Describe the effect of M = 1, for people and language models.
-
-    Args:
-        skill: A name of `forces.schema.SkillScaling`: "translation", "scale", "impulse", "torque", "velocity",
-            "rotation" or "swing".
-    """
-    return {
-        "translation": f"unopposed, {TRAVEL:g} body length by the clip's end",
-        "impulse": f"unopposed, {TRAVEL:g} body length from the clip's start to its end",
-        "torque": f"unopposed, {math.degrees(TURN):g} degrees by the clip's end",
-        "swing": f"to and fro, {SWING:g} body lengths to either side",
-        "scale": f"a linear strain of {STRAIN:g}",
-        "velocity": f"{PRESCRIBED_TRAVEL:g} body lengths per clip",
-        "rotation": f"{math.degrees(TURN):g} degrees per clip",
-    }[skill]

@@ -1,6 +1,6 @@
 """The skill library's description for authors of force fields: a text and a JSON schema.
 
-Both are made from `forces.schema`, so that a change there reaches every agent.
+Both are made from `forces.schema` and the registered skills, so that a change there reaches every agent.
 """
 
 from __future__ import annotations
@@ -11,25 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField, VelocityConstraint
-
-_MEANING = {
-    ActionType.TRANSLATION: "a steady push along `vector`; at magnitude 1, over the whole clip and unopposed, it moves "
-    "the object by its own longest extent",
-    ActionType.SCALE: "a stretch along the axis `vector` (a squeeze with a negative magnitude), held while it acts",
-    ActionType.IMPULSE: "a blow along `vector`, spread over `active_time`; at magnitude 1 and unopposed the object "
-    "then travels its own longest extent in a clip's duration",
-    ActionType.TORQUE: "a steady turn about the axis `vector` (right-hand rule) through the mass centre; at "
-    "magnitude 1, over the whole clip and unopposed, it is a quarter turn",
-}
-_CONSTRAINTS = {
-    ConstraintType.PARTICLE_TRANSLATION: "holds the region's particles at a velocity along `vector` while it acts; a "
-    "stretch or squeeze is exactly two of them, on opposite ends and opposed",
-    ConstraintType.PARTICLE_ROTATION: "turns the region's particles about the axis `vector` through their own centre; "
-    "a twist is two of them, on opposite ends and opposed",
-    ConstraintType.PARTICLE_IMPULSE: "adds a velocity along `vector` at once, when `active_time` begins",
-    ConstraintType.MOVING_PLATE: "a plate at the object's side moves along `vector` into it; two opposed ones press it",
-}
+from physagent_jax.forces.schema import Action, ActionType, ForceField, VelocityConstraint
+from physagent_jax.forces.skills import Skill, list_skills
 
 
 @dataclass(frozen=True)
@@ -45,11 +28,17 @@ class SkillDescription:
     json_schema: dict[str, Any]
 
 
-@functools.cache
 def describe_skills() -> SkillDescription:
     """The library's own description."""
-    actions = [f"- `{kind.value}`: {_MEANING[kind]}." for kind in ActionType]
-    constraints = [f"- `{kind.value}`: {_CONSTRAINTS[kind]}." for kind in ConstraintType]
+    return _describe(tuple(list_skills()))
+
+
+@functools.cache
+def _describe(skills: tuple[Skill, ...]) -> SkillDescription:
+    actions, constraints = (
+        [f"- `{skill.name}`: {skill.meaning}." for skill in skills if skill.group == group]
+        for group in ("actions", "constraints")
+    )
     text = "\n".join(
         [
             "A force field is JSON. `default_drop` says whether gravity acts and the object falls; if not, it floats "

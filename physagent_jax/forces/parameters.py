@@ -1,7 +1,7 @@
 """The continuous part of a force field as a pytree: what a gradient method moves.
 
 What an action is (its skill, its region) stays in the `ForceField`; its vector, magnitude and window are here, as
-arrays. `forces.skills.compile_force_field` takes them in place of the force field's own numbers, traced or not.
+arrays. `forces.compilation.compile_force_field` takes them in place of the force field's own numbers, traced or not.
 """
 
 from __future__ import annotations

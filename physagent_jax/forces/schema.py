@@ -7,36 +7,19 @@ constraints, of which the paper's executor emits two (appendix B.2, "Skill-Speci
 
 from __future__ import annotations
 
-import enum
 from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
 from physagent_jax.core.strict import Direction, Positive, Strict
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, TURN
+from physagent_jax.forces.names import ActionType as ActionType
+from physagent_jax.forces.names import ConstraintType as ConstraintType
 
 _Fraction = Annotated[float, Field(ge=-1e6, le=1e6)]
 _Place = tuple[_Fraction, _Fraction, _Fraction]  # in bounding-box fractions
 _Frame = Annotated[float, Field(ge=0, le=1e5)]
 NotNegative = Annotated[float, Field(ge=0, le=1e9)]
-
-
-class ActionType(enum.StrEnum):
-    """The four skills of the library."""
-
-    TRANSLATION = "translation"
-    SCALE = "scale"
-    IMPULSE = "impulse"
-    TORQUE = "torque"
-
-
-class ConstraintType(enum.StrEnum):
-    """The other kind of skill: velocities are prescribed instead of forces."""
-
-    PARTICLE_TRANSLATION = "enforce_particle_translation"
-    PARTICLE_ROTATION = "enforce_particle_rotation"
-    PARTICLE_IMPULSE = "particle_impulse"
-    MOVING_PLATE = "moving_plate"
 
 
 # --- regions: fractions of the object's rest bounding box, (0,0,0) = low corner, (1,1,1) = high ------
@@ -109,10 +92,10 @@ class Action(_Timed):
 
     Attributes:
         action_type: Which skill.
-        vector: World direction (translation, impulse), stretch axis (scale) or rotation axis (torque,
-            right-hand rule); normalised on input, zero refused.
+        vector: World direction, stretch axis or rotation axis (right-hand rule), as the skill says; normalised on
+            input, zero refused.
         magnitude: Dimensionless M with 0.4 <= abs(M) <= 1.6; the sign reverses (push/stretch > 0,
-            pull/squeeze < 0). What M = 1 means: `forces.calibration`; in SI units: `forces.skills`.
+            pull/squeeze < 0). What M = 1 means: `forces.calibration`; in SI units: `forces.scaling`.
         active_time: ``[first, last]`` in frames; None = the whole clip.
         region: Which particles; None = the whole object.
         object: Object id in a scene of several; None = all.
@@ -125,12 +108,9 @@ class VelocityConstraint(_Timed):
     """A prescribed velocity; `agents.rules.kinds` says when it takes a body force's place.
 
     Attributes:
-        constraint_type: ``enforce_particle_translation`` moves the region's particles with k M v during the window;
-            ``enforce_particle_rotation`` turns them about the axis v through their own centre with k M;
-            ``particle_impulse`` changes their velocity by k M v at once, when the window begins;
-            ``moving_plate`` is a plate that stands at the object's side, across v, and moves with k M v into it.
+        constraint_type: Which skill of those that prescribe velocities.
         held_until: Frame until which particles or plate then stay where they were brought; None = they are let go when
-            the window ends. A ``particle_impulse`` has none.
+            the window ends. A sudden skill has none.
         vector, magnitude, active_time, region, object: as for `Action`.
     """
 
@@ -141,8 +121,8 @@ class VelocityConstraint(_Timed):
     def _check_held(self) -> VelocityConstraint:
         if self.held_until is None:
             return self
-        if self.constraint_type is ConstraintType.PARTICLE_IMPULSE:
-            raise ValueError("a `particle_impulse` acts at once: it has no `held_until`")
+        if self.constraint_type.skill.is_sudden:
+            raise ValueError(f"a `{self.constraint_type}` acts at once: it has no `held_until`")
         if self.active_time is None or self.held_until <= self.active_time[1]:
             raise ValueError("`held_until` must lie after the end of `active_time`")
         return self

@@ -13,34 +13,20 @@ knows the speed that it begins with, which a brake has too: friction is made up 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
 
-from physagent_jax.forces.parameters import ActionParameters, Array
-from physagent_jax.forces.schema import Action, ActionType, ForceField, SkillScaling
+from physagent_jax.forces.binding import Stroke
+from physagent_jax.forces.parameters import ActionParameters
+from physagent_jax.forces.schema import Action, ForceField, SkillScaling
+from physagent_jax.forces.skills import get_skill
 
 LEAST_PUSHES = 3  # out, back and to rest; two are a push and its brake
 _PARALLEL = 0.99  # cosine
 _GAP = 1.0  # [frames] between pushes that follow each other
 _BALANCE = 0.25  # of the strongest push: what the others may leave of its velocity
-
-
-@dataclass(frozen=True)
-class Stroke:
-    """One of several pushes along a line that follow each other.
-
-    Attributes:
-        k: Acceleration for M = 1 [m/s^2].
-        speed: That the pushes before have left the object with, along this one's own way [m/s].
-        swings: Whether it is one of a train to and fro.
-    """
-
-    k: Array | float
-    speed: Array | float
-    swings: bool
 
 
 def find_strokes(
@@ -76,7 +62,7 @@ def _find_runs(field: ForceField) -> list[list[int]]:
     pushes = [
         index
         for index, action in enumerate(field.actions)
-        if action.action_type is ActionType.TRANSLATION and action.active_time is not None
+        if get_skill(action).swings and action.active_time is not None
     ]
     runs: list[list[int]] = []
     for index in sorted(pushes, key=lambda i: field.actions[i].active_time or ()):

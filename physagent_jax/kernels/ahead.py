@@ -19,7 +19,7 @@ from physagent_jax.kernels import import_kernels, use_cpu
 from physagent_jax.kernels.threads import core_count
 
 Targets = dict[str, tuple[str, ...]]
-"""What to compile: target -> (module, arguments of its `register_handler`); the longest first."""
+"""Kernels to compile: target -> (module, arguments of its `register_handler`); the longest first."""
 
 _LOOK = 0.1  # seconds between two looks at whether a kernel is done
 running: dict[str, subprocess.Popen[str]] = {}

@@ -22,7 +22,7 @@ from physagent_jax.core.once import make_lock
 log = logging.getLogger(__name__)
 
 SHARE = 0.45
-"""Of the memory mappings that a process may have, how many it may use up before compiled programs are let go.
+"""Share of its allowed memory mappings that a process may use before compiled programs are released.
 
 One simulation adds thousands at most; so many are some 30,000, at which a process holds about 2 GB of programs.
 """

@@ -11,7 +11,7 @@ import jax.numpy as jnp
 from physagent_jax.core.errors import UserError
 
 END_SHARE = 1 / 3
-"""Of the mass: what is an end of the object, as in the motion report."""
+"""Share of the mass that is an end of the object, as in the motion report."""
 _FLAT = 1e-6  # of the spread: what is flatter stays as it is in the affine map
 _TINY = 1e-12  # added below roots, so that their derivative is finite
 Part = tuple[float, float, float] | None

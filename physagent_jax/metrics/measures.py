@@ -25,7 +25,7 @@ from physagent_jax.metrics.targets import (
 )
 
 VISIBLE = 0.02
-"""What is less has no direction and no order [body lengths]."""
+"""Length below which a motion has no direction and no order [body lengths]."""
 _FAINT = 0.005  # [body lengths] root mean square of a swing that has no frequency
 LINKED, NEIGHBOURS = 800, 12  # particles whose links are looked at, and links of each
 

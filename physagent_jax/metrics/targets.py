@@ -26,7 +26,7 @@ from pydantic import Field, model_validator
 from physagent_jax.core.strict import Direction, Positive, Strict, Vector
 
 WIDEST = 1 / 3
-"""Of a value that is asked for: the tolerance is at most this part of it, so that half and twice of it miss."""
+"""Largest tolerance, as a share of the value that is asked for: half and twice of it miss."""
 
 Frame = Annotated[int, Field(ge=0, le=100_000)]
 Window = tuple[Frame, Frame]

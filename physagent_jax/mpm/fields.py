@@ -24,10 +24,10 @@ PER_HELD: Mapping[str, Any] = dict(per="held")
 """One entry per particle that a constraint holds, or a scalar for all of them."""
 
 HELD: Mapping[str, Any] = dict(per="held", indices=True)
-"""Which particles a constraint holds: their indices."""
+"""Indices of the particles that a constraint holds."""
 
 COUNT: Mapping[str, Any] = dict(static=True, count=True)
-"""How many particles a material has that has no arrays to tell; belongs to the structure."""
+"""Number of particles of a material that has no arrays to tell it; belongs to the structure."""
 
 DRAWN: Mapping[str, Any] = dict(drawn=True)
 """Drawn or sampled: stands for a shape as a whole, and is no number that anybody would vary."""
@@ -40,7 +40,7 @@ FOREVER = 1e9
 
 START: Mapping[str, Any] = dict(window="start")
 END: Mapping[str, Any] = dict(window="end")
-"""Of the time in which a part acts [s]; outside [start, end) it changes nothing."""
+"""Bounds of the time in which a part acts [s]; outside [start, end) it changes nothing."""
 EDGE: Mapping[str, Any] = dict(window="edge")
 """Width of the smooth edges that the windows of a part have [s], half of it outside (`mpm.edges`); None = none."""
 

@@ -24,9 +24,9 @@ THINNEST = 0.03
 LOOSEST = 0.05
 """Parts that are this far off the best affine motion share no rotation or stretch [body lengths]."""
 MIDDLE_OFF = 0.02
-"""How far the outline's middle is off in one picture [body lengths]."""
+"""Error of the outline's middle in one picture [body lengths]."""
 ACROSS_OFF, DEPTH_OFF = 0.03, 0.12
-"""How far the first guess of the centre is off, across the view and, from the rim, along it [body lengths]."""
+"""Error of the first guess of the centre, across the view and, from the rim, along it [body lengths]."""
 FULL_TILT = 20.0
 """Turned out of the picture plane by this, the fit's stretch behind the visible surface is not believed [deg]."""
 MOST_EXTENT = 1e3

@@ -21,7 +21,7 @@ MOST_HIDDEN = 0.05
 CLOSE = 0.006
 """Inverse depths that differ by less than this share are the same surface, however low the noise."""
 OPEN = 0.5
-"""Where less of the border than this has depth, "no depth" is the background."""
+"""Share of the border with depth below which "no depth" is the background."""
 
 
 @dataclasses.dataclass(frozen=True)

@@ -19,7 +19,7 @@ from physagent_jax.perception.schema import PartMotion
 DIRECTIONS = np.concatenate([s * np.eye(3)[[k]] for k in range(3) for s in (1, -1)])
 """World axes, one per end, shape (6, 3)."""
 SHARE = 1 / 3
-"""Of the surface seen in frame 0 that makes an end."""
+"""Share of the surface seen in frame 0 that makes an end."""
 FEWEST = 9
 """Pairs of points below which an end's motion is not fitted."""
 

@@ -13,7 +13,7 @@ from physagent_jax.core.rotations import polar
 NEIGHBOURS = 6
 """Points that a point is compared with."""
 LEAST_PULL = 1e-200
-"""Of the pull and of a residual's limit, so that points that coincide give a map too: they tell where they go."""
+"""Least pull, and least limit of a residual, so that points that coincide give a map too: they tell where they go."""
 ENOUGH = 40
 """With fewer points there are no neighbours to speak of."""
 

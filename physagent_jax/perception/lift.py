@@ -8,8 +8,11 @@ import numpy as np
 from physagent_jax.render.camera import Camera
 
 SURFACE_SHARE = 1 / 3
-"""How far the object's middle lies from the outline's towards that of the visible surface: leaves and thin parts have
-more surface than outline. It takes 0.005 body lengths off on a plant, 0.002 on a robot; on ten others it adds 0.001."""
+"""Share of the way from the outline's middle to the visible surface's at which the object's middle lies.
+
+Leaves and thin parts have more surface than outline. It takes 0.005 body lengths off on a plant, 0.002 on a robot; on
+ten others it adds 0.001.
+"""
 RIM_PIXELS = 4  # [px] from the trusted part in which a rim is looked for
 RIM_DEPTH = 0.15
 """[share of the object's width in the picture] by which a rim can lie behind the trusted depth beside it: the last four

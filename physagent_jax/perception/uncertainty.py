@@ -15,9 +15,9 @@ from physagent_jax.perception.schema import Oscillation, Uncertainty
 NINETY = 1.645
 """Half width of the interval that holds a normal variable in nine of ten cases [standard deviations]."""
 OFF_MIDDLE = 0.03
-"""How far across the view the middle may be misjudged, which a turn makes a shift [body lengths]."""
+"""Error of the middle across the view, which a turn makes a shift [body lengths]."""
 HIDDEN = 0.07
-"""How far along the view, where a side is hidden [body lengths]."""
+"""Error of the middle along the view, where a side is hidden [body lengths]."""
 
 
 @dataclasses.dataclass(frozen=True)

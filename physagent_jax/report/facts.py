@@ -336,7 +336,7 @@ def _make_stage_table(stages: Stages) -> Markup:
 
 
 def _make_agent_table(agents: tuple[AgentCost, ...]) -> Markup:
-    head = ["agent", "made by", "calls", "tokens in", "tokens out", "time"]
+    head = ["agent", "made by", "calls", "tokens in", "tokens out", "waited for models", "time"]
     rows = [
         [
             a.agent,
@@ -344,18 +344,27 @@ def _make_agent_table(agents: tuple[AgentCost, ...]) -> Markup:
             f"{format_count(a.calls)}, {format_count(a.failed_calls)} failed"
             if a.failed_calls
             else format_count(a.calls),
-            format_count(a.input_tokens),
-            format_count(a.output_tokens),
-            format_seconds(a.seconds),
+            *_format_cost(*_list_cost(a)),
         ]
         for a in agents
     ]
+    if len(agents) > 1:
+        sums = (sum(each) for each in zip(*[_list_cost(a) for a in agents]))
+        rows.append(["all", "", format_count(sum(a.calls for a in agents)), *_format_cost(*sums)])
     body = (
-        make_table(head, rows, numeric=(2, 3, 4, 5), class_="compact")
+        make_table(head, rows, numeric=(2, 3, 4, 5, 6), class_="compact")
         if rows
         else tag("p", "No agent took part.")
     )
     return tag("section", tag("h3", "Agents"), body, class_="column")
+
+
+def _list_cost(cost: AgentCost) -> tuple[int, int, float, float]:
+    return cost.input_tokens, cost.output_tokens, cost.latency_seconds, cost.seconds
+
+
+def _format_cost(read: int, written: int, waited: float, seconds: float) -> list[str]:
+    return [format_count(read), format_count(written), format_seconds(waited), format_seconds(seconds)]
 
 
 def _describe_versions(manifest: Manifest) -> str:

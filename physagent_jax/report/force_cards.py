@@ -7,18 +7,12 @@ from collections.abc import Callable
 from typing import Any
 
 from physagent_jax.agents.schema import DirectionTable
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, describe_meaning
-from physagent_jax.forces.holding import find_blow_scale, find_push_scale
+from physagent_jax.forces.binding import Stroke
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.parameters import ForceFieldParameters
-from physagent_jax.forces.schema import (
-    Action,
-    ActionType,
-    ConstraintType,
-    ForceField,
-    SkillScaling,
-    VelocityConstraint,
-)
-from physagent_jax.forces.swinging import Stroke, find_strokes
+from physagent_jax.forces.schema import Action, ForceField, SkillScaling, VelocityConstraint
+from physagent_jax.forces.skills import get_skill
+from physagent_jax.forces.swinging import find_strokes
 from physagent_jax.report.directions import (
     describe_axis,
     describe_direction,
@@ -27,26 +21,12 @@ from physagent_jax.report.directions import (
 )
 from physagent_jax.report.force_terms import describe_force_term, describe_region
 from physagent_jax.report.formats import format_fixed, format_number, format_vector, format_window, spell_out
-from physagent_jax.report.icons import draw_action_icon
+from physagent_jax.report.icons import draw_skill_icon
 from physagent_jax.report.layout import make_json_fold
 from physagent_jax.report.markup import Markup, div, span, tag
 from physagent_jax.scene.config import CameraConfig, ForceTerm, SceneConfig
 
 Timed = Action | VelocityConstraint
-UNITS = {
-    "translation": "m/s\u00b2",
-    "scale": "m/s\u00b2",
-    "impulse": "m/s",
-    "torque": "rad/s\u00b2",
-    "velocity": "m/s",
-    "rotation": "rad/s",
-}
-_SCALED_BY = {
-    ConstraintType.PARTICLE_TRANSLATION: "velocity",
-    ConstraintType.PARTICLE_ROTATION: "rotation",
-    ConstraintType.PARTICLE_IMPULSE: "impulse",
-    ConstraintType.MOVING_PLATE: "velocity",
-}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -130,28 +110,19 @@ def _find_strokes(force_field: ForceField, setting: Setting) -> dict[int, Stroke
 
 
 def _name_kind(item: Timed) -> str:
-    return item.action_type.value if isinstance(item, Action) else item.constraint_type.value
+    return get_skill(item).name
 
 
 def describe_effect(item: Timed, table: DirectionTable) -> str:
     """Describe an item's effect in the viewer's words, with the sign of its magnitude."""
-    sign = 1.0 if item.magnitude > 0 else -1.0
-    pointing = tuple(sign * component for component in item.vector)
-    if isinstance(item, VelocityConstraint):
-        if item.constraint_type is ConstraintType.PARTICLE_ROTATION:
-            return f"keeps turning {describe_turn(pointing, table)}"
-        verb = {
-            ConstraintType.PARTICLE_TRANSLATION: "keeps moving",
-            ConstraintType.PARTICLE_IMPULSE: "is knocked once",
-            ConstraintType.MOVING_PLATE: "a plate moves",
-        }[item.constraint_type]
-        return f"{verb} {describe_direction(pointing, table)}"
-    if item.action_type is ActionType.SCALE:
-        return f"{'stretches' if sign > 0 else 'squeezes'} along {describe_axis(item.vector, table)}"
-    if item.action_type is ActionType.TORQUE:
-        return f"turns {describe_turn(pointing, table)}"
-    verb = "pushes" if item.action_type is ActionType.TRANSLATION else "kicks"
-    return f"{verb} {describe_direction(pointing, table)}"
+    skill, reverse = get_skill(item), item.magnitude < 0
+    pointing = tuple(-component if reverse else component for component in item.vector)
+    words = skill.reverse_effect if reverse and skill.reverse_effect else skill.effect
+    return words.format(
+        direction=describe_direction(pointing, table),
+        turn=describe_turn(pointing, table),
+        axis=describe_axis(item.vector, table),
+    )
 
 
 def _make_card(
@@ -161,18 +132,18 @@ def _make_card(
     stroke: Stroke | None,
     id_: str | None,
 ) -> Markup:
-    action = item.action_type if isinstance(item, Action) else None
+    skill = get_skill(item)
     head = div(
         "force-head",
-        draw_action_icon(action, item.vector, setting.directions, reversed_=item.magnitude < 0),
+        draw_skill_icon(skill, item.vector, setting.directions, reverse=item.magnitude < 0),
         div(
             "",
-            tag("strong", spell_out(_name_kind(item)).capitalize()),
+            tag("strong", spell_out(skill.name).capitalize()),
             tag("p", describe_effect(item, setting.directions)),
         ),
     )
     rows = [
-        ("direction" if action is not ActionType.TORQUE else "axis", _show_direction(item, old)),
+        ("axis" if skill.is_axis else "direction", _show_direction(item, old)),
         ("magnitude", _show_magnitude(item, old, setting.scaling, stroke)),
         ("active", _show_window(item, old, setting)),
         ("acts on", [describe_region(item.region), f" of {item.object}" if item.object else None]),
@@ -211,19 +182,9 @@ def _show_physical(item: Timed, scaling: SkillScaling | None, stroke: Stroke | N
     """The magnitude in SI units, if the run recorded what 1 means."""
     if scaling is None:
         return None
-    if isinstance(item, Action):
-        name = item.action_type.value
-    else:
-        name = _SCALED_BY[item.constraint_type]
-    one, meaning = getattr(scaling, name), describe_meaning(name)
-    if scaling.holding is not None and name in ("translation", "impulse"):
-        find_scale = find_push_scale if name == "translation" else find_blow_scale
-        one = float(find_scale(scaling.holding, one, item.vector))
-        meaning = f"what is held is to move by {format_number(scaling.holding.shift)} m"
-    if stroke is not None and stroke.swings:
-        one, meaning = float(stroke.k), describe_meaning("swing")
-    unit = UNITS[name]
-    text = f"{format_number(abs(item.magnitude) * one)} {unit} (1 means {format_number(one)})"
+    skill, swing = get_skill(item), float(stroke.k) if stroke is not None and stroke.swings else None
+    one, meaning = skill.explain_one(scaling, item.vector, swing)
+    text = f"{format_number(abs(item.magnitude) * one)} {skill.unit} (1 means {format_number(one)})"
     return span("quiet", text, title=f"1 means {meaning}")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import os
+from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 
@@ -37,6 +38,7 @@ from physagent_jax.report.rounds import make_overview, make_probe_table, make_ro
 from physagent_jax.report.truth import make_truth_table
 from physagent_jax.report.words import make_words_section
 from physagent_jax.run.finished import FinishedRound, FinishedRun, open_run
+from physagent_jax.run.manifest import STOP_REASONS, AgentCost
 from physagent_jax.run.store import REPORT
 
 SECTIONS = {
@@ -182,22 +184,32 @@ def _make_glance(run: FinishedRun) -> Markup:
     manifest, best, scene = run.manifest, run.best, run.best_scene
     record = best.simulation if best else None
     score = best.judgement.score if best and best.judgement else None
-    tokens = sum(a.input_tokens + a.output_tokens for a in manifest.agents) if manifest else 0
+    tokens = _describe_tokens(manifest.agents) if manifest else ""
     total = sum(manifest.stages.model_dump().values()) if manifest else 0
     return make_facts(
         [
             ("score", f"{format_fixed(score)} of 1") if score is not None else None,
             ("rounds", f"{len(run.rounds)}, the best is round {best.number}") if best else None,
+            ("ended because", STOP_REASONS[manifest.stopped]) if manifest and manifest.stopped else None,
             ("coarse rounds before", str(len(run.probe))) if run.probe else None,
             ("clip", describe_clip(scene)) if scene else None,
             ("particles", format_count(record.particle_count)) if record else None,
             ("Gaussians", format_count(record.gaussian_count)) if record else None,
             ("wall time", format_seconds(total)) if total else None,
-            ("tokens", format_count(tokens) if tokens else "none, rules only")
-            if manifest and manifest.agents
-            else None,
+            ("tokens", tokens) if tokens else None,
         ]
     )
+
+
+def _describe_tokens(agents: Sequence[AgentCost]) -> str:
+    """Tokens of all calls, and the time that was waited for them; empty if no agent took part."""
+    if not agents:
+        return ""
+    read, written = sum(a.input_tokens for a in agents), sum(a.output_tokens for a in agents)
+    waited = sum(a.latency_seconds for a in agents)
+    if not read + written + waited:
+        return "none, rules only"
+    return f"{format_count(read)} in, {format_count(written)} out, {format_seconds(waited)} waited"
 
 
 def _make_words(run: FinishedRun) -> Markup:

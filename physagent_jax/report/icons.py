@@ -1,4 +1,4 @@
-"""Small pictures of an action's direction, as the viewer sees it.
+"""Small pictures of a skill and its direction, as the viewer sees it.
 
 The viewer's right and up lie in the picture; "towards us" is drawn obliquely, down and to the left, as in a
 cabinet projection.
@@ -10,7 +10,8 @@ import math
 from collections.abc import Sequence
 
 from physagent_jax.agents.schema import DirectionTable
-from physagent_jax.forces.schema import ActionType
+from physagent_jax.forces.skills import Skill
+from physagent_jax.forces.skills.icons import Mark
 from physagent_jax.report.directions import find_components
 from physagent_jax.report.markup import Markup, tag
 
@@ -18,27 +19,39 @@ RADIUS = 21.0
 OBLIQUE = (-0.45, 0.38)  # where one unit towards us lands in the picture (x right, y down)
 
 
-def draw_action_icon(
-    kind: ActionType | None, vector: Sequence[float], table: DirectionTable, *, reversed_: bool
-) -> Markup:
-    """An arrow (translation, impulse), a double arrow (scale) or a turning arrow (torque).
+def draw_skill_icon(skill: Skill, vector: Sequence[float], table: DirectionTable, *, reverse: bool) -> Markup:
+    """The lines of a skill's icon, as they lie along its vector.
 
     Args:
-        kind: Which skill; None draws a plain arrow (velocity constraints).
+        skill: Whose.
         vector: Unit world vector as stored.
         table: The viewer's directions.
-        reversed_: Whether the magnitude is negative: the arrow turns round, the stretch becomes a squeeze.
+        reverse: Whether the magnitude is negative: a direction or axis turns round, a stretch becomes a squeeze.
     """
-    sign = -1.0 if reversed_ and kind is not ActionType.SCALE else 1.0
-    seen = [sign * value for value in find_components(vector, table)]
-    tip = _project(seen)
-    if kind is ActionType.SCALE:
-        drawing = _draw_double_arrow(tip, inwards=reversed_)
-    elif kind is ActionType.TORQUE:
-        drawing = _draw_turn(seen, tip)
-    else:
-        drawing = [_draw_arrow((-0.8 * tip[0], -0.8 * tip[1]), tip, burst=kind is ActionType.IMPULSE)]
+    sign = -1.0 if reverse and not skill.is_two_sided else 1.0
+    along = [sign * value for value in find_components(vector, table)]
+    across = _find_perpendicular(along)
+    frame = (along, across, _cross(along, across))
+    drawing = [_draw_mark(mark, frame) for mark in skill.draw_icon(reverse)]
     return tag("svg", _draw_axes(), *drawing, viewBox="-26 -26 52 52", class_="compass", aria_hidden="true")
+
+
+def _draw_mark(mark: Mark, frame: Sequence[Sequence[float]]) -> Markup:
+    points = [
+        _project([sum(share * axis[i] for share, axis in zip(point, frame)) for i in range(3)])
+        for point in mark.points
+    ]
+    if mark.kind == "rod":
+        return _draw_line(points[0], points[-1], class_="rod")
+    if len(points) == 2:
+        drawing = [_draw_line(points[0], points[1])]
+    else:
+        drawing = [tag("path", d="M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points))]
+    if mark.kind != "line":
+        drawing.append(_draw_head(points[max(0, len(points) - 3)], points[-1]))
+    if mark.kind == "burst":
+        drawing.append(_draw_burst(points[0]))
+    return tag("g", *drawing)
 
 
 def _project(seen: Sequence[float]) -> tuple[float, float]:
@@ -54,34 +67,6 @@ def _draw_axes() -> Markup:
     return tag("g", *lines, class_="faint")
 
 
-def _draw_arrow(start: tuple[float, float], tip: tuple[float, float], *, burst: bool = False) -> Markup:
-    return tag("g", _draw_line(start, tip), _draw_head(start, tip), *([_draw_burst(start)] if burst else []))
-
-
-def _draw_double_arrow(tip: tuple[float, float], *, inwards: bool) -> list[Markup]:
-    arrows = []
-    for sign in (1.0, -1.0):
-        inner, outer = (sign * 0.18 * tip[0], sign * 0.18 * tip[1]), (sign * tip[0], sign * tip[1])
-        arrows.append(_draw_arrow(outer, inner) if inwards else _draw_arrow(inner, outer))
-    return arrows
-
-
-def _draw_turn(axis: Sequence[float], tip: tuple[float, float]) -> list[Markup]:
-    """Three quarters of the circle that a right-hand turn about ``axis`` follows, and the axis."""
-    first = _find_perpendicular(axis)
-    second = _cross(axis, first)
-    points = []
-    for step in range(25):
-        angle = math.radians(-45 + 270 * step / 24)
-        seen = [0.8 * (math.cos(angle) * p + math.sin(angle) * q) for p, q in zip(first, second)]
-        points.append(_project(seen))
-    path = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points)
-    rod = tag(
-        "line", class_="rod", x1=f"{-tip[0]:.1f}", y1=f"{-tip[1]:.1f}", x2=f"{tip[0]:.1f}", y2=f"{tip[1]:.1f}"
-    )
-    return [rod, tag("path", d=path), _draw_head(points[-3], points[-1])]
-
-
 def _find_perpendicular(axis: Sequence[float]) -> tuple[float, float, float]:
     smallest = min(range(3), key=lambda i: abs(axis[i]))
     helper = tuple(1.0 if i == smallest else 0.0 for i in range(3))
@@ -94,8 +79,15 @@ def _cross(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float]
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-def _draw_line(start: tuple[float, float], end: tuple[float, float]) -> Markup:
-    return tag("line", x1=f"{start[0]:.1f}", y1=f"{start[1]:.1f}", x2=f"{end[0]:.1f}", y2=f"{end[1]:.1f}")
+def _draw_line(start: tuple[float, float], end: tuple[float, float], class_: str | None = None) -> Markup:
+    return tag(
+        "line",
+        class_=class_,
+        x1=f"{start[0]:.1f}",
+        y1=f"{start[1]:.1f}",
+        x2=f"{end[0]:.1f}",
+        y2=f"{end[1]:.1f}",
+    )
 
 
 def _draw_head(start: tuple[float, float], tip: tuple[float, float], size: float = 8.0) -> Markup:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from physagent_jax.agents.schema import Check, Judgement, Rewrite
+from physagent_jax.agents.schema import Check, Judgement, Rewrite, Stage, StageVerdict
 from physagent_jax.perception.schema import MotionReport, Oscillation, WindowMotion
 from physagent_jax.report.agent_traces import show_agent_traces
 from physagent_jax.report.charts import draw_motion_charts, draw_physics_charts
@@ -35,6 +35,12 @@ from physagent_jax.report.media import embed_image
 from physagent_jax.run.finished import FinishedRound
 
 MARKS = {True: ("pass", "\u2713 pass"), False: ("failed", "\u2717 fail"), None: ("open", "? not observable")}
+
+STAGE_MARKS = {
+    StageVerdict.MET: ("pass", "\u2713 met"),
+    StageVerdict.NOT_MET: ("failed", "\u2717 not met"),
+    StageVerdict.NOT_SEEN: ("open", "? not seen"),
+}
 
 
 def make_overview(rounds: Sequence[FinishedRound], best: FinishedRound | None) -> Markup:
@@ -172,13 +178,29 @@ def _show_judgement(judgement: Judgement | None) -> list[Markup | None] | Markup
         numeric=(4, 5, 6),
     )
     title = tag("h4", "What the planner checked")
+    notes = make_list("What the planner says of it", judgement.notes)
     if not rows:
-        return [title, tag("p", "It gave its verdict without single checks."), suggestion]
+        return [title, tag("p", "It gave its verdict without single checks."), notes, suggestion]
+    stages = _show_stages(judgement.stages)
     note = (
         "Margin: how far inside of its limits a value lies, in tolerances; 1 is what is aimed at, below 0 is outside. "
         "Confidence: the chance that the result would be the same without errors of perception."
     )
-    return [title, checks, tag("p", note, class_="quiet"), suggestion]
+    return [*stages, title, checks, tag("p", note, class_="quiet"), notes, suggestion]
+
+
+def _show_stages(stages: Sequence[Stage]) -> list[Markup]:
+    """The table of the sentence's steps; none if it has only one."""
+    if len(stages) < 2:
+        return []
+    rows: list[list[Child]] = []
+    for number, stage in enumerate(stages, 1):
+        kind, word = STAGE_MARKS[stage.verdict]
+        frames = f"{stage.window[0]:.0f}\u2013{stage.window[1]:.0f}"
+        words = stage.words or UNKNOWN
+        rows.append([str(number), words, frames, stage.asked, stage.measured, span(f"result {kind}", word)])
+    table = make_table(["stage", "words", "frames", "asked", "measured", "result"], rows, class_="checks")
+    return [tag("h4", "The sentence stage by stage"), table]
 
 
 def _show_check(check: Check) -> list[Child]:

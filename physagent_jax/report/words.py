@@ -60,6 +60,7 @@ def make_words_section(prompt: str, reply: SemanticReply, setting: Setting) -> l
                 "What a viewer should see", [describe_expectation(e, setting) for e in reply.expectations]
             ),
             make_list("Assumptions", reply.notes),
+            make_list("Ignored: looks, scenery, camera", reply.ignored),
             make_list("Not understood", reply.not_understood),
             make_list("Unsure, so that no motion is called a success", reply.unsure),
         ),

@@ -46,5 +46,6 @@ class AgentCalls:
                 input_tokens=cost.input_tokens + trace.input_tokens,
                 output_tokens=cost.output_tokens + trace.output_tokens,
                 seconds=round(cost.seconds + seconds, 4),
+                latency_seconds=round(cost.latency_seconds + trace.latency_seconds, 4),
             )
         )

@@ -11,6 +11,7 @@ from typing import TypeVar
 import numpy as np
 from pydantic import BaseModel
 
+from physagent_jax.agents.progress import find_best_round
 from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
 from physagent_jax.agents.trace import FailedCall, Trace
 from physagent_jax.core.errors import UserError
@@ -19,7 +20,7 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.output.motion_file import Motion, read_motion
 from physagent_jax.output.video import read_video
 from physagent_jax.perception.schema import MotionReport
-from physagent_jax.run.manifest import Manifest, find_best_round
+from physagent_jax.run.manifest import Manifest
 from physagent_jax.run.refused import REFUSED, RefusedReading, RefusedReadings
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.run.store import PLAIN_VIDEO, PROBE, REPORT, VIDEO

@@ -30,7 +30,7 @@ OPAQUE = 0.5
 LEAST_LENGTH = 3.0
 """A shorter object is hidden by the blur with which its Gaussians are drawn [px]."""
 PLAIN_SIZE, LARGEST_PLAIN = 0.06, 0.15
-"""Where few Gaussians exceed the first and none the second, there is an outline [standard deviation over length]."""
+"""Sizes of which few Gaussians exceed the first and none the second where there is an outline [std over length]."""
 PROMPT_OFF = 0.02
 """Largest distance from what is drawn at which a point of a prompt may lie [share of the picture's width]."""
 

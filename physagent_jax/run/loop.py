@@ -12,15 +12,15 @@ from __future__ import annotations
 import dataclasses
 import functools
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import NoReturn
 
 from physagent_jax.agents.context import AgentContext, Observation, Round
+from physagent_jax.agents.progress import find_best_round, has_stalled
 from physagent_jax.agents.protocols import Agents
-from physagent_jax.agents.registry import make_agents
 from physagent_jax.agents.schema import Judgement, Rewrite, SceneBrief, SemanticReply, Verdict
 from physagent_jax.agents.trace import AgentError, FailedCall, Reply, Trace
 from physagent_jax.core.errors import UserError
@@ -34,9 +34,10 @@ from physagent_jax.render.camera import Camera
 from physagent_jax.run.agent_calls import AgentCalls
 from physagent_jax.run.artifacts import write_best, write_rollout, write_verdict
 from physagent_jax.run.brief import make_brief
+from physagent_jax.run.chosen_agents import open_agents
 from physagent_jax.run.first_picture import check_first_picture
 from physagent_jax.run.key_frames import VideoKeyFrames
-from physagent_jax.run.manifest import Stages, find_best_round
+from physagent_jax.run.manifest import Stages, StopReason
 from physagent_jax.run.observer import Observer
 from physagent_jax.run.prompt import make_prompt, read_mask
 from physagent_jax.run.provenance import hash_settings, make_manifest
@@ -66,24 +67,28 @@ class Attempt:
     round: Round
 
 
-def agents_of(spec: RunSpec) -> Agents:
-    """The agents that ``spec`` names.
-
-    Raises:
-        UserError: One of them needs what is not installed, or does not take its options.
-    """
-    chosen = {role: getattr(spec.agents, role) for role in type(spec.agents).model_fields}
-    return make_agents(**{role: (each.name, each.options) for role, each in chosen.items()})
-
-
 def backends_of(spec: RunSpec) -> PerceptionBackends:
     """The perception backends that ``spec`` names.
 
     Raises:
-        UserError: As `agents_of`.
+        UserError: One of them needs what is not installed, or does not take its options.
     """
     chosen = {role: getattr(spec.perception, role) for role in ("segmenter", "depth", "tracker")}
     return make_backends(**{role: (each.name, each.options) for role, each in chosen.items()})
+
+
+def find_stop(judgements: Sequence[Judgement], cap: int) -> StopReason | None:
+    """The reason to make no further round, as far as the judgements tell; None = go on.
+
+    Args:
+        judgements: Judgements of the rounds so far, oldest first.
+        cap: Number of rounds at most.
+    """
+    if judgements[-1].verdict is Verdict.SUCCESS:
+        return "success"
+    if has_stalled(judgements):
+        return "no improvement"
+    return "cap" if len(judgements) >= cap else None
 
 
 def run_loop(
@@ -97,7 +102,7 @@ def run_loop(
     overwrite: bool = False,
     command: str = "",
 ) -> RunStore:
-    """Run the loop until the planner is satisfied or the rounds are used up; resume a stopped run.
+    """Run the loop until the planner is satisfied, no round improves, or the rounds are used up; resume a stopped run.
 
     A run with other agents or another perception is another run: what they said of one does not mix with the other.
 
@@ -120,7 +125,19 @@ def run_loop(
         AgentError: An agent gave no answer. What it tried is in the run folder, its tokens are counted there, and the
             same call goes on with the same question.
     """
-    agents, backends = agents or agents_of(run.spec), backends or backends_of(run.spec)
+    if agents is None:
+        with open_agents(run.spec, run.base_dir) as agents:
+            return run_loop(
+                run,
+                out,
+                agents=agents,
+                backends=backends,
+                observer=observer,
+                limits=limits,
+                overwrite=overwrite,
+                command=command,
+            )
+    backends = backends or backends_of(run.spec)
     if run.spec.perception.prompt is not None and not backends.segmenter.takes_prompt:
         raise UserError(
             "`perception.prompt` means nothing to this segmenter",
@@ -209,6 +226,7 @@ class _Loop:
         self._restart_cache: RestartCache | None = None
         self._reused = dict(store.manifest.reused_frames)
         self._warnings: tuple[str, ...] = ()
+        self._stopped: StopReason | None = None
 
     def read_sentence(self, body: Body) -> Reply[SemanticReply]:
         """The semantic agent's reply, from the folder if it is there."""
@@ -322,7 +340,7 @@ class _Loop:
         return _Series(self._store.part(PROBE), coarse, small, "coarse round", self.observer.probed)
 
     def rounds(self, series: _Series, force_field: ForceField, reply: SemanticReply) -> Iterator[Attempt]:
-        """Try ``force_field`` and what the executor makes of it, until the planner is satisfied."""
+        """Try ``force_field`` and what the executor makes of it, until a `StopReason` holds."""
         attempts: list[Attempt] = []
         self._restart_cache = None
         for index in range(self._run.spec.rounds):
@@ -331,13 +349,15 @@ class _Loop:
             attempts.append(attempt)
             series.judged(index, attempt.round.judgement)
             yield attempt
-            if attempt.round.judgement.verdict is Verdict.SUCCESS or index + 1 == self._run.spec.rounds:
+            self._stopped = find_stop([each.round.judgement for each in attempts], self._run.spec.rounds)
+            if self._stopped is not None:
                 break
             # The camera stays, so that the rounds' pictures can be compared, as long as it shows what will happen.
             series = dataclasses.replace(series, camera=attempt.scene.camera)
             rewrite = self.rewrite(series, index, context, attempt.round)
             if rewrite.force_field == force_field:
-                break  # the executor has nothing left to try; another round would only repeat this one
+                self._stopped = "nothing left to try"  # another round would only repeat this one
+                break
             force_field = rewrite.force_field
 
     def attempt(self, series: _Series, index: int, force_field: ForceField, context: AgentContext) -> Attempt:
@@ -429,6 +449,7 @@ class _Loop:
             iterations=len(attempts),
             best_iteration=best,
             verdict=judgements[best].verdict.value,
+            stopped=self._stopped,
             warnings=(*self._run.warnings, *self._warnings),
         )
         self._store.finish()

@@ -26,20 +26,35 @@ run/refused.json                       `run.refused.RefusedReadings`: of no run 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import PurePosixPath
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, field_validator
 
-from physagent_jax.agents.schema import Judgement, Verdict
 from physagent_jax.core.strict import Strict
 
 FORMAT = 3
-"""Of the run folder's layout; 2 added the list of files, 3 the plain video beside the one for people."""
+"""Version of the run folder's layout; 2 added the list of files, 3 the plain video beside the one for people."""
 
 MOST_ROUNDS = 1000
 Rounds = Annotated[int, Field(ge=0, le=MOST_ROUNDS)]
+
+
+StopReason = Literal["success", "cap", "no improvement", "nothing left to try"]
+"""Reasons for which no further round is made.
+
+"success": the planner is satisfied; "no improvement": the last rounds brought none (`agents.progress.has_stalled`);
+"cap": there were as many rounds as may be; "nothing left to try": the executor changed nothing.
+"""
+
+
+STOP_REASONS: dict[StopReason, str] = {
+    "success": "the planner is satisfied",
+    "cap": "as many rounds as were allowed",
+    "no improvement": "the last rounds brought no improvement",
+    "nothing left to try": "the executor has nothing left to try",
+}
+"""The reasons in words."""
 
 
 class Stages(Strict):
@@ -68,6 +83,7 @@ class AgentCost(Strict):
         failed_calls: Those without an answer.
         input_tokens, output_tokens: Tokens of all calls; zero for the offline rules.
         seconds: Time of all calls [s].
+        latency_seconds: Time in them that was waited for a model [s].
     """
 
     agent: str
@@ -77,6 +93,7 @@ class AgentCost(Strict):
     input_tokens: int = 0
     output_tokens: int = 0
     seconds: float = 0.0
+    latency_seconds: float = 0.0
 
 
 class Manifest(Strict):
@@ -97,6 +114,7 @@ class Manifest(Strict):
         iterations: How many were made.
         best_iteration: Which one the top-level files show.
         verdict: The best round's verdict.
+        stopped: Reason for which no further round was made; None while the run is under way.
         probe_iterations: How many coarse rounds came before.
         probe_best: Which of them gave the force field of the first round; None = none, it is the sentence's.
         stages: Wall time summed over rounds.
@@ -120,6 +138,7 @@ class Manifest(Strict):
     iterations: Rounds = 0
     best_iteration: Rounds | None = None
     verdict: str | None = None
+    stopped: StopReason | None = None
     probe_iterations: Rounds = 0
     probe_best: Rounds | None = None
     stages: Stages = Stages()
@@ -136,12 +155,3 @@ class Manifest(Strict):
             if path.is_absolute() or ".." in path.parts or not path.parts:
                 raise ValueError(f"`files` are relative to the run folder and inside it (got {name!r})")
         return value
-
-
-def find_best_round(judgements: Sequence[Judgement]) -> int:
-    """Index of the highest score, the first of equals; without scores the first success, else the last round."""
-    scores = [judgement.score for judgement in judgements if judgement.score is not None]
-    if len(scores) == len(judgements):
-        return scores.index(max(scores))
-    verdicts = [judgement.verdict for judgement in judgements]
-    return verdicts.index(Verdict.SUCCESS) if Verdict.SUCCESS in verdicts else len(verdicts) - 1

@@ -1,4 +1,4 @@
-"""The material of a run's object: the kind's prior, a named material, or PhysGM's prediction."""
+"""The material of a run's object: the kind's prior, a named material, the sentence's, or PhysGM's prediction."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from physagent_jax.scene.materials import LIBRARY, count_substeps, find_material
 from physagent_jax.scene.materials.soften import explain_softening, find_softening
 from physagent_jax.scene.physgm import import_physgm
 from physagent_jax.scene.presets import Preset
-from physagent_jax.scene.priors import choose_material
+from physagent_jax.scene.priors import PRIORS, choose_material
 
 AFFORDABLE = 10_000  # substeps of a clip that `--soften_material auto` aims at
 _VALUES = ("youngs_modulus", "poissons_ratio", "density", "damping_ratio")
@@ -24,20 +24,30 @@ EXPENSIVE = 100_000  # substeps of a clip beyond which a warning is due; usual r
 
 
 def resolve_material(
-    choice: MaterialChoice, kind: str, preset: Preset, *, base_dir: str | Path = "."
+    choice: MaterialChoice, kind: str, preset: Preset, *, base_dir: str | Path = ".", said: str | None = None
 ) -> tuple[Material, tuple[str, ...]]:
     """The material that is chosen for an object of ``kind``, and what the user should know of it.
+
+    Args:
+        choice: The user's choice.
+        kind: The object's kind.
+        preset: Grid and clip, which decide what a stiff material costs.
+        base_dir: Folder that a relative path starts from.
+        said: Kind or library entry that the sentence chooses; of a true, stiff material it takes a softer stand-in,
+            so that a round is affordable. None = it says nothing.
 
     Raises:
         UserError: An unknown name, an unreadable prediction, or a stiffness for what has none.
         pydantic.ValidationError: A value is out of range.
     """
     warnings: list[str] = []
-    material = _apply_values(choice, _choose_base(choice, kind, Path(base_dir), warnings))
+    if said in PRIORS:
+        kind, said = said, None
+    material = _apply_values(choice, _choose_base(choice, kind, Path(base_dir), warnings, said))
     dx = preset.domain.dx
     duration = (preset.timing.frame_count - 1) * preset.timing.frame_dt
     hard = material
-    if choice.soften == "auto":
+    if choice.soften == "auto" or (choice.soften is None and said is not None):
         factor = find_softening(material, dx=dx, duration=duration, at_most=AFFORDABLE)
         material = soften_material(material, factor)
     elif choice.soften is not None:
@@ -49,14 +59,16 @@ def resolve_material(
     return material, tuple(warnings)
 
 
-def _choose_base(choice: MaterialChoice, kind: str, base_dir: Path, warnings: list[str]) -> Material:
+def _choose_base(
+    choice: MaterialChoice, kind: str, base_dir: Path, warnings: list[str], said: str | None
+) -> Material:
     if choice.physgm is not None:
         prediction = read_json(base_dir / choice.physgm, what="PhysGM's prediction")
         material, notes = import_physgm(prediction, warn_of_cost=False)
         warnings += notes
         return material
     if choice.name is None:
-        return choose_material(kind)
+        return choose_material(kind) if said is None else find_material(said).material
     models = [model.value for model in MaterialModel]
     try:
         return find_material(choice.name).material

@@ -14,6 +14,7 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.holding import UP
 from physagent_jax.run.resolve import LET_GO, ResolvedRun
+from physagent_jax.run.sentence_material import tell_material
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.fuse import SceneTemplate
 
@@ -22,6 +23,8 @@ Ask = Callable[[AgentContext], Reply[SemanticReply]]
 
 def read_for_scene(run: ResolvedRun, body: Body, ask: Ask) -> Reply[SemanticReply]:
     """The semantic agent's reply to the run's sentence, in which nothing is held that has to be free.
+
+    What its words for a material choose is among its notes.
 
     Args:
         run: The run.
@@ -35,9 +38,10 @@ def read_for_scene(run: ResolvedRun, body: Body, ask: Ask) -> Reply[SemanticRepl
     context = AgentContext(run.spec.prompt, describe(), describe_skills())
     reading = ask(context)
     motion = find_release(run, reading.value)
-    if motion is None:
-        return reading
-    return read_let_go(reading, motion, dataclasses.replace(context, brief=describe(LET_GO)), ask)
+    if motion is not None:
+        reading = read_let_go(reading, motion, dataclasses.replace(context, brief=describe(LET_GO)), ask)
+    told = tell_material(run.spec.prompt, context.brief, run.spec.material, reading.value)
+    return Reply(told, reading.trace)
 
 
 def place_for_field(run: ResolvedRun, body: Body, field: ForceField) -> tuple[SceneTemplate, tuple[str, ...]]:

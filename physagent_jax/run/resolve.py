@@ -12,10 +12,12 @@ from physagent_jax.agents.schema import AnchorRequest, SemanticReply, WorldReque
 from physagent_jax.core.reading import check_regular, format_validation_error
 from physagent_jax.forces.calibration import FRICTION
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.run.brief import make_brief
 from physagent_jax.run.holding import check_hold, find_hold
 from physagent_jax.run.material import resolve_material
 from physagent_jax.run.prompt import read_mask
 from physagent_jax.run.provenance import hash_settings
+from physagent_jax.run.sentence_material import SaidMaterial, choose_said_material
 from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
 from physagent_jax.scene.anchor import MASK_BYTES
 from physagent_jax.scene.body import Body
@@ -28,6 +30,7 @@ from physagent_jax.scene.level import explain_tilt, level
 from physagent_jax.scene.load import find_prescribed_up, hash_file
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import (
+    PRIORS,
     choose_anchor,
     choose_damping,
     choose_damping_ratio,
@@ -84,28 +87,41 @@ class ResolvedRun:
         """
         if reply is None:
             return self._make_stand(self.template, body)
-        template = self.with_reply(reply)
+        template, told = self._apply(reply)
         hold = self.find_hold(reply)
         held = () if hold is None else check_hold(hold, template.anchor, body, reply, self.base_dir)
         if reply.world.gravity is not None:
-            return template, held
-        template, notes = self._make_stand(template, body)
-        return template, (*held, *notes)
+            return template, (*told, *held)
+        template, notes = self._make_stand(template, body, said=self.find_material(reply).preset is not None)
+        return template, (*told, *held, *notes)
 
-    def _make_stand(self, template: SceneTemplate, body: Body) -> tuple[SceneTemplate, tuple[str, ...]]:
-        return make_stand(template, body, keep_material=self.spec.material.says_stiffness)
+    def _make_stand(
+        self, template: SceneTemplate, body: Body, *, said: bool = False
+    ) -> tuple[SceneTemplate, tuple[str, ...]]:
+        return make_stand(template, body, keep_material=self.spec.material.says_stiffness or said)
+
+    def find_material(self, reply: SemanticReply) -> SaidMaterial:
+        """The material that the sentence chooses, given its ``reply``."""
+        if not reply.materials:
+            return SaidMaterial()
+        brief = make_brief(self.template, frames_fixed=self.frames_fixed)
+        return choose_said_material(self.spec.prompt, brief, self.spec.material, reply.materials)
 
     def find_hold(self, reply: SemanticReply) -> Hold | None:
         """The hold of the object, given the sentence's ``reply``; None if nothing holds it."""
         return find_hold(self.spec.anchor, self.template.source.kind, reply.anchor)
 
     def with_reply(self, reply: SemanticReply) -> SceneTemplate:
-        """The template with what the sentence says about holding, the world and the clip's length."""
+        """The template with what the sentence says about material, holding, the world and the clip's length."""
+        return self._apply(reply)[0]
+
+    def _apply(self, reply: SemanticReply) -> tuple[SceneTemplate, tuple[str, ...]]:
+        """As `with_reply`, and what the user should know of the sentence's material."""
         template, preset = self.template, self.template.preset
         if reply.frame_count is not None and not self.frames_fixed:
             timing = preset.timing.model_copy(update=dict(frame_count=reply.frame_count))
             preset = dataclasses.replace(preset, timing=timing)
-        return dataclasses.replace(
+        template = dataclasses.replace(
             template,
             preset=preset,
             anchor=resolve_anchor(
@@ -113,6 +129,25 @@ class ResolvedRun:
             ),
             world=resolve_world(template.world, reply.world),
         )
+        said = self.find_material(reply)
+        return (template, ()) if said.preset is None else self._make_of(said, template)
+
+    def _make_of(self, said: SaidMaterial, template: SceneTemplate) -> tuple[SceneTemplate, tuple[str, ...]]:
+        """The template of another material."""
+        kind = said.preset if said.preset in PRIORS else None
+        material, notes = resolve_material(
+            self.spec.material,
+            template.source.kind,
+            template.preset,
+            base_dir=self.base_dir,
+            said=said.preset,
+        )
+        reason = f"'{said.phrase}' in the sentence: {material.reason}"
+        ratio = _choose_damping_ratio(self.spec, kind, template.preset, material) if kind else 0.0
+        template = dataclasses.replace(
+            template, material=material.changed(reason=reason), damping_ratio=ratio, damping_kind=kind
+        )
+        return template, notes
 
 
 def resolve(

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, JsonValue, ValidationError, field_validator, model_validator
 
 from physagent_jax.agents import registry as agents
+from physagent_jax.agents.llm.registry import MODELS
 from physagent_jax.core.reading import YAML_SUFFIXES, format_validation_error, read_json, read_yaml
 from physagent_jax.core.strict import Seed, Strict
 from physagent_jax.perception import backends
@@ -150,21 +151,54 @@ class Implementation(Strict):
 
 
 class AgentChoice(Strict):
-    """The choice of agents: one reads the sentence, one judges the motion, one rewrites the force field."""
+    """The choice of agents: one reads the sentence, one judges the motion, one rewrites the force field.
 
-    semantic: Implementation = Implementation(name="rules")
+    Attributes:
+        semantic: "grammar", "model", or "both" = the grammar's reading, which the model may doubt.
+        planner: "rules", "chat" = a model, or "both" = in agreement.
+        executor: "rules" or "chat".
+        model: The chat model that those ask which ask one. A key is never part of it: it comes from the environment.
+    """
+
+    semantic: Implementation = Implementation(name="grammar")
     planner: Implementation = Implementation(name="rules")
     executor: Implementation = Implementation(name="rules")
+    model: Implementation | None = None
 
     @model_validator(mode="after")
     def _check_known(self) -> AgentChoice:
-        for registry, choice in (
+        chosen = (
             (agents.SEMANTIC, self.semantic),
             (agents.PLANNER, self.planner),
             (agents.EXECUTOR, self.executor),
-        ):
+        )
+        for registry, choice in chosen:
             registry.check(choice.name)
+        asking = [
+            f"{registry.what} {choice.name!r}"
+            for registry, choice in chosen
+            if choice.name in agents.ASK_A_MODEL
+        ]
+        if self.model is not None:
+            MODELS.check(self.model.name)
+            if not asking:
+                raise ValueError(
+                    "`agents.model` names a language model that no agent asks: choose one that does"
+                )
+        elif asking:
+            raise ValueError(
+                f"{asking[0]} asks a language model, and `agents.model` names none: name one, like "
+                '{"name": "openai", "options": {"url": "http://127.0.0.1:8000/v1", "model": "NAME"}}'
+            )
         return self
+
+    def located(self, base_dir: str | Path) -> AgentChoice:
+        """The choice with an absolute path of the model's file, if it is a file."""
+        path = self.model and self.model.options.get("path")
+        if self.model is None or not isinstance(path, str):
+            return self
+        options = {**self.model.options, "path": str((Path(base_dir) / path).resolve())}
+        return self.model_copy(update=dict(model=self.model.model_copy(update=dict(options=options))))
 
 
 Share = Annotated[float, Field(ge=0, le=1)]  # of the picture's width or height, from its upper left corner
@@ -311,13 +345,19 @@ class RunSpec(Strict):
                 object=self.object.model_copy(update=dict(path=paths["object"])),
                 material=self.material.model_copy(update=dict(physgm=paths.get("physgm"))),
                 anchor=self.anchor.model_copy(update=dict(mask_path=paths.get("anchor_mask"))),
+                agents=self.agents.located(base_dir),
                 perception=self.perception.model_copy(update=dict(prompt=prompt)),
             )
         )
 
     def identity(self) -> dict[str, Any]:
-        """The values that tell this run from others; the places of its files on the disk are not part of it."""
+        """The values that tell this run from others.
+
+        The places of its files on the disk are not part of it, nor is the place of its model: the model is in the names
+        of the agents that ask it (`Agents.names`), which a run folder keeps beside this.
+        """
         paths: dict[str, Any] = {
+            "agents": {"model"},
             "object": {"path"},
             "material": {"physgm"},
             "anchor": {"mask_path"},

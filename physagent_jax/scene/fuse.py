@@ -8,8 +8,9 @@ import warnings
 import numpy as np
 
 from physagent_jax.forces import calibration
+from physagent_jax.forces.free_path import compute_free_path
+from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ForceField, Holding
-from physagent_jax.forces.skills import compute_free_path, make_closed_form_scaling
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.camera import frame_camera, shows_points
 from physagent_jax.scene.compliance import find_compliance
@@ -60,6 +61,7 @@ class SceneTemplate:
         damping_rate: Drag of the surrounding air [1/s]; the preset's holds if it is larger.
         damping_ratio: Damping ratio of what nobody has chosen one for (`Material.damping_ratio`), as far as it
             costs few substeps.
+        damping_kind: Kind that ``damping_ratio`` is of; None = the object's.
         ledger: Whether exchanged energy and momentum are recorded.
     """
 
@@ -74,6 +76,7 @@ class SceneTemplate:
     friction: float = 0.0
     damping_rate: float = 0.0
     damping_ratio: float = 0.0
+    damping_kind: str | None = None
     ledger: bool = False
 
 
@@ -181,7 +184,11 @@ def damp(template: SceneTemplate, body: Body) -> tuple[Material, str | None]:
             )
     if chosen:
         return material, note
-    reasons = material.reason, f"damping: {explain_damping_ratio(template.source.kind)}", note
+    reasons = (
+        material.reason,
+        f"damping: {explain_damping_ratio(template.damping_kind or template.source.kind)}",
+        note,
+    )
     return material.changed(damping_ratio=ratio, reason="; ".join(filter(None, reasons))), note
 
 

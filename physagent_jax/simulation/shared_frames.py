@@ -4,8 +4,8 @@ A round of the loop takes them over from the round before instead of simulating 
 because nothing in a frame depends on what comes after it:
 
 * A force follows from the particles and the clock alone and is zero before its window opens. A push or a turn does not
-  know when its window will close; an impulse is spread over its window and a stretch grows with it, so these are
-  compared as a whole.
+  know when its window will close (`Skill.is_memoryless`); an impulse is spread over its window and a stretch grows with
+  it, so these are compared as a whole.
 * A held particle is held within its window only.
 * The time step looks ahead (`mpm.frame`), but to the end of the frame that is about to be simulated.
 * The grid window goes by the particles.
@@ -18,19 +18,12 @@ from __future__ import annotations
 
 import math
 
-from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField, VelocityConstraint
+from physagent_jax.forces.schema import Action, ForceField, VelocityConstraint
+from physagent_jax.forces.skills import get_skill
 from physagent_jax.scene.config import SceneConfig
 
 CLOCK_SLACK = 1  # frames; by as much the clock may be off (`is_clock_right`)
 STRIDE = 8  # frames between places from which a push that is cut short can go on
-_CAN_BE_CUT = (
-    ActionType.TRANSLATION,
-    ActionType.TORQUE,
-    ConstraintType.PARTICLE_TRANSLATION,
-    ConstraintType.PARTICLE_ROTATION,
-    ConstraintType.MOVING_PLATE,
-)
-
 Timed = Action | VelocityConstraint
 
 
@@ -60,7 +53,7 @@ def find_restart_frames(config: SceneConfig) -> tuple[int, ...]:
     """
     instants = set(_collect_bounds(config))
     for timed in _list_items(config.force_field):
-        if _get_kind(timed) in _CAN_BE_CUT:
+        if get_skill(timed).is_memoryless:
             first, last = _get_window(timed, config)
             instants |= set(range(math.floor(first) + STRIDE, math.ceil(last), STRIDE))
     frames = {math.floor(instant) - CLOCK_SLACK for instant in instants}
@@ -93,7 +86,7 @@ def _select_begun(items: tuple[Timed, ...], config: SceneConfig, instant: float)
         known: dict = {}
         if (held := _find_held_until(timed)) is not None:
             known["held_until"] = min(held, instant) if instant > last else None
-        if _get_kind(timed) in _CAN_BE_CUT:
+        if get_skill(timed).is_memoryless:
             last = min(last, instant)
         begun.append(timed.model_copy(update=dict(active_time=(first, last), **known)))
     return tuple(begun)
@@ -117,10 +110,6 @@ def _find_held_until(timed: Timed) -> float | None:
     return timed.held_until if isinstance(timed, VelocityConstraint) else None
 
 
-def _get_kind(timed: Timed) -> ActionType | ConstraintType:
-    return timed.action_type if isinstance(timed, Action) else timed.constraint_type
-
-
 def _get_window(timed: Timed, config: SceneConfig) -> tuple[float, float]:
-    """As `forces.skills` has it [frames]."""
+    """As `forces.parameters` has it [frames]."""
     return timed.active_time or (0, config.timing.frame_count - 1)

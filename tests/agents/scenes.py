@@ -10,9 +10,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from physagent_jax.agents.context import AgentContext, Observation, Round
+from physagent_jax.agents.grammar.semantic import read_sentence
 from physagent_jax.agents.rules.executor import RuleExecutor
 from physagent_jax.agents.rules.planner import RulePlanner
-from physagent_jax.agents.rules.semantic import read_sentence
 from physagent_jax.agents.rules.tolerances import list_windows
 from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, Rewrite, SceneBrief, SemanticReply
 from physagent_jax.forces.description import describe_skills

@@ -1,50 +1,48 @@
-"""Quantities that compare with the object or with what came before: lengths, amounts, heights."""
+"""Quantities of `quantities.yaml`: numbers with units, amounts of motions, and what nothing is measured in."""
 
 import pytest
 
+from physagent_jax.agents.grammar.measures import Words, match_quantity
+from physagent_jax.agents.grammar.tokens import tokenise
 from tests.agents.scenes import read
+from tests.agents.sentences import load_table
 from tests.agents.tellings import ground
 
+TABLE = load_table("quantities.yaml")
 
-def amounts(prompt):
-    """A line for each motion: its kind and its target."""
+
+@pytest.mark.parametrize(("words", "expected"), TABLE["quantities"].items())
+def test_quantities_with_units(words, expected):
+    """Numbers in digits, words and fractions, in the unit that they stand in."""
+    tokens = tokenise(words)
+    found = match_quantity(Words(tokens), 0)
+    assert found is not None and found[1] == len(tokens)
+    assert f"{found[0].value:.4g} {found[0].unit}".strip() == expected
+
+
+@pytest.mark.parametrize("words", TABLE["no quantities"])
+def test_what_is_no_quantity(words):
+    """Times, parts and counts are other things' business."""
+    assert match_quantity(Words(tokenise(words)), 0) is None
+
+
+@pytest.mark.parametrize(("prompt", "expected"), TABLE["amounts"].items())
+def test_quantities_are_targets(prompt, expected):
+    """A quantity is the expectation's amount, and happens once."""
     reply = read(prompt, ground())
     told = [
         f"{m.kind.value} {m.amount.value:.4g} {m.amount.unit}" if m.amount else m.kind.value
         for m in sorted(reply.expectations, key=lambda m: m.window[0])
     ]
-    return told, reply.unsure
+    assert ("; ".join(told), reply.unsure) == (expected, ())
+    assert all(m.repeats == 1 for m in reply.expectations if m.amount)
 
 
-@pytest.mark.parametrize(
-    ("prompt", "expected"),
-    [
-        ("it becomes a sixth taller", ["stretch 1.167 factor"]),
-        ("within a third of a second it gets a quarter shorter", ["squeeze 0.75 factor"]),
-        ("it gets a twelfth shorter", ["squeeze 0.9167 factor"]),
-        ("move it left by half its length, then right by as much", ["move 0.5 lengths", "move 0.5 lengths"]),
-        ("it moves up half a metre, then as far down", ["move 0.5 metres", "move 0.5 metres"]),
-        ("move it up by a third of its length, then left the same distance", ["move 0.3333 lengths"] * 2),
-        ("turn it left by 30 degrees, then back by as much", ["rotate 30 degrees"] * 2),
-        ("drop it from half its length", ["fall"]),
-    ],
-)
-def test_what_is_measured(prompt, expected):
-    assert amounts(prompt) == (expected, ())
-
-
-@pytest.mark.parametrize(
-    "prompt",
-    [
-        "stretch it by a fifth, then squeeze it by as much",  # a factor is not undone by the same factor
-        "push it left by half its length, then turn it by as much",
-        "it moves as far to the right",  # as what
-        "drop it from twice its length",  # it is always dropped from the same height
-        "drop it from a metre",
-    ],
-)
+@pytest.mark.parametrize("prompt", TABLE["unmeasured"])
 def test_what_cannot_be_measured_is_said(prompt):
-    assert any("is a quantity that nothing here is measured in" in why for why in amounts(prompt)[1])
+    assert any(
+        "is a quantity that nothing here is measured in" in why for why in read(prompt, ground()).unsure
+    )
 
 
 @pytest.mark.parametrize("plane", ["picture", "image", "screen"])

@@ -109,7 +109,7 @@ def test_wrong_kind_is_a_discrete_leap(prompt, wrong, right):
     """An action that cannot have the effect becomes the skill that has it."""
     answer, _ = rewritten(prompt, read(wrong).force_field)
     causes = list_causes(answer.force_field)
-    assert {cause.type.value for cause in causes} == {right}
+    assert {cause.skill.name for cause in causes} == {right}
     assert causes[0].item.vector == read(prompt).force_field.actions[0].vector
 
 

@@ -2,10 +2,10 @@
 
 import pytest
 
+from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent
 from physagent_jax.agents.hard_rules import apply_hard_rules
 from physagent_jax.agents.matching import find_causes
 from physagent_jax.agents.rules.kinds import choose_kinds
-from physagent_jax.agents.rules.semantic import RuleSemanticAgent
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind
 from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL
 from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField
@@ -83,7 +83,7 @@ def test_what_is_lifted_and_held_is_carried_to_where_it_should_be():
 def test_what_is_lifted_and_rests_is_let_go_when_the_next_motion_begins():
     """Not when the rest begins: "lift it, hold it for a moment, then drop it"."""
     reply = (
-        RuleSemanticAgent()
+        GrammarSemanticAgent()
         .compile(
             asked("lift it up, hold it for a moment, then drop it", brief(world="ground", frames_fixed=False))
         )
@@ -105,7 +105,7 @@ def test_what_is_lifted_and_rests_is_let_go_when_the_next_motion_begins():
 )
 def test_what_is_put_down_again_is_carried_as_far_as_it_was_raised(prompt):
     """It is held until then; pushed down by a force it would be dropped."""
-    reply = RuleSemanticAgent().compile(asked(prompt, brief(world="ground", frames_fixed=False))).value
+    reply = GrammarSemanticAgent().compile(asked(prompt, brief(world="ground", frames_fixed=False))).value
     raised, lowered = reply.force_field.constraints
     ways = [hand.magnitude * (hand.active_time[1] - hand.active_time[0]) for hand in (raised, lowered)]
     assert (raised.vector, lowered.vector) == (UP, DOWN) and ways[0] == pytest.approx(ways[1], rel=1e-3)
@@ -114,7 +114,7 @@ def test_what_is_put_down_again_is_carried_as_far_as_it_was_raised(prompt):
 
 def test_what_moves_otherwise_in_between_is_let_go():
     prompt = "it moves up, then to the left, then down"
-    reply = RuleSemanticAgent().compile(asked(prompt, brief(world="ground", frames_fixed=False))).value
+    reply = GrammarSemanticAgent().compile(asked(prompt, brief(world="ground", frames_fixed=False))).value
     (raised,) = reply.force_field.constraints
     left = next(e for e in reply.expectations if e.direction == LEFT)
     assert (raised.held_until or raised.active_time[1]) <= left.window[0]
@@ -122,7 +122,7 @@ def test_what_moves_otherwise_in_between_is_let_go():
 
 def test_what_is_lifted_before_something_else_is_carried_until_then():
     """Upright, and let go when the next motion begins."""
-    reply = RuleSemanticAgent().compile(asked("lift it, then drop it", brief(world="ground"))).value
+    reply = GrammarSemanticAgent().compile(asked("lift it, then drop it", brief(world="ground"))).value
     (hand,) = reply.force_field.constraints
     end = hand.held_until or hand.active_time[1]
     assert hand.vector == UP and end <= reply.expectations[1].window[0]
@@ -234,7 +234,7 @@ def test_ends_turned_against_each_other_are_gripped():
 
 
 def compiled(prompt, scene=None):
-    return RuleSemanticAgent().compile(asked(prompt, scene or brief())).value
+    return GrammarSemanticAgent().compile(asked(prompt, scene or brief())).value
 
 
 def test_the_semantic_agent_chooses_and_says_so():

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from physagent_jax.agents.rules.language.schedule import divide, divide_swings
+from physagent_jax.agents.windows import divide, divide_swings
 from physagent_jax.core.turning import find_turning_points
 
 FRAME_DT, LAST = 0.04, 49.0

@@ -15,8 +15,8 @@ from physagent_jax.agents.schema import ExpectedMotion, Judgement, SceneBrief, S
 from physagent_jax.agents.vectors import add, scale
 from physagent_jax.forces import calibration
 from physagent_jax.forces.parameters import ForceFieldParameters
+from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField, HalfSpaceRegion
-from physagent_jax.forces.skills import make_closed_form_scaling
 from physagent_jax.forces.swinging import find_strokes
 from physagent_jax.perception.schema import MotionReport, PartMotion
 from tests.agents.scenes import judge, make_report, rewrite
@@ -102,6 +102,9 @@ class ToyWorld:
             if kind is ActionType.TRANSLATION:
                 k = strokes[index].k if index in strokes else 2.0 * calibration.TRAVEL
                 push.append(scale(vector, float(k)))
+            elif kind == "wind_gust":
+                share = 1.0 - math.cos(2.0 * math.pi * (frame - first) / (last - first))
+                push.append(scale(vector, 2.0 * calibration.TRAVEL * share))
             elif kind in (ActionType.IMPULSE, ConstraintType.PARTICLE_IMPULSE):
                 push.append(scale(vector, calibration.TRAVEL * (self.scene.frame_count - 1) / (last - first)))
             elif kind is ActionType.TORQUE:

@@ -15,6 +15,10 @@ from physagent_jax.gaussians.formats.ply import write_ply
 from physagent_jax.scene.procedural import make_jelly
 from tests.baselines.tiny import act
 
+pytestmark = pytest.mark.usefixtures(
+    "least_optimised"
+)  # derivatives of small scenes: to compile takes longest
+
 PUSH = act("translation", (1, 0, 0), 1.0, (0, 7))
 OTHERS = (
     act("impulse", (1, 0, 0), 1.0, (0, 7)),

@@ -13,6 +13,7 @@ from baselines.starts import KINDS, choose_templates, enumerate_types
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.parameters import ActionParameters, ForceFieldParameters
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.forces.skills import list_skills
 from tests.baselines.analytic import Linear, make_evaluator, pushes
 from tests.baselines.tiny import act
 
@@ -184,12 +185,13 @@ def test_every_combination_of_kinds_is_there_once():
     one = enumerate_types(act("translation", (1, 0, 0)))
     assert len(one) == len(KINDS) and len(set(one)) == len(one)
     windows = {a.action_type: a.active_time for each in one for a in each.actions}
-    assert windows == {"translation": None, "scale": None, "torque": None, "impulse": (0, 2)}
+    assert windows == {s.name: (0, 2) if s.is_sudden else None for s in list_skills("actions")}
+    assert windows["impulse"] == (0, 2) and windows["translation"] is None
     action = act("translation", (1, 0, 0)).actions[0]
     same = enumerate_types(ForceField(actions=(action, action)))
-    assert len(same) == 15
+    assert len(same) == len(KINDS) * (len(KINDS) + 1) / 2
     later = action.model_copy(update=dict(active_time=(3, 5)))
-    assert len(enumerate_types(ForceField(actions=(action, later)))) == 25
+    assert len(enumerate_types(ForceField(actions=(action, later)))) == len(KINDS) ** 2
 
 
 def test_a_fall_is_among_the_types_only_where_it_helps():

@@ -21,7 +21,7 @@ ALL = load_tasks(FOLDER)
 WITNESSES = load_witnesses(FOLDER)
 HERE = {spec.name: spec for spec in split_available(ALL, None)[0]}
 QUICK = ("twist-robot-quarter", "recovery-jelly-push")
-"""Of which the default suite plays the witness; the slow one plays all."""
+"""Tasks of which the default suite plays the witness; the slow one plays all."""
 
 LATE = 4  # of the clip that a late clip begins after: one part of so many
 BURST = 3.0  # times its size

@@ -18,7 +18,8 @@ from benchmarks.harness import Page, make_lines, read_lines
 from benchmarks.harness.pages import empty_place, fill_page, fill_places
 from benchmarks.headtohead.statistics import CAP
 from benchmarks.inverse.fitting import ADAM_STEPS, LM_STEPS
-from benchmarks.language.notation import FILES, LIMIT, read_sentences
+from benchmarks.language import totals
+from benchmarks.language.notation import read_split
 from benchmarks.peers import drop, flight
 from benchmarks.skipping.measure import CHANCE, LEAST
 from benchmarks.stability.dt_crit import REQUIRED
@@ -109,8 +110,11 @@ def test_pages_are_what_their_summaries_give():
         ("inverse", f"a gradient is {GRADIENT_COST:g}"),
         ("head-to-head", f"a value with its gradient is charged {GRADIENT_COST:g}"),
         ("head-to-head", f"cut at {CAP:g};"),
-        ("language", f"at most {LIMIT * 100:g} % silently wrong"),
-        ("language", f"of {sum(len(read_sentences(author)) for author in FILES):,} sentences"),
+        *(
+            ("language", f"{split}: at least {least:.0%} right, at most {most:.0%} silently wrong")
+            for split, (least, most) in totals.REQUIRED.items()
+        ),
+        ("language", f"of {sum(len(read_split(split)) for split in totals.REQUIRED):,} sentences"),
         (
             "skipping",
             f"as measurable above {LEAST * 100:g} %, where a sign test gives chance less than {CHANCE * 100:g} %",

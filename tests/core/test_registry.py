@@ -5,10 +5,11 @@ from typing import Protocol
 
 import pytest
 
-from physagent_jax.agents.registry import EXECUTOR, PLANNER, SEMANTIC
+from physagent_jax.agents.registry import ASK_A_MODEL, EXECUTOR, PLANNER, SEMANTIC
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.registry import Registry
 from physagent_jax.perception.backends import DEPTH_ESTIMATORS, SEGMENTERS, TRACKERS
+from tests.agents.llm.scripted import ScriptedModel
 
 
 class Role(Protocol):
@@ -147,6 +148,8 @@ def test_a_package_that_is_missing_is_named():
 )
 def test_every_entry_refuses_an_option_that_nobody_has(registry):
     for name in registry.entries:
-        assert registry.make(name).name
+        asks = registry in (SEMANTIC, PLANNER, EXECUTOR) and name in ASK_A_MODEL
+        options = {"model": ScriptedModel()} if asks else {}
+        assert registry.make((name, options)).name
         with pytest.raises(UserError, match=f"{registry.what} '{name}' does not take these options"):
-            registry.make((name, {"flux_capacitor": 1}))
+            registry.make((name, {**options, "flux_capacitor": 1}))

@@ -6,6 +6,10 @@ import pytest
 
 from physagent_jax.forces.terms import PushCompensation
 
+pytestmark = pytest.mark.usefixtures(
+    "least_optimised"
+)  # derivatives of small scenes: to compile takes longest
+
 FRICTION, LEVER, WAY = 3.9, 0.4, np.array([-0.6, 0.8, 0.0])
 
 

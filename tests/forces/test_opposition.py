@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from physagent_jax.forces.opposition import oppose_blow, oppose_push, oppose_turn
+from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import Opposition
-from physagent_jax.forces.skills import make_closed_form_scaling
 
 LEFT, UP, T, L = np.array([-1.0, 0, 0]), np.array([0.0, 0, 1]), 2.0, 1.3
 

@@ -12,9 +12,16 @@ from physagent_jax.agents.rules.tolerances import expect_move, expect_rotation, 
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces import calibration
+from physagent_jax.forces.compilation import compile_force_field
+from physagent_jax.forces.free_path import compute_free_path
 from physagent_jax.forces.parameters import ActionParameters, ForceFieldParameters
-from physagent_jax.forces.schema import ForceField, SkillScaling
-from physagent_jax.forces.skills import compile_force_field, compute_free_path, make_closed_form_scaling
+from physagent_jax.forces.scaling import make_closed_form_scaling
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.forces.skills import find_skill, list_skills
+
+pytestmark = pytest.mark.usefixtures(
+    "least_optimised"
+)  # derivatives of small scenes: to compile takes longest
 
 FRAMES, FRAME_DT = 26, 0.04
 SCALING = make_closed_form_scaling(extent=0.83, youngs_modulus=5e4, density=390.0, duration=1.0)
@@ -190,22 +197,13 @@ def test_what_one_gives_is_within_what_a_viewer_expects():
     """A magnitude of 1 gives a motion that viewers call plain."""
     plain = ExpectedMotion(kind=MotionKind.STRETCH, window=(0, 25))
     band = expect_strain(plain, squeeze=False)
-    turn = expect_rotation(plain, 26, anchored=False)
-    move = expect_move(plain, 26, anchored=False)
+    turn = expect_rotation(plain, anchored=False)
+    move = expect_move(plain, anchored=False)
     assert band.low < calibration.STRAIN < band.high
     assert turn.low < math.degrees(calibration.TURN) < turn.high
     assert move.low < calibration.TRAVEL < move.high
 
 
 def test_what_one_means_is_said_in_words():
-    for skill in SkillScaling.model_fields:
-        if skill not in (
-            "opposition",
-            "holding",
-            "damping_rate",
-            "reason",
-        ):  # what a skill makes up for, and why: no skills
-            assert calibration.describe_meaning(skill)
-    assert "90 degrees" in calibration.describe_meaning("torque") and "0.15" in calibration.describe_meaning(
-        "scale"
-    )
+    assert all(skill.one_means and skill.unit for skill in list_skills())
+    assert "90 degrees" in find_skill("torque").one_means and "0.15" in find_skill("scale").one_means

@@ -7,8 +7,9 @@ import pytest
 from pydantic import ValidationError
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.forces.compilation import compile_force_field
+from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.forces.skills import compile_force_field, make_closed_form_scaling
 from physagent_jax.mpm import step
 from physagent_jax.mpm.energy import angular_momentum, momentum
 from tests.mpm.blocks import block

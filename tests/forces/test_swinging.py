@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from physagent_jax.forces import calibration
+from physagent_jax.forces.free_path import compute_free_path
 from physagent_jax.forces.parameters import ActionParameters
+from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import Action, ActionType, ForceField
-from physagent_jax.forces.skills import compute_free_path, make_closed_form_scaling
 from physagent_jax.forces.swinging import find_strokes
 
 LEFT, RIGHT, UP = (-1.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0)

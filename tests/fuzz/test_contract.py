@@ -94,9 +94,10 @@ def test_another_process_makes_the_same_cases():
         "    text = repr([case.what for case in cases] + files)\n"
         "    print(name, hashlib.sha256(text.encode('utf-8', 'backslashreplace')).hexdigest())\n"
     )
-    one, other = (run("-c", code, env={**os.environ, "PYTHONHASHSEED": seed}) for seed in ("1", "2"))
+    seed = "2" if os.environ.get("PYTHONHASHSEED") == "1" else "1"  # another one than this process has
+    one = run("-c", code, env={**os.environ, "PYTHONHASHSEED": seed})
     assert one.returncode == 0, one.stderr
-    assert one.stdout == other.stdout and one.stdout.count("\n") == len(CLASSES)
+    assert one.stdout.count("\n") == len(CLASSES)
     here = io.StringIO()
     with contextlib.redirect_stdout(here):
         exec(compile(code, "cases", "exec"), {})

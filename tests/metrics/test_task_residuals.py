@@ -8,6 +8,10 @@ import pytest
 from physagent_jax.metrics.targets import Target
 from physagent_jax.metrics.task_judge import compute_residuals, judge
 
+pytestmark = pytest.mark.usefixtures(
+    "least_optimised"
+)  # derivatives of small scenes: to compile takes longest
+
 FRAMES, DT = 13, 0.04
 LAST = FRAMES - 1
 REST = np.random.default_rng(5).uniform((-0.4, -0.25, -0.5), (0.4, 0.25, 0.5), (90, 3)) + 1.5

@@ -368,6 +368,7 @@ def _make_manifest(prompt: str) -> Manifest:
                 input_tokens=5210,
                 output_tokens=884,
                 seconds=7.5,
+                latency_seconds=7.1,
             ),
             AgentCost(agent="executor", implementation="rules", calls=2, seconds=0.004),
         ),

@@ -202,7 +202,9 @@ def test_numbers_equal_those_in_the_files(run, page):
     assert "velocity above the grid's limit" in page.text
     assert "Young\u2019s modulus 2 MPa" in page.text and "density 200 kg/m\u00b3" in page.text
     assert "64 \u00d7 48 \u00d7 72 nodes" in page.text
-    assert "planner chat model 3 5210 884 7.5 s" in page.text
+    assert "planner chat model 3 5210 884 7.1 s 7.5 s" in page.text
+    assert "all 6 5210 884 7.1 s 7.52 s" in page.text
+    assert "tokens 5210 in, 884 out, 7.1 s waited" in page.text
     assert "simulate 31.5 s 43 %" in page.text
     assert "Longest extent in frame 0 0.980 1.000 \u22120.020 m" in page.text
     assert "The truth is for your eyes only; no agent saw it." in page.text

@@ -2,10 +2,12 @@
 
 import dataclasses
 import json
+from contextlib import nullcontext
 
 import imageio.v3 as iio
 import pytest
 
+from physagent_jax.agents.progress import find_best_round
 from physagent_jax.agents.protocols import Agents, ExecutorAgent, PlannerAgent, SemanticAgent
 from physagent_jax.agents.registry import make_agents
 from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply, Verdict
@@ -13,7 +15,7 @@ from physagent_jax.agents.trace import AgentError, FailedCall, Message, Reply, T
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.report.html import write_report
-from physagent_jax.run.manifest import Manifest, find_best_round
+from physagent_jax.run.manifest import Manifest
 from physagent_jax.run.refused import RefusedReadings
 from physagent_jax.scene.cost import Limits
 from tests.run.specs import made, small
@@ -393,9 +395,9 @@ def test_a_run_that_is_to_be_replaced_stands_until_the_agent_answers(tmp_path, r
 
 def test_a_failed_call_is_one_line_of_the_terminal(tmp_path, robot_path, monkeypatch, capsys):
     from physagent_jax.cli import main
-    from physagent_jax.run import loop
+    from physagent_jax.run import chosen_agents
 
-    monkeypatch.setattr(loop, "agents_of", lambda spec: failing("semantic"))
+    monkeypatch.setattr(chosen_agents, "open_agents", lambda *_, **__: nullcontext(failing("semantic")))
     command = ["run", "--object", str(robot_path), "--prompt", PROMPT, "--out", str(tmp_path / "run")]
     assert main(command) == 2
     lines = [line for line in capsys.readouterr().err.splitlines() if "gave no answer" in line]
@@ -422,7 +424,7 @@ def test_the_rules_alone_make_no_pictures(tmp_path, robot_path, monkeypatch):
 
 
 def test_agents_are_chosen_by_name():
-    assert set(make_agents().names.values()) == {"RuleSemanticAgent", "RulePlanner", "RuleExecutor"}
+    assert set(make_agents().names.values()) == {"GrammarSemanticAgent", "RulePlanner", "RuleExecutor"}
     with pytest.raises(UserError, match="agents.planner"):
         make_agents(planner="rulse")
 

@@ -83,7 +83,7 @@ def test_whatever_is_said_otherwise_makes_it_another_run(field, robot_path):
 
 
 def test_every_field_is_tried():
-    """Those left out name files, or have one choice only."""
+    """Those left out name files, have one choice only, or are in the names of agents (the model)."""
 
     def leaves(model, prefix=""):
         for name, field in model.model_fields.items():
@@ -94,6 +94,7 @@ def test_every_field_is_tried():
                 yield prefix + name
 
     files = {"object.path", "material.physgm", "anchor.mask_path", "anchor.point", "anchor.half_size"}
+    files |= {"agents.model"}
     assert set(leaves(RunSpec)) == set(OTHERS) | files | {f"{where}.{role}" for role, where in ROLES.items()}
 
 
@@ -211,11 +212,11 @@ def test_a_spec_and_options_exclude_each_other(tmp_path, capsys, robot_path):
 
 
 def test_agents_by_name_with_options_that_they_do_not_take(robot_path):
-    from physagent_jax.run.loop import agents_of
+    from physagent_jax.run.chosen_agents import open_agents
 
     spec = small(robot_path, agents={"planner": {"name": "rules", "options": {"temperature": 0.5}}})
-    with pytest.raises(UserError, match="does not take these options"):
-        agents_of(spec)
+    with pytest.raises(UserError, match="does not take these options"), open_agents(spec):
+        pass
     with pytest.raises(ValidationError):
         small(robot_path, agents={"planner": 3})
 

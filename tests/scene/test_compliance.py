@@ -8,8 +8,8 @@ import trimesh
 
 from physagent_jax.forces import calibration
 from physagent_jax.forces.holding import OVERSHOOT, find_blow_scale, find_push_scale
+from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ForceField, Holding
-from physagent_jax.forces.skills import make_closed_form_scaling
 from physagent_jax.report.force_cards import make_force_cards, read_setting
 from physagent_jax.scene.compliance import measure_compliance
 from physagent_jax.scene.config import Anchor, Material

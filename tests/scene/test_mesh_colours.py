@@ -471,3 +471,16 @@ def test_colours_that_are_not_finite_are_told():
     with pytest.warns(UserWarning, match="1 colours of the mesh are not finite"):
         rgba = as_rgba(np.array([[0.5, np.nan, 1.0], [0.0, 1.0, 0.0]]))
     np.testing.assert_allclose(rgba, [[0.5, 0, 1, 1], [0, 1, 0, 1]])
+
+
+@pytest.mark.parametrize("value", ["nan", "inf"])
+def test_texture_coordinates_that_are_not_finite_are_told(value, tmp_path):
+    """The triangle without them has its colour; the other one's U is read as 0."""
+    write(tmp_path, "a.png", png(image([RED, GREEN], [BLUE, GREY])))
+    uv = "property float s\nproperty float t\n"
+    rows = "\n".join(f"{c} {value if c == CORNERS[1] else 0.75} 0.75" for c in CORNERS)
+    text = PLY_HEAD.format("comment TextureFile a.png\n", uv, 2, "") + rows + "\n3 0 1 2\n3 0 2 3\n"
+    with pytest.warns(UserWarning, match="1 texture coordinates of the mesh are not finite"):
+        x, rgb = sampled(write(tmp_path, "a.ply", text))
+    expected = np.where((x[:, 1] > x[:, 0])[:, None], GREEN, RED) / 255
+    np.testing.assert_allclose(rgb, expected, atol=2e-6)

@@ -9,8 +9,8 @@ import pytest
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.parameters import ForceFieldParameters
+from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import Action, ActionType, ForceField, Holding, Opposition
-from physagent_jax.forces.skills import make_closed_form_scaling
 from physagent_jax.mpm.step import kirchhoff_stress
 from physagent_jax.scene import config as c
 from physagent_jax.scene.compile import compile_scene

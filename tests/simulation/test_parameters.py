@@ -58,6 +58,7 @@ STEPS = (".center", ".radius", ".constraints[0].window", ".constraints[1].start"
 LENGTHS = (1e-6, 1e-4)
 
 
+@pytest.mark.usefixtures("least_optimised")
 @pytest.mark.parametrize(
     "parts",
     [
@@ -97,6 +98,7 @@ def test_every_number_has_the_derivative_of_differences(parts, folder, body, x64
         assert (slope == 0) == name.endswith(STEPS), name
 
 
+@pytest.mark.usefixtures("least_optimised")
 def test_a_simulation_of_other_numbers_is_their_own(folder, body):
     """It takes over no frame of the scene's, and along its schedule its motion comes out again."""
     scene = compile_scene(make_config(folder, always_gravity=True), body, folder)

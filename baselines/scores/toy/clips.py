@@ -68,15 +68,15 @@ class Command:
     """Simulates clips for the toy prior."""
 
     out: Path = Path("runs/toy_prior/clips.npz")
-    """Where they go."""
+    """File of the clips."""
     count: int = 960
-    """How many; each motion as often."""
+    """Number of clips; each motion as often."""
     instances: int = 6
-    """Of each kind of object; the last of them is for validation."""
+    """Instances of each kind of object; the last of them is for validation."""
     particles: int = 700
-    """At most."""
+    """Particles of an object, at most."""
     seed: int = 0
-    """Of everything drawn."""
+    """Seed of everything drawn."""
 
     @property
     def kept(self) -> Path:

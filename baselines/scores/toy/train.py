@@ -41,11 +41,11 @@ class Command:
     """Trains the toy prior."""
 
     clips: Path = Path("runs/toy_prior/clips.npz")
-    """What `python -m baselines.scores.toy.clips` wrote."""
+    """File that `python -m baselines.scores.toy.clips` wrote."""
     out: Path = Path("runs/toy_prior/prior")
-    """Where the prior goes."""
+    """Folder of the prior."""
     steps: int = 4000
-    """Of the optimiser."""
+    """Steps of the optimiser."""
     batch: int = 16
     """Clips per step."""
     learning_rate: float = 2e-3
@@ -55,7 +55,7 @@ class Command:
     validation_draws: int = 16
     """Noises per held-out clip."""
     seed: int = 0
-    """Of everything random."""
+    """Seed of everything random."""
 
     @property
     def checkpoints(self) -> Path:

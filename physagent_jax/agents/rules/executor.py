@@ -6,9 +6,11 @@ from collections.abc import Sequence
 
 from physagent_jax.agents.context import AgentContext, Round
 from physagent_jax.agents.hard_rules import Repair, apply_hard_rules
+from physagent_jax.agents.progress import Rating, rate
 from physagent_jax.agents.protocols import ExecutorAgent
 from physagent_jax.agents.rules.edits import Case, Change
 from physagent_jax.agents.rules.remedies import list_remedies
+from physagent_jax.agents.rules.sparing import find_kept
 from physagent_jax.agents.schema import Check, Judgement, Rewrite
 from physagent_jax.agents.trace import Reply
 from physagent_jax.forces.schema import ForceField
@@ -21,15 +23,18 @@ _PASSED = 1.0  # gain of what needed no change
 
 
 class RuleExecutor(ExecutorAgent):
-    """Mends the failed expectations of the best round, all at once; without checks it has nothing to go by."""
+    """Mends the failed stages of the best round, all at once, and leaves the entries of the others as they are.
+
+    Without checks it has nothing to go by.
+    """
 
     def rewrite(self, context: AgentContext, failed: Round) -> Reply[Rewrite]:
         """Return the next force field; see `protocols.ExecutorAgent`.
 
-        It goes out from the round that came nearest, not from the last: a change that made things worse is dropped.
-        The mildest remedies come first; if they lead to a force field that was tried before, the next ones are
-        taken, and then those of the round that came second. If none is left, or nothing that was measured failed in a
-        round that came nearer, the last field is returned unchanged and ``changes`` says so.
+        It goes out from the round that came nearest: a change that made things worse is dropped. The mildest remedies
+        come first; if they lead to a force field that was tried before, the next ones are taken, and then those of the
+        round that came second. If none is left, or nothing that was measured failed in a round that came nearer, the
+        last field is returned unchanged and ``changes`` says so.
         """
         rounds = [*context.rounds, failed]
         tried = [each.force_field for each in rounds]
@@ -44,9 +49,8 @@ class RuleExecutor(ExecutorAgent):
                 changes = _mend(context, base, rounds, unmet, depth)
                 if not changes:
                     continue
-                field, repairs = apply_hard_rules(
-                    changes[-1].force_field, context.brief, context.expectations
-                )
+                field = changes[-1].force_field
+                field, repairs = apply_hard_rules(field, context.brief, context.expectations)
                 if field in tried:
                     limits += [change.why for change in changes if "cannot be made" in change.why]
                     continue
@@ -57,18 +61,14 @@ class RuleExecutor(ExecutorAgent):
 
 
 def rank(rounds: Sequence[Round]) -> list[Round]:
-    """Rounds by falling score, the later of equals first; the last alone where a planner gives no scores."""
+    """Rounds by stages met, then by score, best first, the later of equals first; the last alone without scores."""
     if any(each.judgement.score is None for each in rounds):
         return [rounds[-1]]
-    return sorted(reversed(rounds), key=lambda each: -(each.judgement.score or 0.0))
+    return sorted(reversed(rounds), key=lambda each: rate(each.judgement) or Rating(0, 0.0), reverse=True)
 
 
 def _explain(
-    field: ForceField,
-    changes: list[Change],
-    repairs: Sequence[Repair],
-    base: Round,
-    rounds: Sequence[Round],
+    field: ForceField, changes: list[Change], repairs: Sequence[Repair], base: Round, rounds: list[Round]
 ) -> Rewrite:
     back = ()
     if base is not rounds[-1]:
@@ -98,30 +98,29 @@ def _group_failed(judgement: Judgement, count: int, report: MotionReport) -> dic
 def _mend(
     context: AgentContext, base: Round, rounds: Sequence[Round], failed: dict[int, list[Check]], depth: int
 ) -> list[Change]:
-    """One remedy per failed expectation, each on the result of the one before; ``depth`` skips the mildest."""
+    """One remedy per failed expectation, each on the result of the one before; ``depth`` skips the mildest.
+
+    Remedies that leave the stages that were met as they are go before all others.
+    """
     changes: list[Change] = []
-    field = base.force_field
+    field, expectations = base.force_field, context.expectations
+    kept = find_kept(base, expectations, failed)
     for index, checks in failed.items():
         earlier = tuple(_list_gains(index, [each for each in rounds if each is not base]))
-        expectations = context.expectations
-        case = Case(expectations[index], expectations, checks, field, base.report, context.brief, earlier)
+        case = Case(field, expectations[index], expectations, context.brief, checks, base.report, earlier)
         options = [change for change in list_remedies(case) if change.force_field != field]
-        if not options:
-            continue
-        change = options[min(depth, len(options) - 1)]
-        changes.append(change)
-        field = change.force_field
+        options = [each for change in options if (each := kept.spare(change, field))] or options
+        if options:
+            changes.append(options[min(depth, len(options) - 1)])
+            field = changes[-1].force_field
     return changes
 
 
 def _list_gains(index: int, rounds: Sequence[Round]):
     """Force fields of other rounds with the gain that their amount of an expectation asked for."""
     for each in rounds:
-        amounts = [
-            check
-            for check in each.judgement.checks
-            if check.expectation == index and check.aspect == "amount" and check.passed is not None
-        ]
+        seen = [c for c in each.judgement.checks if c.expectation == index and c.passed is not None]
+        amounts = [check for check in seen if check.aspect == "amount"]
         if amounts:
             worst = min(amounts, key=lambda check: check.score)
             yield each.force_field, worst.gain if worst.gain is not None else _PASSED

@@ -2,19 +2,20 @@
 
 A force lets the object answer as it likes, and what comes of it depends on stiffness, weight and whatever opposes. A
 velocity constraint brings about the stated motion whatever opposes, and looks like what it is: something that grips,
-presses or hits. The table is `docs/skills.md`, with what each kind was measured to do in `docs/executor.md`.
+presses or hits. The table is `docs/skills.md`, with what each kind was measured to do in `docs/executor.md`. Which
+constraint does a force's work, the force's skill says (`Skill.prescribed_by`).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
-from physagent_jax.agents.matching import Cause, agrees, find_own_causes, share_time
-from physagent_jax.agents.rules.edits import AXIAL, replace_items
-from physagent_jax.agents.rules.language.amounts import find_magnitude
-from physagent_jax.agents.rules.language.regions import make_box, make_end_region
+from physagent_jax.agents.dosing import find_magnitude
+from physagent_jax.agents.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, share_time
+from physagent_jax.agents.regions import make_box, make_end_region
+from physagent_jax.agents.rules.edits import Wish, replace_items
 from physagent_jax.agents.rules.tolerances import (
     expect_move,
     expect_quantity,
@@ -23,21 +24,16 @@ from physagent_jax.agents.rules.tolerances import (
 )
 from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import clamp, cosine, scale
+from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
     MAGNITUDE_MAX,
     MAGNITUDE_MIN,
     PRESCRIBED_TRAVEL,
     TRAVEL,
     TURN,
-    find_reference_time,
 )
-from physagent_jax.forces.schema import (
-    ActionType,
-    BoxRegion,
-    ConstraintType,
-    ForceField,
-    VelocityConstraint,
-)
+from physagent_jax.forces.schema import BoxRegion, ConstraintType, ForceField, Region, VelocityConstraint
+from physagent_jax.forces.skills import list_skills
 
 SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinner one tears off what tapers
 MOVING = 0.6  # share of its window in which an end or a plate moves; in the rest it is held
@@ -46,6 +42,7 @@ MEAN_OF_ENDS = 1.375
 quarters (`SLAB`) are moved as they are: 24 d (1/48 + 3/32) for ends moved by d each, over 2 d."""
 _VERTICAL = 0.7  # cosine
 _OPPOSED = -0.7
+_NO_WAY = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -66,19 +63,15 @@ def choose_kinds(
 ) -> Choice:
     """Replace body forces by velocity constraints where these do what the sentence says and a force does not.
 
-    Args:
-        force_field: Force field of body forces, as a sentence is read.
-        expectations: What the sentence asks for.
-        brief: The scene, with what the sentence says about holding.
+    ``brief`` holds what the sentence says about holding.
     """
     reasons: list[str] = []
     for expectation in expectations:
-        for make in (_part_ends, _press, _press_part, _turn_ends, _strike, _carry, _set_down, _lead):
-            replaced = make(force_field, expectation, expectations, brief)
-            if replaced is not None:
-                force_field, why = replaced
-                reasons.append(why)
-                break
+        wish = Wish(force_field, expectation, expectations, brief)
+        replaced = next((found for rule in _RULES if (found := rule(wish)) is not None), None)
+        if replaced is not None:
+            force_field, why = replaced
+            reasons.append(f"'{expectation.words}': {why}.")
     return Choice(force_field, tuple(reasons))
 
 
@@ -90,201 +83,191 @@ def find_new_places(before: ForceField, after: ForceField) -> dict[str, str]:
     places = {}
     for index, action in enumerate(before.actions):
         here = next((i for i, other in enumerate(after.actions) if other is action), None)
-        heirs = [
-            i
-            for i, other in enumerate(after.constraints)
-            if i >= len(before.constraints)
-            and abs(cosine(other.vector, action.vector)) > _VERTICAL
-            and (other.active_time or (0.0,))[0] == (action.active_time or (0.0,))[0]
-        ]
+        begin = (action.active_time or (0.0,))[0]
+        new = [Cause("constraints", i, c) for i, c in enumerate(after.constraints)][len(before.constraints) :]
+        alike = [c for c in new if abs(cosine(c.item.vector, action.vector)) > _VERTICAL]
+        heirs = [c for c in alike if (c.item.active_time or (0.0,))[0] == begin]
         if here is not None:
             places[f"actions[{index}]"] = f"actions[{here}]"
         elif heirs:  # of two ends that turn or move against each other the one that goes the action's way
-            heir = max(heirs, key=lambda i: cosine(after.constraints[i].vector, action.vector))
-            places[f"actions[{index}]"] = f"constraints[{heir}]"
+            heir = max(heirs, key=lambda c: cosine(c.item.vector, action.vector))
+            places[f"actions[{index}]"] = heir.name
     return places
 
 
-def stands_on_its_end(brief: SceneBrief, axis: Sequence[float]) -> bool:
-    """Return whether the ground or a fixture is at one end of ``axis``: only the other end can then be moved freely."""
-    x, y, z = axis
-    return (brief.world == "ground" or brief.anchored is not None) and abs(
-        cosine((x, y, z), brief.directions.up)
-    ) > _VERTICAL
+# --- the new constraints ---------------------------------------------------------------------------------------------
 
 
-def find_hold_end(
-    expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], end: float, last: float
-) -> float:
-    """Until when what is brought somewhere by frame ``end`` is kept there: until the next motion, if it is to stay."""
-    if not expectation.stays:
-        return end
-    begins = [e.window[0] for e in everything if e is not expectation and e.kind is not MotionKind.STILL]
-    return max(end, min([begin for begin in begins if begin >= end - 0.5], default=last))
-
-
-def move_ends(
-    force_field: ForceField,
-    causes: Sequence[Cause],
-    expectation: ExpectedMotion,
-    brief: SceneBrief,
-    everything: Sequence[ExpectedMotion] = (),
-) -> ForceField:
+def move_ends(wish: Wish, causes: Sequence[Cause]) -> ForceField:
     """Exactly two opposed translations of the end slabs in place of ``causes`` (paper, appendix B.2)."""
-    axis = expectation.direction or causes[0].item.vector
-    outward = 1.0 if expectation.kind is MotionKind.STRETCH else -1.0
-    magnitude, window, hold_end = find_travel(
-        causes, expectation, brief, everything, share=1.0 / math.sqrt(MEAN_OF_ENDS)
-    )
-    pair = tuple(
-        VelocityConstraint(
-            constraint_type=ConstraintType.PARTICLE_TRANSLATION,
-            vector=scale(axis, side * outward),
-            magnitude=magnitude,
-            active_time=window,
-            held_until=hold_end,
-            region=make_end_region(scale(axis, side), SLAB),
-        )
+    axis = wish.expectation.direction or causes[0].item.vector
+    outward = 1.0 if wish.expectation.kind is MotionKind.STRETCH else -1.0
+    travel = _find_travel(wish, causes, share=1.0 / math.sqrt(MEAN_OF_ENDS))
+    pair = [
+        _prescribe(causes[0], scale(axis, side * outward), *travel, make_end_region(scale(axis, side), SLAB))
         for side in (1.0, -1.0)
-    )
-    return _put(force_field, causes, pair)
+    ]
+    return _put(wish, causes, *pair)
 
 
-def press_between(
-    force_field: ForceField,
-    causes: Sequence[Cause],
-    expectation: ExpectedMotion,
-    brief: SceneBrief,
-    everything: Sequence[ExpectedMotion] = (),
-) -> ForceField:
+def press_between(wish: Wish, causes: Sequence[Cause]) -> ForceField:
     """Two opposed plates in place of ``causes``; one against the ground or the fixture, where there is one."""
-    axis = expectation.direction or causes[0].item.vector
-    alone = stands_on_its_end(brief, axis)
-    movers = 1 if alone else 2
-    magnitude, window, hold_end = find_travel(causes, expectation, brief, everything, movers=movers)
-    top_is_held = brief.anchored is not None and "top" in brief.anchored
-    free = brief.directions.down if not top_is_held else brief.directions.up
-    towards_it = axis if cosine(axis, free) > 0 else scale(axis, -1.0)
-    plates = tuple(
-        VelocityConstraint(
-            constraint_type=ConstraintType.MOVING_PLATE,
-            vector=way,
-            magnitude=magnitude,
-            active_time=window,
-            held_until=hold_end,
-        )
-        for way in ((towards_it,) if alone else (axis, scale(axis, -1.0)))
+    axis, brief = wish.expectation.direction or causes[0].item.vector, wish.brief
+    ways = (axis, scale(axis, -1.0))
+    if _stands_on_its_end(wish, axis):
+        free = brief.directions.up if "top" in (brief.anchored or "") else brief.directions.down
+        ways = (axis if cosine(axis, free) > 0 else scale(axis, -1.0),)
+    travel = _find_travel(wish, causes, movers=len(ways))
+    plate = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
+    return _put(wish, causes, *[_prescribe(plate, way, *travel) for way in ways])
+
+
+def replace_blows(wish: Wish, causes: Sequence[Cause]) -> ForceField:
+    """Instantaneous changes of velocity in place of ``causes``, with the same magnitudes."""
+    told = {"vector", "magnitude", "active_time", "region", "object"}
+    return _put(wish, causes, *[cause.prescribe(**cause.item.model_dump(include=told)) for cause in causes])
+
+
+def _prescribe(
+    by: Cause | str,
+    way: Vector,
+    magnitude: float,
+    window: tuple[float, float],
+    kept: float | None,
+    region: Region | None = None,
+) -> VelocityConstraint:
+    """The velocity constraint that does the work of a force, held until ``kept`` where that is after its window."""
+    name = by if isinstance(by, str) else by.skill.prescribed_by or by.skill.name
+    return VelocityConstraint(
+        constraint_type=ConstraintType(name),
+        vector=way,
+        magnitude=round(magnitude, 4),
+        active_time=window,
+        held_until=kept if kept is not None and kept > window[1] else None,
+        region=region,
     )
-    return _put(force_field, causes, plates)
 
 
-def find_travel(
-    causes: Sequence[Cause],
-    expectation: ExpectedMotion,
-    brief: SceneBrief,
-    everything: Sequence[ExpectedMotion] = (),
-    *,
-    movers: int = 2,
-    share: float = 1.0,
-) -> tuple[float, tuple[float, float], float | None]:
+def _put(wish: Wish, causes: Sequence[Cause], *constraints: VelocityConstraint) -> ForceField:
+    field = replace_items(wish.force_field, causes, [None] * len(causes))
+    return field.model_copy(update={"constraints": (*field.constraints, *constraints)})
+
+
+def _find_next(wish: Wish, end: float) -> float:
+    """Frame at which the next motion begins, or the clip's last."""
+    return min([begin for begin in wish.list_other_begins() if begin >= end - 0.5], default=wish.last)
+
+
+def _find_hold_end(wish: Wish, end: float) -> float:
+    """Until when what is brought somewhere by frame ``end`` is kept there: until the next motion, if it is to stay."""
+    return max(end, _find_next(wish, end)) if wish.expectation.stays else end
+
+
+def _find_travel(
+    wish: Wish, causes: Sequence[Cause], *, movers: int = 2, share: float = 1.0
+) -> tuple[float, tuple[float, float], float]:
     """Magnitude, window, and until when to hold, with which ``movers`` ends change the extent as the sentence asks.
 
     They move in the first part of the cause's window and are held in the rest of it, and for as long as it is to stay.
     What was deformed the other way just before is brought back first. ``share``: of the asked change, that the ends go.
     """
-    last = float(brief.frame_count - 1)
-    first, end = causes[0].item.active_time or (0.0, last)
-    end = min(end, last)
-    squeeze = expectation.kind is MotionKind.SQUEEZE
-    target = share * _find_strain(expectation, squeeze, brief)
+    expectation, (first, end) = wish.expectation, wish.get_span(causes[:1])
+    end = min(end, wish.last)
+    target = share * _find_strain(expectation, expectation.kind, wish.brief)
     target += sum(
-        share * _find_strain(each, not squeeze, brief)
-        for each in everything
+        share * _find_strain(each, each.kind, wish.brief)
+        for each in wish.expectations
         if each.kind in AXIAL and each.kind is not expectation.kind and not each.released
         if abs(each.window[1] - first) < 1.5 and _share_line(each, expectation)
     )
-    reference = find_reference_time(brief.anchored is not None, last * brief.frame_dt) / brief.frame_dt
-    effort = target * reference / (movers * PRESCRIBED_TRAVEL)  # magnitude times frames
+    effort = target * wish.reference / (movers * PRESCRIBED_TRAVEL)  # magnitude times frames
     magnitude, until = _spread_effort(effort, first, end)
-    kept = find_hold_end(expectation, everything, end, last)
-    return magnitude, (first, until), (kept if kept > until else None)
+    return magnitude, (first, until), _find_hold_end(wish, end)
 
 
-def _spread_effort(effort: float, first: float, end: float) -> tuple[float, float]:
-    """Magnitude with which an effort [magnitude times frames] takes `MOVING` of a window, and its last frame.
+def _find_pace(effort: float, first: float, end: float, share: float = MOVING) -> tuple[float, float]:
+    """Magnitude with which an effort [magnitude times frames] takes a share of a window, and its last frame.
 
     In whole frames, and as long as the largest magnitude needs.
     """
-    magnitude = clamp(effort / (MOVING * (end - first)), MAGNITUDE_MIN, MAGNITUDE_MAX)
+    magnitude = clamp(effort / (share * (end - first)), MAGNITUDE_MIN, MAGNITUDE_MAX)
     until = clamp(float(round(first + effort / magnitude)), first + 1.0, max(end, first + 1.0))
+    return magnitude, until
+
+
+def _spread_effort(effort: float, first: float, end: float, share: float = MOVING) -> tuple[float, float]:
+    """As `_find_pace`, with the magnitude that fits the whole frames."""
+    until = _find_pace(effort, first, end, share)[1]
     return round(clamp(effort / (until - first), MAGNITUDE_MIN, MAGNITUDE_MAX), 4), until
 
 
-def _find_strain(expectation: ExpectedMotion, squeeze: bool, brief: SceneBrief) -> float:
+def _find_strain(expectation: ExpectedMotion, kind: MotionKind, brief: SceneBrief) -> float:
     """By how much of its length it is to get longer or shorter."""
-    told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, brief)
+    told = expectation.amount and expect_quantity(expectation.amount, kind, brief)
     if told and told.unit == "of its length":
         return told.target
-    return expect_strain(expectation, squeeze).target
+    return expect_strain(expectation, kind is MotionKind.SQUEEZE).target
+
+
+def _find_way(wish: Wish, seconds: float) -> float:
+    """The intended distance [body lengths]."""
+    expectation = wish.expectation
+    told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, wish.brief)
+    if told and told.unit == "body lengths":
+        return told.target
+    return expect_move(expectation, False, seconds=seconds).target
+
+
+def _stands_on_its_end(wish: Wish, axis: Vector) -> bool:
+    """Return whether the ground or a fixture is at one end of ``axis``: only the other end can then be moved freely."""
+    bound = wish.brief.world == "ground" or wish.brief.anchored is not None
+    return bound and abs(cosine(axis, wish.brief.directions.up)) > _VERTICAL
 
 
 def _share_line(one: ExpectedMotion, other: ExpectedMotion) -> bool:
-    return (
-        one.direction is not None
-        and other.direction is not None
-        and abs(cosine(one.direction, other.direction)) > _VERTICAL
-    )
+    return abs(cosine(one.direction or _NO_WAY, other.direction or _NO_WAY)) > _VERTICAL
 
 
-def _part_ends(
-    field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
-) -> _Replaced:
-    """A stretch along an axis: its two ends are moved apart."""
-    causes = _find_scales(field, expectation, everything)
-    if expectation.kind is not MotionKind.STRETCH or not causes or expectation.direction is None:
+def _find_forces(wish: Wish, keep: Callable[[Cause], bool]) -> list[Cause]:
+    """Forces of the wish's own whose work a constraint can do, of those to ``keep``; none if none goes its way."""
+    causes = find_own_causes(wish.expectation, wish.expectations, wish.force_field)
+    found = [c for c in causes if c.group == "actions" and c.skill.prescribed_by and keep(c)]
+    return found if any(agrees(c, wish.expectation) for c in found) else []
+
+
+# --- rules: each gives the new force field and why, or None where a force serves -------------------------------------
+
+
+def _deform(wish: Wish) -> _Replaced:
+    """A stretch by its two ends; a squeeze between plates if nothing moves the object before, else by its ends."""
+    expectation, axis = wish.expectation, wish.expectation.direction
+    if expectation.kind not in AXIAL or expectation.partial or expectation.part is not None or axis is None:
         return None
-    if stands_on_its_end(brief, expectation.direction):
-        return None  # the lower end cannot move: a force stretches what rises above it
-    why = f"'{expectation.words}': the two ends are moved apart, whatever the stiffness."
-    return move_ends(field, causes, expectation, brief, everything), why
-
-
-def _press(
-    field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
-) -> _Replaced:
-    """A squeeze along an axis: between plates if nothing moves the object before, else by its ends."""
-    causes = _find_scales(field, expectation, everything)
-    if expectation.kind is not MotionKind.SQUEEZE or not causes or expectation.direction is None:
+    causes = _find_forces(wish, lambda c: c.item.region is None and agrees(c, expectation))
+    if not causes:
         return None
-    begin = (causes[0].item.active_time or (0.0, 0.0))[0]
-    pulled = any(e.kind is MotionKind.STRETCH and _share_line(e, expectation) for e in everything)
-    if (
-        begin < 1
-        and not field.default_drop
-        and (not pulled or stands_on_its_end(brief, expectation.direction))
-    ):
-        why = f"'{expectation.words}': it is pressed between plates, not pulled inwards at every point."
-        return press_between(field, causes, expectation, brief, everything), why
-    if stands_on_its_end(brief, expectation.direction):
-        return None
-    where = "as they are moved apart in turn" if pulled else "wherever it is by then"
-    why = f"'{expectation.words}': the two ends are moved together, {where}."
-    return move_ends(field, causes, expectation, brief, everything), why
+    upright = _stands_on_its_end(wish, axis)
+    pulled = any(e.kind is MotionKind.STRETCH and _share_line(e, expectation) for e in wish.expectations)
+    if expectation.kind is MotionKind.STRETCH:
+        why = "the two ends are moved apart, whatever the stiffness"
+    elif wish.get_span(causes[:1])[0] < 1 and not wish.force_field.default_drop and (not pulled or upright):
+        return press_between(wish, causes), "it is pressed between plates, not pulled inwards at every point"
+    else:
+        where = "as they are moved apart in turn" if pulled else "wherever it is by then"
+        why = f"the two ends are moved together, {where}"
+    # of what stands, a force stretches what rises above the lower end
+    return None if upright else (move_ends(wish, causes), why)
 
 
-def _press_part(
-    field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
-) -> _Replaced:
+def _press_part(wish: Wish) -> _Replaced:
     """A part of what stands is pressed down: the upper end of that part is moved, as a hand would."""
-    axis, down = expectation.direction, brief.directions.down
-    if expectation.kind is not MotionKind.SQUEEZE or axis is None or abs(cosine(axis, down)) < _VERTICAL:
+    expectation, brief, down = wish.expectation, wish.brief, wish.brief.directions.down
+    vertical = abs(cosine(expectation.direction or _NO_WAY, down)) >= _VERTICAL
+    if expectation.kind is not MotionKind.SQUEEZE or not vertical or expectation.excludes_part:
         return None
-    if brief.world != "ground" or "top" in (brief.anchored or "") or field.default_drop:
+    if brief.world != "ground" or "top" in (brief.anchored or "") or wish.force_field.default_drop:
         return None
-    if expectation.excludes_part:
-        return None  # all but that part
-    causes = find_own_causes(expectation, everything, field)
-    causes = [c for c in causes if c.type is ActionType.SCALE and agrees(c, expectation)]
+    causes = _find_forces(wish, lambda c: agrees(c, expectation))
     place = make_box(causes[0].item.region) if causes else None
     if place is None:
         return None
@@ -293,269 +276,136 @@ def _press_part(
         sides = [0] if brief.long_axis == (1, 0, 0) else [1] if brief.long_axis == (0, 1, 0) else [0, 1]
         for side in sides:
             low[side], high[side] = place.low[2], place.high[2]
-    low[2], high[2] = SLAB, 1.0
+    region = BoxRegion(low=(low[0], low[1], SLAB), high=(high[0], high[1], 1.0))
     there = expectation.model_copy(update={"partial": False, "part": None})  # as deep as if all were pressed
-    magnitude, window, hold_end = find_travel(causes, there, brief, everything, movers=1)
-    hand = VelocityConstraint(
-        constraint_type=ConstraintType.PARTICLE_TRANSLATION,
-        vector=down,
-        magnitude=magnitude,
-        active_time=window,
-        held_until=hold_end,
-        region=BoxRegion(low=(low[0], low[1], low[2]), high=(high[0], high[1], high[2])),
-    )
-    why = f"'{expectation.words}': the upper end of that part is pressed down, whatever the stiffness."
-    return _put(field, causes, (hand,)), why
+    travel = _find_travel(wish.about(there), causes, movers=1)
+    why = "the upper end of that part is pressed down, whatever the stiffness"
+    return _put(wish, causes, _prescribe(causes[0], down, *travel, region)), why
 
 
-def _turn_ends(
-    field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
-) -> _Replaced:
+def _turn_ends(wish: Wish) -> _Replaced:
     """One end turned against the other: two opposed rotations of the ends; a torque on each half would shear it."""
-    if expectation.kind is not MotionKind.ROTATE or expectation.direction is None:
-        return None
-    other = next((e for e in everything if _is_turned_against(expectation, e)), None)
+    other = next((e for e in wish.expectations if _is_turned_against(wish.expectation, e)), None)
     if other is None:
         return None
-    pair = []
-    for each in (expectation, other):
-        causes = [c for c in find_own_causes(each, everything, field) if c.type is ActionType.TORQUE]
-        causes = [c for c in causes if c.item.region is not None and agrees(c, each)]
+    taken, ends = [], []
+    for each in (wish, wish.about(other)):
+        causes = _find_forces(each, lambda c: c.item.region is not None and agrees(c, each.expectation))  # noqa: B023
         if not causes:
             return None
-        pair.append((each, causes[0]))
-    ends = tuple(_make_turn(each, cause, brief, everything) for each, cause in pair)
-    why = f"'{expectation.words}': its ends are turned against each other, each about its own middle."
-    return _put(field, [cause for _, cause in pair], ends), why
+        taken.append(causes[0])
+        ends.append(_make_turn(each, causes[0]))
+    return _put(wish, taken, *ends), "its ends are turned against each other, each about its own middle"
 
 
 def _is_turned_against(one: ExpectedMotion, other: ExpectedMotion) -> bool:
-    if other is one or other.kind is not MotionKind.ROTATE or not share_time(one, other):
-        return False
-    if one.part is None or other.part is None or other.direction is None or one.direction is None:
-        return False
-    return cosine(one.part, other.part) < _OPPOSED and cosine(one.direction, other.direction) < _OPPOSED
+    turns = one.kind is other.kind is MotionKind.ROTATE and other is not one and share_time(one, other)
+    pairs = (one.part, other.part), (one.direction, other.direction)
+    return turns and all(cosine(a or _NO_WAY, b or _NO_WAY) < _OPPOSED for a, b in pairs)
 
 
-def _make_turn(
-    expectation: ExpectedMotion, cause: Cause, brief: SceneBrief, everything: Sequence[ExpectedMotion]
-) -> VelocityConstraint:
+def _make_turn(wish: Wish, cause: Cause) -> VelocityConstraint:
+    expectation, (first, end) = wish.expectation, wish.get_span([cause])
+    end = min(end, wish.last)
     assert expectation.part is not None
-    last = float(brief.frame_count - 1)
-    first, end = cause.item.active_time or (0.0, last)
-    until = max(float(round(first + MOVING * (min(end, last) - first))), first + 1.0)
-    kept = find_hold_end(expectation, everything, min(end, last), last)
+    until = max(float(round(first + MOVING * (end - first))), first + 1.0)
     magnitude, amount = cause.item.magnitude, expectation.amount
     if amount is not None and amount.unit == "degrees":
-        reference = find_reference_time(brief.anchored is not None, last * brief.frame_dt) / brief.frame_dt
-        needed = math.radians(amount.value) / TURN * reference / (until - first)
+        needed = math.radians(amount.value) / TURN * wish.reference / (until - first)
         magnitude = math.copysign(clamp(needed, MAGNITUDE_MIN, MAGNITUDE_MAX), magnitude)
-    return VelocityConstraint(
-        constraint_type=ConstraintType.PARTICLE_ROTATION,
-        vector=cause.item.vector,
-        magnitude=round(magnitude, 4),
-        active_time=(first, until),
-        held_until=kept if kept > until else None,
-        region=make_end_region(expectation.part, SLAB),
-    )
+    region = make_end_region(expectation.part, SLAB)
+    return _prescribe(cause, cause.item.vector, magnitude, (first, until), _find_hold_end(wish, end), region)
 
 
-def _strike(
-    field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
-) -> _Replaced:
+def _strike(wish: Wish) -> _Replaced:
     """A blow on a part, or on what is held: at once, before the rest can answer."""
-    if not expectation.sudden:
+    expectation, held = wish.expectation, wish.brief.anchored is not None
+    blows = _find_forces(wish, lambda c: c.skill.is_sudden and agrees(c, expectation))
+    causes = [c for c in blows if c.item.region is not None or held]
+    if not expectation.sudden or not causes:
         return None
-    causes = [
-        c
-        for c in find_own_causes(expectation, everything, field)
-        if c.type is ActionType.IMPULSE
-        and agrees(c, expectation)
-        and (c.item.region is not None or brief.anchored is not None)
-    ]
-    if not causes:
-        return None
-    why = f"'{expectation.words}': the blow changes the velocity at once, before the rest can answer."
-    return replace_blows(field, causes), why
+    return replace_blows(wish, causes), "the blow changes the velocity at once, before the rest can answer"
 
 
-def replace_blows(force_field: ForceField, causes: Sequence[Cause]) -> ForceField:
-    """Instantaneous changes of velocity in place of ``causes``, with the same magnitudes."""
-    return _put(force_field, causes, tuple(as_particle_impulse(c) for c in causes))
-
-
-def as_particle_impulse(cause: Cause) -> VelocityConstraint:
-    """The same blow as an instantaneous change of velocity."""
-    item = cause.item
-    return VelocityConstraint(
-        constraint_type=ConstraintType.PARTICLE_IMPULSE,
-        vector=item.vector,
-        magnitude=item.magnitude,
-        active_time=item.active_time,
-        region=item.region,
-        object=item.object,
-    )
-
-
-def _carry(
-    field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
-) -> _Replaced:
+def _carry(wish: Wish) -> _Replaced:
     """Carry what is raised from the ground and then kept up, since a force would let it tip.
 
     Only where something is to come after: what is raised and no more may be pushed up to the clip's end.
     """
-    way, up = expectation.direction, brief.directions.up
-    if expectation.kind is not MotionKind.MOVE or way is None or cosine(way, up) < _VERTICAL:
+    expectation, brief, way = wish.expectation, wish.brief, wish.expectation.direction
+    if expectation.kind is not MotionKind.MOVE or way is None or cosine(way, brief.directions.up) < _VERTICAL:
         return None
     if brief.world != "ground" or brief.anchored is not None or expectation.sudden or expectation.partial:
         return None
-    after = [e for e in everything if e.window[0] >= expectation.window[1] - 0.5]
-    if not (after or expectation.stays):
-        return None
+    after = [e for e in wish.expectations if e.window[0] >= expectation.window[1] - 0.5]
     rests = any(e.kind is MotionKind.STILL and e.window[0] < expectation.window[1] + 1.5 for e in after)
-    causes = [c for c in find_own_causes(expectation, everything, field) if c.type is ActionType.TRANSLATION]
-    if not any(agrees(c, expectation) for c in causes) or any(c.item.region is not None for c in causes):
+    causes = _find_forces(wish, lambda c: c.pushes)
+    if not (after or expectation.stays) or not causes or any(c.item.region is not None for c in causes):
         return None
-    last = float(brief.frame_count - 1)
-    first = min((c.item.active_time or (0.0, last))[0] for c in causes)
-    end = max((c.item.active_time or (0.0, last))[1] for c in causes)
-    effort = _find_way(expectation, (end - first) * brief.frame_dt, brief) / PRESCRIBED_TRAVEL
-    effort *= find_reference_time(False, last * brief.frame_dt) / brief.frame_dt
-    magnitude = clamp(effort / (MOVING * (end - first)), MAGNITUDE_MIN, MAGNITUDE_MAX)
-    until = clamp(float(round(first + effort / magnitude)), first + 1.0, end)
+    first, end = wish.get_span(causes)
+    effort = _find_way(wish, (end - first) * brief.frame_dt) / PRESCRIBED_TRAVEL * wish.reference
+    magnitude, until = _find_pace(effort, first, end)
     moves = [e.window[0] for e in after if e.kind is not MotionKind.STILL]
-    kept = min([*moves, last]) if expectation.stays or rests else end
-    hand = VelocityConstraint(
-        constraint_type=ConstraintType.PARTICLE_TRANSLATION,
-        vector=way,
-        magnitude=round(magnitude, 4),
-        active_time=(first, until),
-        held_until=kept if kept > until else None,
-    )
-    return _put(field, causes, (hand,)), f"'{expectation.words}': it is carried up, and kept there."
+    kept = min([*moves, wish.last]) if expectation.stays or rests else end
+    hand = _prescribe(causes[0], way, magnitude, (first, until), kept)
+    return _put(wish, causes, hand), "it is carried up, and kept there"
 
 
-def _set_down(
-    field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
-) -> _Replaced:
+def _set_down(wish: Wish) -> _Replaced:
     """Carry down what was carried up and goes down again without falling, as far as it was up."""
-    down = brief.directions.down
-    if (
-        expectation.kind is not MotionKind.MOVE
-        or cosine(expectation.direction or (0.0, 0.0, 0.0), down) < _VERTICAL
-    ):
+    expectation, down = wish.expectation, wish.brief.directions.down
+    if expectation.kind is not MotionKind.MOVE or cosine(expectation.direction or _NO_WAY, down) < _VERTICAL:
         return None
     if expectation.sudden or expectation.partial or expectation.amount is not None:
         return None
-    carrying = [
-        index
-        for index, hand in enumerate(field.constraints)
-        if hand.constraint_type is ConstraintType.PARTICLE_TRANSLATION
-        and hand.region is None
-        and hand.active_time is not None
-        and cosine(hand.vector, down) < -_VERTICAL
-    ]
-    causes = [c for c in find_own_causes(expectation, everything, field) if c.type is ActionType.TRANSLATION]
-    if not carrying or not any(agrees(c, expectation) for c in causes):
+    hands = [cause for cause in list_causes(wish.force_field) if cause.skill.deforms == "ends"]
+    whole = [hand for hand in hands if hand.item.region is None and hand.item.active_time is not None]
+    lifts = [hand for hand in whole if cosine(hand.item.vector, down) < -_VERTICAL]
+    causes = _find_forces(wish, lambda c: c.pushes)
+    if not lifts or not causes:
         return None
-    last = float(brief.frame_count - 1)
-    first, end = causes[0].item.active_time or (0.0, last)
-    lift = field.constraints[carrying[-1]]
-    begun, stopped = lift.active_time or (0.0, last)
-    moves = [e.window[0] for e in everything if e.kind is not MotionKind.STILL and e is not expectation]
+    (first, end), (begun, stopped) = wish.get_span(causes[:1]), wish.get_span(lifts[-1:])
+    moves = wish.list_other_begins()
     if stopped > first + 0.5 or any(stopped - 0.5 < begin < first + 0.5 for begin in moves):
         return None  # what moves it meanwhile needs it free
+    lift = lifts[-1].item
     magnitude, until = _spread_effort(lift.magnitude * (stopped - begun), first, end)
-    hands = list(field.constraints)
-    hands[carrying[-1]] = lift.model_copy(update={"held_until": first if first > stopped else None})
-    lowering = VelocityConstraint(
-        constraint_type=ConstraintType.PARTICLE_TRANSLATION,
-        vector=down,
-        magnitude=magnitude,
-        active_time=(first, until),
-    )
-    field = field.model_copy(update={"constraints": tuple(hands)})
-    return _put(field, causes, (lowering,)), f"'{expectation.words}': it is carried down again."
+    held = lift.model_copy(update={"held_until": first if first > stopped else None})
+    lifted = replace(wish, force_field=replace_items(wish.force_field, lifts[-1:], [held]))
+    lowering = _prescribe(causes[0], down, magnitude, (first, until), None)
+    return _put(lifted, causes, lowering), "it is carried down again"
 
 
-def _lead(
-    field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion], brief: SceneBrief
-) -> _Replaced:
+def _lead(wish: Wish) -> _Replaced:
     """Lead what moves at one speed, or so far that no force in range starts and stops it in its time."""
+    expectation, brief, way = wish.expectation, wish.brief, wish.expectation.direction
     told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, brief)
-    skills = {MotionKind.MOVE: ActionType.TRANSLATION, MotionKind.ROTATE: ActionType.TORQUE}
     turns = expectation.kind is MotionKind.ROTATE
     measured = told is not None and told.unit == ("degrees" if turns else "body lengths")
-    if expectation.kind not in skills or not (measured or expectation.even):
+    if not (turns or expectation.kind is MotionKind.MOVE) or not (measured or expectation.even):
         return None
     if brief.anchored is not None or expectation.sudden or expectation.partial or expectation.repeats > 1:
         return None
-    others = [e for e in everything if e is not expectation and e.kind is not MotionKind.STILL]
-    if any(share_time(e, expectation) for e in others) or expectation.direction is None:
+    others = [e for e in wish.expectations if e is not expectation and e.kind is not MotionKind.STILL]
+    causes = _find_forces(wish, lambda c: (turns or c.pushes) and c.item.region is None)
+    if way is None or not causes or any(share_time(e, expectation) for e in others):
         return None  # what is led does nothing else
-    causes = find_own_causes(expectation, everything, field)
-    causes = [c for c in causes if c.type is skills[expectation.kind] and c.item.region is None]
-    if not any(agrees(c, expectation) for c in causes):
-        return None
-    last = float(brief.frame_count - 1)
-    first = min((c.item.active_time or (0.0, last))[0] for c in causes)
-    end = min(expectation.window[1], last)
+    first, end = wish.get_span(causes)[0], min(expectation.window[1], wish.last)
     seconds = (end - first) * brief.frame_dt
     if turns:
-        way = (
-            told
-            if measured and told
-            else expect_rotation(expectation, brief.frame_count, False, seconds=seconds)
-        )
-        effort = math.radians(way.target) / TURN
+        band = told if told and measured else expect_rotation(expectation, False, seconds=seconds)
+        effort = math.radians(band.target) / TURN
     else:
-        effort = _find_way(expectation, seconds, brief) / TRAVEL
+        effort = _find_way(wish, seconds) / TRAVEL
     if not expectation.even and find_magnitude(effort, seconds, True, brief) <= MAGNITUDE_MAX:
         return None
-    frames = find_reference_time(False, last * brief.frame_dt) / brief.frame_dt
-    effort *= frames if turns else frames * TRAVEL / PRESCRIBED_TRAVEL  # magnitude times frames
-    magnitude = clamp(effort / (end - first), MAGNITUDE_MIN, MAGNITUDE_MAX)
-    until = clamp(float(round(first + effort / magnitude)), first + 1.0, end)
-    kept = min([e.window[0] for e in others if e.window[0] >= end - 0.5], default=last)
-    hand = VelocityConstraint(
-        constraint_type=ConstraintType.PARTICLE_ROTATION if turns else ConstraintType.PARTICLE_TRANSLATION,
-        vector=expectation.direction,
-        magnitude=round(clamp(effort / (until - first), MAGNITUDE_MIN, MAGNITUDE_MAX), 4),
-        active_time=(first, until),
-        held_until=kept if kept > until else None,
-    )
+    effort *= wish.reference * (1.0 if turns else TRAVEL / PRESCRIBED_TRAVEL)  # magnitude times frames
+    size, until = _spread_effort(effort, first, end, share=1.0)
+    hand = _prescribe(causes[0], way, size, (first, until), _find_next(wish, end))
     reason = "at one speed" if expectation.even else "no force in range starts and stops it in that time"
-    short = (
-        ""
-        if effort <= 1.01 * MAGNITUDE_MAX * (until - first)
-        else ", as far as the fastest goes in that time"
-    )
-    why = f"'{expectation.words}': {reason}, so it is led there{short}."
-    return _put(field, causes, (hand,)), why
+    far = effort <= 1.01 * MAGNITUDE_MAX * (until - first)
+    short = "" if far else ", as far as the fastest goes in that time"
+    return _put(wish, causes, hand), f"{reason}, so it is led there{short}"
 
 
-def _find_way(expectation: ExpectedMotion, seconds: float, brief: SceneBrief) -> float:
-    """The intended distance [body lengths]."""
-    told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, brief)
-    if told and told.unit == "body lengths":
-        return told.target
-    return expect_move(expectation, brief.frame_count, False, seconds=seconds).target
-
-
-def _find_scales(
-    field: ForceField, expectation: ExpectedMotion, everything: Sequence[ExpectedMotion]
-) -> list[Cause]:
-    """The stretches of the whole object that serve the expectation alone."""
-    if expectation.kind not in AXIAL or expectation.partial or expectation.part is not None:
-        return []
-    causes = find_own_causes(expectation, everything, field)
-    return [
-        c for c in causes if c.type is ActionType.SCALE and c.item.region is None and agrees(c, expectation)
-    ]
-
-
-def _put(
-    field: ForceField, causes: Sequence[Cause], constraints: tuple[VelocityConstraint, ...]
-) -> ForceField:
-    field = replace_items(field, causes, [None] * len(causes))
-    return field.model_copy(update={"constraints": (*field.constraints, *constraints)})
+_RULES = (_deform, _press_part, _turn_ends, _strike, _carry, _set_down, _lead)

@@ -2,17 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from physagent_jax.agents.context import AgentContext, Observation
 from physagent_jax.agents.protocols import PlannerAgent
-from physagent_jax.agents.rules.judging import View, make_checks
+from physagent_jax.agents.rules.judging.asked import Asked
+from physagent_jax.agents.rules.judging.changing import check_rotation, check_still, check_strain
+from physagent_jax.agents.rules.judging.collateral import check_collateral
+from physagent_jax.agents.rules.judging.following import check_following
+from physagent_jax.agents.rules.judging.moving import check_fall, check_move, check_sway
+from physagent_jax.agents.rules.judging.seen import View
+from physagent_jax.agents.rules.judging.stages import find_stage, judge_stages
 from physagent_jax.agents.rules.tolerances import list_windows
-from physagent_jax.agents.schema import Check, ExpectedMotion, Judgement, MotionKind, Verdict
+from physagent_jax.agents.schema import Check, Judgement, MotionKind, Stage, Verdict
 from physagent_jax.agents.trace import Reply
 
 _HIGHEST_FAILURE = 0.99
 _UNASKED = ("collateral", "integrity")
+_CHECKERS: dict[MotionKind, Callable[[Asked], list[Check]]] = {
+    MotionKind.MOVE: check_move,
+    MotionKind.ROTATE: check_rotation,
+    MotionKind.STRETCH: check_strain,
+    MotionKind.SQUEEZE: check_strain,
+    MotionKind.SWAY: check_sway,
+    MotionKind.FALL: check_fall,
+    MotionKind.STILL: check_still,
+}
 
 
 class RulePlanner(PlannerAgent):
@@ -28,21 +43,31 @@ class RulePlanner(PlannerAgent):
 
     def judge(self, context: AgentContext, seen: Observation) -> Reply[Judgement]:
         """Compare the report with what is expected of the sentence; see `protocols.PlannerAgent`."""
-        expectations = context.expectations
-        reading, gravity = context.reading, _has_gravity(context, seen)
-        obstacles = reading.world.obstacles if reading else ()
+        expectations, reading = context.expectations, context.reading
+        obstacles, unsure = (reading.world.obstacles, reading.unsure) if reading else ((), ())
+        gravity = _has_gravity(context, seen)
         view = View(seen.report, context.brief, expectations, seen.force_field, gravity, obstacles)
-        checks = make_checks(view)
-        unsure = context.reading.unsure if context.reading else ()
+        checks = _make_checks(view)
+        stages = judge_stages(expectations, checks)
         success = bool(checks) and all(check.passed for check in checks) and not unsure
         mean = sum(check.score for check in checks) / len(checks) if checks else 0.0
         judgement = Judgement(
             verdict=Verdict.SUCCESS if success else Verdict.FAIL,
             score=round(mean if success else min(mean, _HIGHEST_FAILURE), 6),
             checks=tuple(checks),
-            suggestion="" if success else _suggest(context.prompt, checks, expectations, unsure),
+            stages=stages,
+            suggestion="" if success else _suggest(context, checks, stages, unsure),
         )
         return Reply(judgement)
+
+
+def _make_checks(view: View) -> list[Check]:
+    """Every comparison of what is asked with what is seen, in the order of the sentence, then collateral motion."""
+    checks: list[Check] = []
+    for index, expectation in enumerate(view.expectations):
+        asked = Asked(index, expectation, view)
+        checks += _CHECKERS[expectation.kind](asked) + check_following(asked)
+    return checks + check_collateral(view) if view.expectations else []
 
 
 def _has_gravity(context: AgentContext, seen: Observation) -> bool:
@@ -55,26 +80,31 @@ def _has_gravity(context: AgentContext, seen: Observation) -> bool:
 
 
 def _suggest(
-    prompt: str, checks: list[Check], expectations: Sequence[ExpectedMotion], unsure: Sequence[str]
+    context: AgentContext, checks: list[Check], stages: Sequence[Stage], unsure: Sequence[str]
 ) -> str:
-    """Doubts, the failed clauses in words, worst first, and what could not be seen."""
+    """Doubts, the failed clauses in words, stage by stage and worst first, and what could not be seen."""
     if not checks:
-        return f"Nothing is expected of the sentence '{prompt.strip()[:120]}', so nothing can be judged."
-    failed = sorted((check for check in checks if check.passed is False), key=lambda check: check.score)
+        return (
+            f"Nothing is expected of the sentence '{context.prompt.strip()[:120]}', so nothing can be judged."
+        )
+    failed = [check for check in checks if check.passed is False]
+    failed.sort(key=lambda check: (find_stage(check.expectation, stages) or 0, check.score))
     unseen = [check for check in checks if check.passed is None]
     doubts = "; ".join(doubt.removesuffix(".") for doubt in unsure)
     parts = [f"Not understood for certain, so no motion can be called a success: {doubts}."] if unsure else []
-    parts += [_describe_failure(check, expectations[check.expectation].words) for check in failed]
+    parts += [_describe_failure(c, context.expectations[c.expectation].words, stages) for c in failed]
     if unseen:
         what = "; ".join(dict.fromkeys(f"{check.question} {check.observed}" for check in unseen))
         parts.append(f"Asked for, but not observable in the pictures: {what}.")
     return " ".join(parts)
 
 
-def _describe_failure(check: Check, words: str) -> str:
+def _describe_failure(check: Check, words: str, stages: Sequence[Stage]) -> str:
+    number = find_stage(check.expectation, stages)
+    place = "" if number is None else f"Stage {number} of {len(stages)}: "
     remedy = f"; {check.remedy}" if check.remedy else ""
+    asked = f"The sentence asks for '{words}'" if words else "The sentence asks for this motion"
     if check.aspect in _UNASKED:
         asked = "Nobody asked for this"
-    else:
-        asked = f"The sentence asks for '{words}'" if words else "The sentence asks for this motion"
-    return f"{asked} ({check.question} {check.expected}), but the pictures show {check.observed}{remedy}."
+    limits = f"{check.question} {check.expected}"
+    return f"{place}{asked} ({limits}), but the pictures show {check.observed}{remedy}."

@@ -10,20 +10,22 @@ import math
 from collections.abc import Iterator, Sequence
 
 from physagent_jax.agents.matching import (
+    AXIAL,
     Cause,
     agrees,
+    find_action_type,
     find_misfits,
     find_own_causes,
     find_strays,
     list_causes,
 )
 from physagent_jax.agents.rules import edits, kinds
-from physagent_jax.agents.rules.edits import AXIAL, Case, Change
+from physagent_jax.agents.rules.edits import Case, Change
 from physagent_jax.agents.rules.tolerances import round_window
 from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.vectors import clamp, cosine, norm, scale
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, TRAVEL
-from physagent_jax.forces.schema import Action, ActionType, ForceField
+from physagent_jax.forces.schema import Action, ForceField
 
 _PUSH_BACK = 1.6  # how much harder to try if the motion is contrary although the force is right
 _GENTLER = 0.6  # the factor where too much came of it and nothing says by how much
@@ -39,46 +41,43 @@ def list_remedies(case: Case) -> Iterator[Change]:
     if case.expectation.kind is MotionKind.STILL:
         yield from _calm(case)
         return
-    if _is_lacking_gravity(case):
-        yield Change(
-            case.force_field.model_copy(update={"default_drop": True}),
-            "Gravity is switched on: it should fall.",
-            "gravity_makes_it_fall",
-        )
+    falls = case.expectation.kind is MotionKind.FALL
+    if falls and case.expectation.window[0] < 1 and not case.force_field.default_drop:
+        field = case.force_field.model_copy(update={"default_drop": True})
+        yield Change(field, "Gravity is switched on: it should fall.", "gravity_makes_it_fall")
         return
     causes = find_own_causes(case.expectation, case.expectations, case.force_field)
-    if not causes and case.expectation.kind is MotionKind.FALL:
-        return
     if not causes:
-        yield from _switch_type(case)
-        yield _add(case)
+        if not falls:
+            yield from _switch_type(case)
+            yield _add(case)
         return
     yield from _aim(case, causes)
     if case.failed("return") and case.expectation.stays:
         yield from edits.keep(case, causes)
     elif case.failed("return"):
         yield edits.shorten(case, causes, 0.5, "it should come back after letting go")
+    if case.failed("part"):
+        yield edits.act_on_part(case, causes)
     if case.failed("repeats"):
         yield edits.alternate(case, causes)
-    slow = case.expectation.sudden and case.failed("order")
-    if slow and any(c.type is ActionType.TRANSLATION for c in causes):
-        yield _strike(case, causes)
+    if case.expectation.sudden and case.failed("order") and any(c.pushes for c in causes):
+        field = _replace(case, causes, edits.make_actions(case)[:1])
+        why = f"{edits.format_names(causes)} starts too slowly: a blow in its place."
+        yield Change(field, why, "known_skills")
     yield from _change_amount(case, causes)
-
-
-def _is_lacking_gravity(case: Case) -> bool:
-    """Return whether it should fall from the start, in a world where only `default_drop` lets things fall."""
-    falls = case.expectation.kind is MotionKind.FALL and case.expectation.window[0] < 1
-    return falls and not case.force_field.default_drop
 
 
 def _aim(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
     """Direction and window: as the sentence maps them; then against what is seen."""
     expectation = case.expectation
     if expectation.kind not in _NO_AIM:
-        astray = [c for c in causes if not agrees(c, expectation) or _is_pointing_beside(case, c)]
-        if len(astray) == len(causes):
-            yield edits.point(case, astray)
+        told = None if expectation.kind in AXIAL else expectation.direction
+        if not any(
+            agrees(c, expectation) and (told is None or cosine(c.direction, told) >= edits.POINTED)
+            for c in causes
+        ):
+            yield edits.point(case, causes)
     if expectation.kind is not MotionKind.FALL:
         mistimed = [c for c in causes if edits.is_mistimed(case, c)]
         whole = expectation.kind is not MotionKind.SWAY and len(causes) == 1
@@ -89,39 +88,27 @@ def _aim(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
             yield change
 
 
-def _is_pointing_beside(case: Case, cause: Cause) -> bool:
-    """Return whether it points noticeably beside where the sentence says, though not against it."""
-    told = case.expectation.direction
-    if told is None or case.expectation.kind in AXIAL:
-        return False
-    return cosine(cause.direction, told) < edits.POINTED
-
-
 def _change_amount(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
     """More or less of the same; if too little is asked together with too much, by another kind of skill."""
     check = case.failed("amount") or case.failed("direction")
     spoilt = case.failed("collateral") or case.failed("integrity")
     if check is None and spoilt is None:
         return
-    gain = _find_gain(case, causes) if check is not None else _measure_overdone(case)
+    overdone = [c.gain for c in case.checks if c.gain is not None and 0 < c.gain < 1]
+    gain = clamp(min(overdone, default=_GENTLER), 0.3, 0.85)
+    if check is not None:
+        gain = _find_gain(case, causes, _PUSH_BACK if check.gain is None else check.gain)
     if case.failed("integrity") or (spoilt is not None and gain > 1):
         yield from _try_other_kind(case, causes, gain)
     yield from _strengthen(case, causes, gain) if gain > 1 else _weaken(case, causes, gain)
 
 
-def _measure_overdone(case: Case) -> float:
-    gains = [check.gain for check in case.checks if check.gain is not None and 0 < check.gain < 1]
-    return clamp(min(gains, default=_GENTLER), 0.3, 0.85)
-
-
-def _find_gain(case: Case, causes: Sequence[Cause]) -> float:
+def _find_gain(case: Case, causes: Sequence[Cause], gain: float) -> float:
     """The factor on the effort: proportional at first, by the secant once two rounds differ in nothing else.
 
     The secant is taken in logarithms, response = effort ** p: it keeps the sign, and between one that was too little
     and one that was too much it stays between them.
     """
-    check = case.failed("amount") or case.failed("direction")
-    gain = check.gain if check and check.gain is not None else _PUSH_BACK
     if gain <= 0:  # the fixed mapping stays: other motion must be overcome
         return _PUSH_BACK
     now = sum(edits.get_effort(cause, case.last) for cause in causes)
@@ -151,15 +138,16 @@ def _get_same_effort(case: Case, causes: Sequence[Cause], field: ForceField) -> 
 def _identify(cause: Cause) -> tuple:
     window = cause.item.active_time
     begin = None if window is None else window[0]
-    end = None if edits.travels(cause) or window is None else window[1]
-    return cause.type, cause.item.vector, cause.item.magnitude > 0, cause.item.region, begin, end
+    end = None if cause.skill.prescribes or window is None else window[1]
+    return cause.skill.name, cause.item.vector, cause.item.magnitude > 0, cause.item.region, begin, end
 
 
 def _strengthen(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
     """More of the same up to the limit, then for longer, then by the other kind of skill; nothing is stacked."""
     yield edits.scale_magnitudes(case, causes, gain)
-    types = {cause.type for cause in causes}
-    if types & {ActionType.TRANSLATION, ActionType.TORQUE} and case.expectation.kind is not MotionKind.SWAY:
+    forces = [c.skill for c in causes if c.group == "actions"]  # which act the more the longer they do
+    lasting = any(not (skill.is_sudden or skill.is_two_sided) for skill in forces)
+    if lasting and case.expectation.kind is not MotionKind.SWAY:
         yield from edits.lengthen(case, causes, math.sqrt(gain))
     yield from _try_other_kind(case, causes, gain)
     yield edits.scale_magnitudes(case, causes, MAGNITUDE_MAX / MAGNITUDE_MIN)
@@ -168,23 +156,20 @@ def _strengthen(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Ch
 def _try_other_kind(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
     """Velocity constraints in place of a body force that does not do it."""
     expectation, whole = case.expectation, not case.expectation.partial
-    stretches = [c for c in causes if c.type is ActionType.SCALE and c.item.region is None]
+    forces = [c for c in causes if c.group == "actions" and c.skill.prescribed_by]
+    stretches = [c for c in forces if c.skill.is_two_sided and c.item.region is None]
     if stretches and expectation.direction is not None and whole:
-        names = edits.format_names(stretches)
+        cannot = f"{edits.format_names(stretches)} cannot do it:"
         if expectation.kind is MotionKind.SQUEEZE:
-            field = kinds.press_between(
-                case.force_field, stretches, expectation, case.brief, case.expectations
-            )
-            yield Change(field, f"{names} cannot do it: it is pressed between plates instead.")
-        field = kinds.move_ends(case.force_field, stretches, expectation, case.brief, case.expectations)
-        why = f"{names} cannot do it: two opposed translations of the end slabs instead."
-        yield Change(field, why, "paired_translation")
-    blows = [c for c in causes if c.type is ActionType.IMPULSE]
+            field = kinds.press_between(case, stretches)
+            yield Change(field, f"{cannot} it is pressed between plates instead.")
+        why = f"{cannot} two opposed translations of the end slabs instead."
+        yield Change(kinds.move_ends(case, stretches), why, "paired_translation")
+    blows = [c for c in forces if c.skill.is_sudden]
     if blows:
-        field = kinds.replace_blows(case.force_field, blows)
         why = f"{edits.format_names(blows)} becomes an instantaneous change of velocity."
-        yield Change(field, why, "brief_impulse")
-    pushes = [c for c in causes if c.type is ActionType.TRANSLATION]
+        yield Change(kinds.replace_blows(case, blows), why, "brief_impulse")
+    pushes = [c for c in forces if c.pushes]
     if pushes and expectation.kind is MotionKind.MOVE and case.brief.anchored is None and whole:
         yield edits.enforce(case, pushes, gain)
 
@@ -192,73 +177,55 @@ def _try_other_kind(case: Case, causes: Sequence[Cause], gain: float) -> Iterato
 def _weaken(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
     """Less of the same down to the limit, then for a shorter time; blows become brief pushes."""
     yield edits.scale_magnitudes(case, causes, gain)
-    impulses = [c for c in causes if c.type is ActionType.IMPULSE]
+    impulses = [c for c in causes if c.group == "actions" and c.skill.is_sudden]
     if impulses:
         yield edits.soften(case, impulses)
-    lasting = [c for c in causes if not edits.is_blow(c) and not edits.travels(c)]
-    if (
-        lasting and case.expectation.kind is not MotionKind.SWAY
-    ):  # pushes to and fro have to follow each other
+    lasting = [c for c in causes if not c.skill.is_sudden and not c.skill.prescribes]
+    if lasting and case.expectation.kind is not MotionKind.SWAY:  # pushes to and fro follow each other
         why = "the weakest push is still too much"
         yield edits.shorten(case, lasting, clamp(math.sqrt(gain), 0.3, 0.9), why)
     yield edits.scale_magnitudes(case, causes, MAGNITUDE_MIN / MAGNITUDE_MAX)
 
 
-def _strike(case: Case, causes: Sequence[Cause]) -> Change:
-    """Strike what should start at once, in place of a push."""
-    new = edits.make_actions(case)
+def _replace(case: Case, causes: Sequence[Cause], new: Sequence[Action]) -> ForceField:
+    """The first new action in place of the first cause, and the others after all that is left."""
     field = edits.replace_items(case.force_field, causes, [*new[:1], *[None] * (len(causes) - 1)])
-    return Change(
-        field, f"{edits.format_names(causes)} starts too slowly: a blow in its place.", "known_skills"
-    )
+    return field.model_copy(update={"actions": (*field.actions, *new[1:])})
 
 
 def _switch_type(case: Case) -> Iterator[Change]:
     """A discrete leap: the action has the wrong kind of effect and becomes the skill that has the right one."""
     wrong = find_misfits(case.expectation, case.expectations, case.force_field)
     if wrong:
-        new = edits.make_actions(case)
-        field = edits.replace_items(case.force_field, wrong, [*new[:1], *[None] * (len(wrong) - 1)])
-        field = field.model_copy(update={"actions": (*field.actions, *new[1:])})
-        yield Change(
-            _choose_kind(case, field),
-            f"{edits.format_names(wrong)} ({wrong[0].type.value}) cannot make it {case.expectation.kind.value}: "
-            f"replaced by {new[0].action_type.value}.",
-            "known_skills",
-        )
-
-
-def _choose_kind(case: Case, field: ForceField) -> ForceField:
-    """Choose the kind of a new action by what the sentence calls for, as at first."""
-    return kinds.choose_kinds(field, [case.expectation], case.brief).force_field
+        new, kind = edits.make_actions(case), case.expectation.kind.value
+        cannot = f"{edits.format_names(wrong)} ({wrong[0].skill.name}) cannot make it {kind}"
+        why = f"{cannot}: replaced by {new[0].action_type}."
+        field = kinds.choose_kinds(_replace(case, wrong, new), [case.expectation], case.brief).force_field
+        yield Change(field, why, "known_skills")
 
 
 def _add(case: Case) -> Change:
+    """A new action, of the kind that the sentence calls for."""
     new = edits.make_actions(case)
     field = case.force_field.model_copy(update={"actions": (*case.force_field.actions, *new)})
-    return Change(
-        _choose_kind(case, field),
-        f"Nothing made it {case.expectation.kind.value}: {new[0].action_type.value} is added.",
-        "sentence_direction",
-    )
+    field = kinds.choose_kinds(field, [case.expectation], case.brief).force_field
+    why = f"Nothing made it {case.expectation.kind.value}: {new[0].action_type} is added."
+    return Change(field, why, "sentence_direction")
 
 
 def _calm(case: Case) -> Iterator[Change]:
     """Stillness: nothing acts in the window; what drifts on is stopped by a blow against its motion."""
     falls = any(e.kind is MotionKind.FALL for e in case.expectations)
     if case.force_field.default_drop and not falls:
-        yield Change(
-            case.force_field.model_copy(update={"default_drop": False}),
-            "It is not let fall: it should be still.",
-        )
+        field = case.force_field.model_copy(update={"default_drop": False})
+        yield Change(field, "It is not let fall: it should be still.")
     active = find_misfits(case.expectation, case.expectations, case.force_field)
     if active:
         yield edits.remove(case, active, "it should be still")
     first, last = round_window(case.expectation, case.brief.frame_count)
     if case.brief.anchored is not None:  # a held object swings on rather than drifts: let it settle
-        before = [
-            c for c in list_causes(case.force_field) if c.item.active_time and c.item.active_time[0] < first
-        ]
+        causes = list_causes(case.force_field)
+        before = [c for c in causes if c.item.active_time and c.item.active_time[0] < first]
         yield edits.shorten(case, before, 0.8, "it should be still afterwards")
         return
     window = next((w for w in case.report.windows if (w.first, w.last) == (first, last)), None)
@@ -266,12 +233,10 @@ def _calm(case: Case) -> Iterator[Change]:
         return
     speed = norm(window.displacement) * case.last / (last - first)  # [body lengths per clip]
     brake = Action(
-        action_type=ActionType.IMPULSE,
+        action_type=find_action_type(MotionKind.MOVE, sudden=True),
         vector=scale(window.displacement, -1.0),
         magnitude=round(clamp(speed / TRAVEL, MAGNITUDE_MIN, MAGNITUDE_MAX), 4),
         active_time=(float(first), first + 1.0),
     )
-    yield Change(
-        case.force_field.model_copy(update={"actions": (*case.force_field.actions, brake)}),
-        "It drifts on: a blow against its motion stops it.",
-    )
+    why = "It drifts on: a blow against its motion stops it."
+    yield Change(case.force_field, why).adding(actions=[brake])

@@ -22,10 +22,10 @@ between the words' strengths (0.4, 1.0, 1.6) limits go geometrically.
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from physagent_jax.agents.matching import AXIAL
 from physagent_jax.agents.schema import Amount, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.vectors import clamp
 
@@ -61,6 +61,7 @@ TURN_HELD: Bands = ((4.0, 10.0, 24.0), (15.0, 35.0, 75.0), (48.0, 75.0, 180.0))
 STRETCH: Bands = ((0.04, 0.08, 0.14), (0.1, 0.25, 0.55), (0.35, 0.6, 2.0))
 SQUEEZE: Bands = ((0.04, 0.07, 0.13), (0.09, 0.2, 0.42), (0.28, 0.45, 0.92))
 SWELL: Bands = ((0.03, 0.06, 0.1), (0.07, 0.18, 0.35), (0.23, 0.4, 1.5))
+SHRINK: Bands = (SWELL[0], SWELL[1], (0.2, 0.3, 0.8))
 
 
 @dataclass(frozen=True)
@@ -89,8 +90,6 @@ class Tolerance:
         """Signed distance from the nearer limit, in tolerances: 1 at the target, 0 at a limit, negative outside."""
         if value <= self.target:
             return (value - self.low) / (self.target - self.low)
-        if math.isinf(self.high):
-            return 1.0
         return (self.high - value) / (self.high - self.target)
 
     def distance(self, value: float) -> float:
@@ -108,8 +107,6 @@ class Tolerance:
 
     def text(self) -> str:
         """The range in words."""
-        if self.high == float("inf"):
-            return f"at least {self.low:.2g} {self.unit}"
         if self.low <= 0:
             return f"at most {self.high:.2g} {self.unit}"
         return f"{self.low:.3g} to {self.high:.3g} {self.unit}"
@@ -119,10 +116,10 @@ class Tolerance:
         most = max(most, LEAST)
         return dataclasses.replace(self, low=min(self.low, REACHED * most), target=min(self.target, most))
 
-    def scaled(self, low: float = 1.0, target: float | None = None, least: float = 0.0) -> Tolerance:
-        """The same with the lower limit (and the target) multiplied, but the limit not below ``least``."""
-        lower = min(max(low * self.low, least), 0.5 * self.high)
-        aim = max(self.target * (low if target is None else target), 1.3 * lower)
+    def scaled(self, share: float, least: float) -> Tolerance:
+        """The same with the lower limit and the target multiplied, but the limit not below ``least``."""
+        lower = min(max(share * self.low, least), 0.5 * self.high)
+        aim = max(share * self.target, 1.3 * lower)
         return Tolerance(lower, min(aim, 0.9 * self.high), self.high, self.unit)
 
 
@@ -137,12 +134,7 @@ def pick_band(bands: Bands, strength: float, unit: str) -> Tolerance:
 
 def list_windows(expectations: Sequence[ExpectedMotion], frame_count: int) -> list[tuple[int, int]]:
     """Windows that the planner needs in the motion report: one per expectation, in whole frames, without repeats."""
-    windows: list[tuple[int, int]] = []
-    for expectation in expectations:
-        window = round_window(expectation, frame_count)
-        if window not in windows:
-            windows.append(window)
-    return windows
+    return list(dict.fromkeys(round_window(each, frame_count) for each in expectations))
 
 
 def round_window(expectation: ExpectedMotion, frame_count: int) -> tuple[int, int]:
@@ -161,7 +153,6 @@ def round_window(expectation: ExpectedMotion, frame_count: int) -> tuple[int, in
 
 def expect_move(
     expectation: ExpectedMotion,
-    frame_count: int,
     anchored: bool,
     *,
     seconds: float = 2.0,
@@ -170,28 +161,19 @@ def expect_move(
 ) -> Tolerance:
     """Distance along the direction [body lengths].
 
-    Args:
-        expectation: The motion.
-        frame_count: Frames of the clip.
-        anchored: Whether the object is held.
-        seconds: For how long it is looked at: what lasts less than a second may do less.
-        drift: How far it goes on by itself with the speed that it has when the window begins [body lengths].
-        end: Whether the named end is looked at, not the whole.
+    What is looked at for less than a second may do less. ``drift`` is how far it goes on by itself with the speed that
+    it has when the window begins [body lengths]. ``end``: the named end is looked at, not the whole.
     """
-    if anchored:
-        band = pick_band(MOVE_HELD_END if end else MOVE_HELD, expectation.strength, "body lengths")
-    else:
-        band = pick_band(MOVE, expectation.strength, "body lengths")
+    bands = (MOVE_HELD_END if end else MOVE_HELD) if anchored else MOVE
     share = _PART if expectation.partial and not end else 0.6 if end and not anchored else 1.0
     share *= clamp(seconds / _UNHURRIED, 0.3, 1.0)
+    band = pick_band(bands, expectation.strength, "body lengths")
     band = band.scaled(share, least=0.5 * LEAST if anchored and not end else LEAST)
     more = 1.0 if anchored else 0.5 * (expectation.repeats + 1)  # each of several blows adds its own way
     return Tolerance(band.low, band.target + max(drift, 0.0), more * band.high + max(drift, 0.0), band.unit)
 
 
-def expect_rotation(
-    expectation: ExpectedMotion, frame_count: int, anchored: bool, *, seconds: float = 2.0
-) -> Tolerance:
+def expect_rotation(expectation: ExpectedMotion, anchored: bool, *, seconds: float = 2.0) -> Tolerance:
     """Angle about the axis [degrees]."""
     band = pick_band(TURN_HELD if anchored else TURN, expectation.strength, "degrees")
     share = _PART if expectation.partial and expectation.part is None else 1.0
@@ -202,7 +184,7 @@ def expect_strain(expectation: ExpectedMotion, squeeze: bool) -> Tolerance:
     """Relative change of length along the direction; in all directions if there is none."""
     bands = SQUEEZE if squeeze else STRETCH
     if expectation.direction is None:
-        bands = SWELL if not squeeze else (SWELL[0], SWELL[1], (0.2, 0.3, 0.8))
+        bands = SHRINK if squeeze else SWELL
     share = _PART if expectation.partial else 1.0
     return pick_band(bands, expectation.strength, "of its length").scaled(share, least=VISIBLE_STRAIN)
 
@@ -214,7 +196,7 @@ def expect_sway(expectation: ExpectedMotion, anchored: bool, *, end: bool = Fals
     return band.scaled(_PART if expectation.partial and not end else 1.0, least=0.008 if is_held else 0.015)
 
 
-def expect_fall(expectation: ExpectedMotion, seconds: float = 2.0) -> Tolerance:
+def expect_fall(seconds: float = 2.0) -> Tolerance:
     """Distance downwards [body lengths]: to the ground, wherever that is; the upper limit only says "not for ever"."""
     low = 0.12 * clamp(seconds / 0.5, 0.4, 1.0)
     return Tolerance(low, 4.0 * low, 8.0, "body lengths")
@@ -232,20 +214,16 @@ def expect_quantity(amount: Amount, kind: MotionKind, brief: SceneBrief) -> Tole
         Body lengths for moves, degrees for turns, relative change of length (or depth of a squeeze), seconds; None if
         such a quantity says nothing about such a motion.
     """
-    value, unit = amount.value, amount.unit
-    if unit == "seconds":
-        width = max(0.4 * value, 0.2)
-        return Tolerance(max(value - width, 0.0), value, value + width, "seconds")
-    if unit == "metres":
-        value, unit = value / brief.size, "lengths"
-    if unit == "degrees":
-        width = max(min(0.2 * value, _TOLD_TURN), STILL_DEGREES)
-        return Tolerance(max(value - width, 0.2 * value), value, value + width, "degrees")
-    axial = kind in (MotionKind.STRETCH, MotionKind.SQUEEZE)
-    if unit == "factor":
-        value = abs(value - 1.0)
-    if unit == "factor" and not axial:
-        return None
-    width = max(0.2 * value, _TOLD_STRAIN if axial else LEAST)
-    name = "of its length" if axial else "body lengths"
-    return Tolerance(max(value - width, 0.2 * value), value, value + width, name)
+    value, axial, least = amount.value, kind in AXIAL, 0.2
+    match amount.unit:
+        case "seconds":
+            name, width, least = "seconds", max(0.4 * value, 0.2), 0.0
+        case "degrees":
+            name, width = "degrees", max(min(0.2 * value, _TOLD_TURN), STILL_DEGREES)
+        case "factor" if not axial:
+            return None
+        case unit:
+            value = {"metres": value / brief.size, "factor": abs(value - 1.0)}.get(unit, value)
+            name = "of its length" if axial else "body lengths"
+            width = max(0.2 * value, _TOLD_STRAIN if axial else LEAST)
+    return Tolerance(max(value - width, least * value), value, value + width, name)

@@ -50,6 +50,7 @@ class PushCompensation:
         damping_rate: Damping rate of the velocity [1/s], scalar.
         start, end: Window [s], scalars.
         edge: Width of the window's smooth edges [s], scalar; None = hard.
+        pulse: Whether the push rises and falls over its window as 1 - cos, with ``push`` its mean; static.
     """
 
     direction: jax.Array
@@ -61,11 +62,15 @@ class PushCompensation:
     start: jax.Array = dataclasses.field(metadata=START)
     end: jax.Array = dataclasses.field(metadata=END)
     edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
+    pulse: bool = dataclasses.field(default=False, metadata=dict(static=True))
 
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
         velocity = mass_centre(v, mass) @ self.direction
         wanted = _find_velocity(self.push, self.damping_rate, time - self.start, self.speed)
+        if self.pulse:
+            length = self.end - self.start
+            wanted = wanted - self.push * _find_wave(self.damping_rate, time - self.start, length)
         way = jnp.where(wanted < 0, -1.0, 1.0).astype(x.dtype)
         size = way * _compensate(self.friction, way * (wanted - velocity), dt)
         size = size * window_fraction(time, dt, self.start, self.end, self.edge)
@@ -141,6 +146,13 @@ def _find_velocity(
     # (1 - exp(-x)) / x, also at x = 0
     share = jnp.where(decay > 1e-4, -jnp.expm1(-decay) / jnp.maximum(decay, 1e-4), 1.0 - 0.5 * decay)
     return speed * jnp.exp(-decay) + acceleration * time * share
+
+
+def _find_wave(damping_rate: jax.Array, time: jax.Array, length: jax.Array) -> jax.Array:
+    """The speed after ``time`` of an acceleration cos(w t) against drag, with one period in ``length`` [s]."""
+    time, w, d = jnp.maximum(time, 0.0), 2 * jnp.pi / length, damping_rate
+    wave = d * (jnp.cos(w * time) - jnp.exp(-d * time)) + w * jnp.sin(w * time)
+    return wave / (d**2 + w**2)
 
 
 def _compensate(friction: jax.Array, lacking: jax.Array, dt: jax.Array) -> jax.Array:

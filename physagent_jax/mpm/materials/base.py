@@ -7,7 +7,7 @@ from typing import Protocol
 import jax
 
 History = jax.Array | tuple[()]
-"""What a material remembers of the past: one number per particle, shape (n,), or () for none."""
+"""Memory of a material: one number per particle, shape (n,), or () for none."""
 
 TORN = 1.2
 """Expansion J beyond which matter that bears no tension forgets to have expanded.

@@ -8,10 +8,11 @@ import numpy as np
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces import terms
+from physagent_jax.forces.compilation import compile_force_field
 from physagent_jax.forces.envelope import Envelope, EnvelopeKind
 from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.regions import make_region_mask
-from physagent_jax.forces.skills import compile_force_field, make_closed_form_scaling
+from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.mpm.constraints import MovingPlate, PrescribedMotion
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import Body

@@ -39,7 +39,7 @@ class SceneConfig(Strict):
             bears the object's weight, as it did when it was captured (`scene.compile.equilibrium`).
         forces: Terms that act besides the force field; the agents neither see nor change them.
         ledger: Whether work, dissipation and impulses are recorded frame by frame (`mpm.ledger`).
-        scaling: None = the closed forms of `forces.skills`, evaluated when the scene is compiled.
+        scaling: None = the closed forms of `forces.scaling`, evaluated when the scene is compiled.
     """
 
     version: Literal[1] = 1

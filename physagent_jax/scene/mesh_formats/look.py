@@ -22,13 +22,20 @@ class Texture:
 
     Attributes:
         pixels: RGBA in sRGB with straight alpha, first row on top, uint8, shape (h, w, 4).
-        uv: Texture coordinates of the vertices, V downwards from the first row, shape (n, 2).
+        uv: Texture coordinates of the vertices, V downwards from the first row, shape (n, 2). What is not finite is
+            read as 0, with a warning.
         wrap: Continuation of the picture beyond 0 and 1 along U and V.
     """
 
     pixels: np.ndarray
     uv: np.ndarray
     wrap: tuple[Wrap, Wrap] = ("repeat", "repeat")
+
+    def __post_init__(self):
+        if bad := int((~np.isfinite(self.uv)).any(axis=1).sum()):
+            warnings.warn(
+                f"{bad:,} texture coordinates of the mesh are not finite: they are read as 0", stacklevel=2
+            )
 
     def sample(self, uv: np.ndarray) -> np.ndarray:
         """RGBA of the texels in [0, 1] at ``uv``, shape (k, 4)."""

@@ -7,8 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from physagent_jax.core.reading import read_model
+from physagent_jax.forces.compilation import compile_force_field
+from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.forces.skills import compile_force_field, make_closed_form_scaling
 from tests.fuzz.classes.scenes import ACTIONS, HELD, REGIONS
 from tests.fuzz.contract import Case
 from tests.fuzz.drawing import Draw, altered, damaged, encoded, of_schema

@@ -8,40 +8,29 @@ whole clip, once per judgement.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
+from physagent_jax.agents.matching import AXIAL
 from physagent_jax.agents.rules import tolerances
-from physagent_jax.agents.rules.judging.comparing import make_limit_check, make_unseen_check
-from physagent_jax.agents.rules.judging.seen import View
+from physagent_jax.agents.rules.judging.asked import Asked
+from physagent_jax.agents.rules.judging.comparing import check_limit, make_unseen_check
+from physagent_jax.agents.rules.judging.seen import Course, Signal, View
+from physagent_jax.agents.rules.judging.stages import group_stages
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind
-from physagent_jax.agents.vectors import add, clamp, cross, dot, norm, normalise, scale
+from physagent_jax.agents.vectors import cross, dot, norm, normalise, reject, scale, subtract
 from physagent_jax.core.strict import Vector
-from physagent_jax.perception.schema import Box, Matrix
+from physagent_jax.perception.schema import Matrix
 
 _LASTING = 3  # frames: what is seen for less is noise or a flash
-_TEARS = (
-    "tear",
-    "tore",
-    "torn",
-    "break",
-    "broke",
-    "burst",
-    "shatter",
-    "rip",
-    "split",
-    "apart",
-    "explo",
-    "piece",
-)
-_AXIAL = (MotionKind.STRETCH, MotionKind.SQUEEZE)
+_TEARS = "tear tore torn break broke burst shatter rip split apart explo piece".split()
 _TRAVELS = (MotionKind.MOVE, MotionKind.FALL, MotionKind.SWAY)
 _VIOLENT = 1.3  # strength from which leaving the picture at the end is part of it
-_LATE = 0.75  # share of the clip
+_LATE, _END = 0.75, 0.95  # share of the clip
 
 _ASIDE = 0.22  # [body lengths] that a thing may wander while it is only turned or deformed
 _TOPPLED = 0.7  # [body lengths] that the centre of what tips over goes: half its height and half its breadth
 _TURN_PUSHED = (
-    30.0  # [degrees] that a pushed or deformed thing may turn; a little more than is told as a turn
+    30.0  # [degrees] that what is pushed or deformed may turn: a little more than is told as a turn
 )
 _TURN_TUMBLING = 500.0  # [degrees] of what is hit, dropped, or acted on at one end
 _TURN_HELD = 70.0  # [degrees] that the affine fit of a bent thing may show
@@ -54,17 +43,11 @@ _EARLY = 0.05  # [body lengths], and the same in degrees / 100 and strain
 def check_collateral(view: View) -> list[Check]:
     """Check of everything that was not asked for; they name the first expectation, for want of a better one."""
     asked = [e for e in view.expectations if e.kind is not MotionKind.STILL]
+    always = [*_check_whole(view), *_check_picture(view, asked), *_check_observed(view)]
     if not asked:
-        return _check_whole(view) + _check_picture(view, asked) + _check_observed(view)
-    return [
-        *_check_aside(view, asked),
-        *_check_turning(view, asked),
-        *_check_deformation(view, asked),
-        *_check_whole(view),
-        *_check_picture(view, asked),
-        *_check_observed(view),
-        *_check_early(view, asked),
-    ]
+        return always
+    before = [*_check_aside(view, asked), *_check_turning(view, asked), *_check_deformation(view, asked)]
+    return [*before, *always, *_check_early(view)]
 
 
 def _find_lasting(values: Iterable[float]) -> float:
@@ -73,167 +56,110 @@ def _find_lasting(values: Iterable[float]) -> float:
     return ordered[min(_LASTING, len(ordered)) - 1] if ordered else 0.0
 
 
+def _check_lasting(
+    view: View, name: str, series: Signal, limit: float, sigma: float, gentler: bool = True, **figures: object
+) -> list[Check]:
+    """Check what lasts of a series against a limit; ``gentler`` asks for as much less of the cause as it exceeds."""
+    value = _find_lasting(v for _, v in series)
+    gain = limit / max(value, 1e-6) if gentler else None
+    return [check_limit(_blame(view, _find_onset(series, limit)), name, value, limit, sigma, gain, **figures)]
+
+
 def _is_rough(view: View, asked: list[ExpectedMotion]) -> bool:
     """Return whether it is hit, dropped, thrown or toppled, after which things tumble."""
     return any(e.sudden or e.kind is MotionKind.FALL for e in asked) or view.force_field.default_drop
 
 
+def _is_partial(asked: list[ExpectedMotion]) -> bool:
+    return any(e.part is not None or e.partial for e in asked)
+
+
 def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     """Displacement across all directions that were asked for."""
     course = view.course(0, view.last)
-    if not course:
-        return []
     up, down = view.brief.directions.up, view.brief.directions.down
     moves = [e for e in asked if e.kind in _TRAVELS]
-    if any(e.direction is None and e.kind is not MotionKind.FALL for e in moves):
+    if not course or any(e.direction is None and e.kind is not MotionKind.FALL for e in moves):
         return []
     lines = [e.direction or down for e in moves]
-    vertical = view.gravity or any(e.kind is MotionKind.FALL for e in asked)
     longest = max(norm(p) for _, p in course)
-    limit = _ASIDE if not moves else max(_ASIDE, 0.75 * max(_measure_reach(course, lines), 0.0))
-    strains = [e.strength for e in asked if e.kind in _AXIAL]
+    reach = max((abs(dot(p, line)) for _, p in course for line in lines), default=0.0)
+    limit = max(_ASIDE, 0.75 * reach)
+    strains = [e.strength for e in asked if e.kind in AXIAL]
     if strains and (view.anchored or view.grounded):
         limit += 0.3 * max(strains)  # held at one end, or standing: the centre follows
     if view.grounded and any(e.kind is MotionKind.ROTATE for e in asked):
         limit += 0.35  # it rolls on what it touches
     for way in view.find_topples():  # the centre goes along with the top
-        course = [(t, add([p, scale(way, -clamp(dot(p, way), 0.0, _TOPPLED))])) for t, p in course]
-    if vertical:  # falls, lands and tips: up and down is judged with half the weight
-        course = [(t, add([p, scale(up, -0.5 * dot(p, up))])) for t, p in course]
-        if any(e.kind is MotionKind.FALL for e in asked) or view.force_field.default_drop:
-            course = [(t, add([p, scale(up, -dot(p, up))])) for t, p in course]
-    value = _find_lasting(_measure_distance(p, lines) for _, p in course)
-    words = f"{value:.2g} body lengths" + (f" of {longest:.2g} in all" if moves else "")
-    return [
-        make_limit_check(
-            _blame(view),
-            "does it move where nobody asked it to?",
-            f"at most {limit:.2g} body lengths aside"
-            if moves
-            else f"it stays within {limit:.2g} body lengths",
-            words,
-            value,
-            limit,
-            aspect="collateral",
-            sigma=view.sigma("displacement"),
-            gain=limit / max(value, 1e-6),
-            remedy="act more gently, or through the middle of the object",
-        )
-    ]
+        course = [(t, reject(p, way, 0.0, _TOPPLED)) for t, p in course]
+    if view.force_field.default_drop or any(e.kind is MotionKind.FALL for e in asked):
+        course = [(t, reject(p, up)) for t, p in course]
+    elif view.gravity:  # it lands and tips: up and down is judged with half the weight
+        course = [(t, subtract(p, scale(up, 0.5 * dot(p, up)))) for t, p in course]
+    aside = _measure_distances(course, lines)
+    name, sigma = "aside" if moves else "away", view.sigma("displacement")
+    return _check_lasting(view, name, aside, limit, sigma, longest=longest)
 
 
-def _measure_reach(course, lines: list[Vector]) -> float:
-    """Farthest displacement along any of the directions."""
-    return max(abs(dot(p, line)) for _, p in course for line in lines) if lines else 0.0
-
-
-def _measure_distance(p: Vector, lines: list[Vector]) -> float:
-    """Length of a vector's part outside of what the lines span."""
+def _measure_distances(course: Course, lines: Sequence[Vector]) -> Signal:
+    """Length of each vector's part outside of what the lines span."""
     basis: list[Vector] = []
     for line in lines:
         for b in basis:
-            line = add([line, scale(b, -dot(line, b))])
+            line = reject(line, b)
         unit = normalise(line) if norm(line) > 0.2 else None
         if unit is not None:
             basis.append(unit)
-    for b in basis:
-        p = add([p, scale(b, -dot(p, b))])
-    return norm(p)
+    distances = []
+    for t, p in course:
+        for b in basis:
+            p = reject(p, b)
+        distances.append((t, norm(p)))
+    return distances
 
 
 def _check_turning(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     """The whole's rotation where none was asked for; about another axis, if one was."""
     turns = view.turns(0, view.last)
-    if not turns:
-        return []
     rotations = [e for e in asked if e.kind is MotionKind.ROTATE]
-    if any(e.direction is None for e in rotations) or any(
-        e.amount and e.amount.unit == "degrees" for e in asked if e.kind is not MotionKind.ROTATE
-    ):
+    bent = any(e.amount and e.amount.unit == "degrees" for e in asked if e.kind is not MotionKind.ROTATE)
+    if not turns or bent or any(e.direction is None for e in rotations):
         return []
-    limit = _TURN_PUSHED
-    if view.anchored:
-        limit = _TURN_HELD
+    limit = _TURN_HELD if view.anchored else _TURN_PUSHED
     if rotations:
-        largest = max(norm(v) for _, v in turns)
-        limit = max(limit, 0.75 * largest)
-    elif any(e.part is not None or e.partial for e in asked) and not view.anchored:
-        limit = _TURN_TUMBLING
-    if _is_rough(view, asked):
-        limit = max(limit, _TURN_HELD if view.anchored else _TURN_TUMBLING)
-    axes = [e.direction for e in rotations if e.direction is not None]
-    value = _find_lasting(_measure_distance(v, axes) for _, v in turns)
-    return [
-        make_limit_check(
-            _blame(view),
-            "does it turn about another axis?" if rotations else "does it turn although nobody asked for it?",
-            f"at most {limit:.0f} degrees",
-            f"{value:.0f} degrees",
-            value,
-            limit,
-            aspect="collateral",
-            sigma=view.sigma("rotation"),
-            gain=limit / max(value, 1e-6),
-            remedy="act through the middle of the object, or more gently",
-        )
-    ]
+        limit = max(limit, 0.75 * max(norm(v) for _, v in turns))
+    if not view.anchored and (_is_rough(view, asked) or (_is_partial(asked) and not rotations)):
+        limit = max(limit, _TURN_TUMBLING)
+    beside = _measure_distances(turns, [e.direction for e in rotations if e.direction is not None])
+    name = "turns_otherwise" if rotations else "turns_unasked"
+    return _check_lasting(view, name, beside, limit, view.sigma("rotation"))
 
 
 def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     """Principal strains where none was asked for; the volume, if a stretch or squeeze was."""
     tensors = _list_tensors(view)
-    if not tensors:
+    axial = [e for e in asked if e.kind in AXIAL]
+    if not tensors or any(e.direction is None for e in axial):
         return []
-    axial = [e for e in asked if e.kind in _AXIAL]
     sigma = view.sigma("stretch")
     if axial:
-        if any(e.direction is None for e in axial):
-            return []
-        volume = _find_lasting(abs(math.log(max(_compute_determinant(S), 1e-6))) for S in tensors)
+        volumes = [(t, abs(math.log(max(_compute_determinant(S), 1e-6)))) for t, S in tensors]
         limit = 0.75 + 0.4 * max(e.strength for e in axial)
-        return [
-            make_limit_check(
-                _blame(view),
-                "does its volume change with it?",
-                f"between {math.exp(-limit):.2f} and {math.exp(limit):.2f} times",
-                f"by a factor of {math.exp(volume):.2f} up or down",
-                volume,
-                limit,
-                aspect="collateral",
-                sigma=2.0 * sigma,
-                remedy="deform it more gently",
-            )
-        ]
-    limit = _STRAIN_HIT if view.anchored or _is_rough(view, asked) else _STRAIN
-    if any(e.part is not None or e.partial for e in asked):
-        limit = max(limit, _STRAIN_HIT)
-    hidden = (
-        None
-        if any(w.stretch_view_axis_observable for w in view.report.windows)
-        else view.brief.directions.toward
-    )
-    value = _find_lasting(_find_largest_strain(S, hidden) for S in tensors)
-    return [
-        make_limit_check(
-            _blame(view),
-            "does its shape change although nobody asked for it?",
-            f"by at most {limit:.0%}",
-            f"by {value:.0%}",
-            value,
-            limit,
-            aspect="collateral",
-            sigma=sigma,
-            gain=limit / max(value, 1e-6),
-            remedy="act more gently, or make it stiffer",
-        )
-    ]
+        factor = math.exp(_find_lasting(v for _, v in volumes))
+        figures = {"least": math.exp(-limit), "most": math.exp(limit), "factor": factor}
+        return _check_lasting(view, "volume", volumes, limit, 2.0 * sigma, gentler=False, **figures)
+    yielding = view.anchored or _is_rough(view, asked) or _is_partial(asked)
+    toward = view.brief.directions.toward
+    hidden = None if any(w.stretch_view_axis_observable for w in view.report.windows) else toward
+    strains = [(t, _find_largest_strain(S, hidden)) for t, S in tensors]
+    return _check_lasting(view, "shape", strains, _STRAIN_HIT if yielding else _STRAIN, sigma)
 
 
-def _list_tensors(view: View) -> list[Matrix]:
-    """Stretch tensors, per frame or those of the windows from frame 0."""
+def _list_tensors(view: View) -> list[tuple[int, Matrix]]:
+    """Stretch tensors with their frames: of every frame, or of the windows at their ends."""
     if view.report.stretch:
-        return [S for S in view.report.stretch if S is not None]
-    return [w.stretch for w in view.report.windows if w.stretch is not None]
+        return [(t, S) for t, S in enumerate(view.report.stretch) if S is not None]
+    return [(w.last, w.stretch) for w in view.report.windows if w.stretch is not None]
 
 
 def _find_largest_strain(S: Matrix, hidden: Vector | None) -> float:
@@ -248,18 +174,11 @@ def _find_largest_strain(S: Matrix, hidden: Vector | None) -> float:
 
 
 def _remove(S: Matrix, axis: Vector) -> Matrix:
-    """P S P + a a^T, with P the projection across the axis."""
-    rows = []
-    for i in range(3):
-        row = []
-        for j in range(3):
-            total = axis[i] * axis[j]
-            for k in range(3):
-                for m in range(3):
-                    total += ((i == k) - axis[i] * axis[k]) * S[k][m] * ((m == j) - axis[m] * axis[j])
-            row.append(total)
-        rows.append((row[0], row[1], row[2]))
-    return (rows[0], rows[1], rows[2])
+    """P S P + a a^T, with P the projection across the axis a."""
+    across = [reject(row, axis) for row in S]  # S P
+    columns = [reject(column, axis) for column in zip(*across)]  # (P S P)^T
+    x, y, z = (tuple(c + a * b for c, b in zip(column, axis)) for column, a in zip(columns, axis))
+    return x, y, z  # type: ignore[return-value]  # symmetric, as S is
 
 
 def find_eigenvalues(S: Matrix) -> tuple[float, float, float]:
@@ -287,89 +206,62 @@ def _check_whole(view: View) -> list[Check]:
     asked = view.expectations
     torn = any(any(stem in e.words.lower() for stem in _TEARS) for e in asked)
     checks = []
-    pieces = [count for count in view.report.pieces if count is not None]
+    pieces = [(t, float(count)) for t, count in enumerate(view.report.pieces) if count is not None]
     if pieces and not torn:
-        extra = _find_lasting(float(count) for count in pieces) - min(pieces[:_LASTING])
-        checks.append(
-            make_limit_check(
-                _blame(view), "does it stay in one piece?", "no pieces come off",
-                f"{extra:.0f} pieces come off" if extra else "none", extra, 0.5,
-                aspect="integrity", sigma=0.3, gain=0.6, remedy="act more gently: it breaks",
-            )
-        )  # fmt: skip
-    growth = _measure_growth(view)
-    if growth is not None:
-        amounts = [e.amount.value for e in asked if e.amount and e.amount.unit == "factor"]
-        stretched = [e.strength for e in asked if e.kind is MotionKind.STRETCH]
-        limit = _SIZE * max(
-            [1.0, *amounts, *(tolerances.pick_band(tolerances.STRETCH, s, "").high + 1 for s in stretched)]
-        )
-        if any(e.kind is MotionKind.SQUEEZE for e in asked):
-            limit *= 1.4  # it bulges
-        checks.append(
-            make_limit_check(
-                _blame(view), "does it hold together?", f"at most {limit:.2f} times its size",
-                f"{growth:.2f} times its size", max(growth - 1.0, 0.0), limit - 1.0,
-                aspect="integrity", sigma=view.sigma("stretch"), gain=0.5, remedy="act more gently: it bursts",
-            )
-        )  # fmt: skip
-    return checks
-
-
-def _measure_growth(view: View) -> float | None:
-    """Largest diagonal of the box over that of frame 0, which a rigid turn hardly changes; None if not seen."""
-    boxes = [box for box in view.report.box if box is not None]
-    if len(boxes) > 1:
-        rest = _measure_diagonal(boxes[0])
-        return _find_lasting(_measure_diagonal(box) for box in boxes) / max(rest, 1e-6)
+        whole = min(count for _, count in pieces[:_LASTING])
+        extra = [(t, count - whole) for t, count in pieces]
+        value = _find_lasting(count for _, count in extra)
+        seen = f"{value:.0f} pieces come off" if value else "none"
+        blamed = _blame(view, _find_onset(extra, 1.0))
+        checks.append(check_limit(blamed, "pieces", value, 0.5, 0.3, 0.6, seen=seen))
+    growths = _list_growths(view)
     ratios = [w.volume_ratio for w in view.report.windows if w.volume_ratio is not None]
-    return max(ratios) ** (1 / 3) if ratios else None
+    if len(growths) < 2 and not ratios:
+        return checks
+    growth = _find_lasting(v for _, v in growths) if len(growths) > 1 else max(ratios) ** (1 / 3)
+    amounts = [e.amount.value for e in asked if e.amount and e.amount.unit == "factor"]
+    stretched = [e.strength for e in asked if e.kind is MotionKind.STRETCH]
+    highest = [tolerances.pick_band(tolerances.STRETCH, s, "").high + 1 for s in stretched]
+    limit = _SIZE * max([1.0, *amounts, *highest])
+    if any(e.kind is MotionKind.SQUEEZE for e in asked):
+        limit *= 1.4  # it bulges
+    blamed = _blame(view, _find_onset([(t, v - 1.0) for t, v in growths], limit - 1.0))
+    figures, sigma = {"most": limit, "growth": growth}, view.sigma("stretch")
+    return [*checks, check_limit(blamed, "size", max(growth - 1.0, 0.0), limit - 1.0, sigma, 0.5, **figures)]
 
 
-def _measure_diagonal(box: Box) -> float:
-    return norm(add([box.high, scale(box.low, -1.0)]))
+def _list_growths(view: View) -> Signal:
+    """Diagonal of the box over that of the first box, which a rigid turn hardly changes, frame by frame."""
+    boxes = [(t, box) for t, box in enumerate(view.report.box) if box is not None]
+    diagonals = [(t, norm(subtract(box.high, box.low))) for t, box in boxes]
+    return [(t, diagonal / max(diagonals[0][1], 1e-6)) for t, diagonal in diagonals]
 
 
 def _check_picture(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     """Leaving the picture; what is blown away violently may do so at the end."""
     leaves = view.report.quality.leaves_frame
-    if leaves == 0:
-        return []  # it is cut off by the camera, not by its motion
-    if all(place is None for place in view.report.centroid):
-        return []  # nobody knows
+    if leaves == 0 or all(place is None for place in view.report.centroid):
+        return []  # it is cut off by the camera, not by its motion; or nobody knows
     far = any(e.strength >= _VIOLENT and e.kind in _TRAVELS for e in asked)
-    limit = max((_LATE if far else 0.95) * view.last, 1.0)
-    value = float(view.last + 1 if leaves is None else leaves)
-    return [
-        make_limit_check(
-            _blame(view),
-            "does it stay in the picture?",
-            "to the end" if not far else f"until frame {limit:.0f} at least",
-            "it does" if leaves is None else f"it leaves it at frame {leaves}",
-            value,
-            limit,
-            aspect="collateral",
-            at_least=True,
-            sigma=1.0,
-            gain=0.6,
-            remedy="act more gently: it leaves the picture",
-        )
-    ]
+    limit = max((_LATE if far else _END) * view.last, 1.0)
+    until = f"until frame {limit:.0f} at least" if far else "to the end"
+    value, seen = float(view.last + 1), "it does"
+    if leaves is not None:
+        value, seen = float(leaves), f"it leaves it at frame {leaves}"
+    blamed = _blame(view, leaves, _TRAVELS)
+    return [check_limit(blamed, "picture", value, limit, 1.0, 0.6, until=until, seen=seen)]
 
 
 def _check_observed(view: View) -> list[Check]:
     """No success for a clip of which a lasting part is not observable; where it leaves the picture is judged there."""
-    if view.report.quality.leaves_frame:
-        return []
     unseen = [t for t, place in enumerate(view.report.centroid) if place is None]
-    if len(unseen) < _LASTING:
+    if view.report.quality.leaves_frame or len(unseen) < _LASTING:
         return []
-    index = _blame(view)
     why = f"its place is not known in {len(unseen)} of {view.report.frame_count} frames, first in frame {unseen[0]}"
-    return [make_unseen_check(index, view.expectations[index], why, "is it seen throughout?")]
+    return [make_unseen_check(_blame(view, unseen[0]), why, "is it seen throughout?")]
 
 
-def _check_early(view: View, asked: list[ExpectedMotion]) -> list[Check]:
+def _check_early(view: View) -> list[Check]:
     """Motion before the first that is asked for."""
     begin = min(view.span(e)[0] for e in view.expectations)
     waits = [view.span(e)[1] for e in view.expectations if e.kind is MotionKind.STILL]
@@ -377,22 +269,34 @@ def _check_early(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         return []
     value = _find_lasting(norm(p) for _, p in view.course(0, begin)) / _EARLY
     value = max(value, _find_lasting(norm(v) for _, v in view.turns(0, begin)) / (100.0 * _EARLY))
-    return [
-        make_limit_check(
-            _blame(view),
-            "does it wait for its time?",
-            f"no visible motion before frame {begin}",
-            f"it moves {value:.1f} times as much as can pass for stillness",
-            value,
-            1.0,
-            aspect="order",
-            sigma=view.sigma("displacement") / _EARLY,
-            remedy=f"let nothing act before frame {begin}",
-        )
-    ]
+    sigma = view.sigma("displacement") / _EARLY
+    return [check_limit(_blame(view, begin), "waits", value, 1.0, sigma, frame=begin)]
 
 
-def _blame(view: View) -> int:
-    """The expectation that the checks are filed under: the strongest cause has most to do with it."""
-    strengths = [e.strength if e.kind is not MotionKind.STILL else 0.0 for e in view.expectations]
-    return strengths.index(max(strengths)) if strengths else 0
+def _blame(view: View, begun: int | None = None, kinds: Sequence[MotionKind] = ()) -> Asked:
+    """The motion that a check is filed under: the strongest cause has most to do with it.
+
+    ``begun`` is the frame at which it shows: only motions of the last stage that has begun by then are blamed. Stages
+    with a motion of one of the ``kinds`` that cause it go first.
+    """
+    motions = view.expectations
+    members: Sequence[int] = range(len(motions))
+    if begun is not None:
+        stages = [stage for stage in group_stages(motions) if _is_active(stage, view, begun)]
+        causing = [stage for stage in stages if any(motions[i].kind in kinds for i in stage)]
+        members = (causing or stages or [members])[-1]
+    strengths = {i: motions[i].strength if motions[i].kind is not MotionKind.STILL else 0.0 for i in members}
+    index = max(strengths, key=lambda i: strengths[i])
+    return Asked(index, motions[index], view)
+
+
+def _is_active(stage: Sequence[int], view: View, frame: int) -> bool:
+    """Return whether a stage has begun by a frame, and not only by being still."""
+    motions = [view.expectations[i] for i in stage]
+    moves = any(motion.kind is not MotionKind.STILL for motion in motions)
+    return moves and min(view.span(motion)[0] for motion in motions) <= frame
+
+
+def _find_onset(values: Iterable[tuple[int, float]], limit: float) -> int | None:
+    """The first frame at which a value has come half the way to its limit; None if it never does."""
+    return next((frame for frame, value in values if value >= 0.5 * limit), None)

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import functools
 import math
+from importlib import resources
+from typing import Any
 
+import yaml
+
+from physagent_jax.agents.rules.judging.asked import Asked
 from physagent_jax.agents.rules.judging.seen import TO_SIGMA, View
 from physagent_jax.agents.rules.tolerances import Tolerance
-from physagent_jax.agents.schema import Check, ExpectedMotion
+from physagent_jax.agents.schema import Check
 from physagent_jax.agents.vectors import clamp, cosine, norm
 from physagent_jax.core.strict import Vector
 
@@ -14,12 +20,12 @@ SAME_WAY = 45.0  # [degrees] a viewer's "left" ends where another of the six dir
 _TOO_COARSE = 1.0  # of the range's width that the half width of the report's interval may reach
 
 
-def make_unseen_check(index: int, expectation: ExpectedMotion, why: str, question: str = "") -> Check:
+def make_unseen_check(asked: Asked, why: str, question: str = "") -> Check:
     """A check of something asked for that the pictures do not allow: no success without it."""
     return Check(
-        expectation=index,
-        question=question or f"does it {expectation.kind.value}?",
-        expected=expectation.kind.value,
+        expectation=asked.index,
+        question=question or f"does it {asked.kind.value}?",
+        expected=asked.kind.value,
         observed=f"not observable ({why})",
         passed=None,
         score=0.0,
@@ -31,55 +37,47 @@ def find_confidence(distance: float, sigma: float) -> float:
     return round(0.5 * (1.0 + math.erf(abs(distance) / (sigma * math.sqrt(2.0)))), 6)
 
 
+def compare_range(tolerance: Tolerance, value: float, sigma: float) -> dict[str, Any]:
+    """The fields of a check that a range decides."""
+    return {
+        "expected": tolerance.text(),
+        "passed": tolerance.low <= value <= tolerance.high,
+        "score": round(tolerance.score(value), 6),
+        "margin": round(tolerance.margin(value), 6),
+        "confidence": find_confidence(tolerance.distance(value), sigma),
+    }
+
+
 def compare_amount(
-    index: int,
-    expectation: ExpectedMotion,
+    asked: Asked,
     question: str,
     tolerance: Tolerance,
     value: float,
     seen: str,
-    view: View,
-    figure: str,
+    *,
+    figure: str = "",
     half_width: float | None = None,
 ) -> Check:
     """A value against its range, with the factor on the cause that would mend it.
 
-    Args:
-        index: Which expectation.
-        expectation: What was asked.
-        question: Asked of the pictures.
-        tolerance: The range.
-        value: What was seen.
-        seen: The same in words.
-        view: Where.
-        figure: Which of the report's uncertainties the value has.
-        half_width: The value's own instead.
+    Its uncertainty is ``half_width``, or that of the report's ``figure``: by default the one of such a motion.
     """
-    half_width = view.uncertainty(figure) if half_width is None else half_width
+    half_width = asked.view.uncertainty(figure or asked.figure) if half_width is None else half_width
     if half_width > _TOO_COARSE * (min(tolerance.high, 3 * tolerance.target) - tolerance.low):
-        why = f"it is known to +-{half_width:.2g} only"
-        return make_unseen_check(index, expectation, why, question)
-    passed = tolerance.low <= value <= tolerance.high
-    gain = None if passed else round(tolerance.gain(value), 4)
+        return make_unseen_check(asked, f"it is known to +-{half_width:.2g} only", question)
+    compared = compare_range(tolerance, value, max(half_width * TO_SIGMA, 1e-9))
+    gain = None if compared["passed"] else round(tolerance.gain(value), 4)
+    remedy = "" if gain is None else _name_remedy(gain, asked)
     return Check(
-        expectation=index,
-        question=question,
-        expected=tolerance.text(),
-        observed=seen,
-        passed=passed,
-        score=round(tolerance.score(value), 6),
-        margin=round(tolerance.margin(value), 6),
-        confidence=find_confidence(tolerance.distance(value), max(half_width * TO_SIGMA, 1e-9)),
-        gain=gain,
-        remedy="" if gain is None else _name_remedy(gain, expectation, view),
+        expectation=asked.index, question=question, observed=seen, gain=gain, remedy=remedy, **compared
     )
 
 
-def _name_remedy(gain: float, expectation: ExpectedMotion, view: View) -> str:
-    causes = view.causes(expectation)
+def _name_remedy(gain: float, asked: Asked) -> str:
+    causes = asked.causes
     if not causes:
-        return f"nothing in the force field causes it: add an action that makes it {expectation.kind.value}"
-    if gain < 0 and view.driven(expectation):
+        return f"nothing in the force field causes it: add an action that makes it {asked.kind.value}"
+    if gain < 0 and asked.driven:
         return f"increase the magnitude of {causes}: other motion overcomes it"
     if gain < 0:
         return f"reverse {causes}: it goes the wrong way"
@@ -88,45 +86,37 @@ def _name_remedy(gain: float, expectation: ExpectedMotion, view: View) -> str:
 
 
 def compare_direction(
-    index: int,
-    expectation: ExpectedMotion,
+    asked: Asked,
     question: str,
     seen: Vector,
-    view: View,
-    spread: float,
+    spread: float | None = None,
     wanted: Vector | None = None,
     how: str = "",
 ) -> Check:
-    """The angle between a seen and the expected direction.
+    """The angle between a seen direction of any length and the expected one.
 
-    Args:
-        index: Which expectation.
-        expectation: What was asked.
-        question: Asked of the pictures.
-        seen: What was seen, of any length.
-        view: Where.
-        spread: Standard deviation of the seen direction [degrees].
-        wanted: The expected direction, if not the expectation's own.
-        how: What the angle is that of, for people.
+    ``spread`` is its standard deviation [degrees], by default that of a displacement; ``wanted`` stands for the
+    motion's own direction.
     """
-    direction = wanted or expectation.direction
+    direction = wanted or asked.direction
     assert direction is not None
+    spread = find_spread(norm(seen), asked.view) if spread is None else spread
     angle = math.degrees(math.acos(clamp(cosine(seen, direction), -1.0, 1.0)))
     passed = angle <= SAME_WAY
     contrary = angle > 180.0 - SAME_WAY
-    causes = view.causes(expectation) or "the force field"
-    if view.driven(expectation):
+    causes = asked.causes or "the force field"
+    if asked.driven:
         fix = f"increase the magnitude of {causes}: it points the right way, but other motion overcomes it"
     elif contrary:
         fix = f"reverse {causes}"
     else:
         fix = f"point {causes} along {format_vector(direction)}"
     return Check(
-        expectation=index,
+        expectation=asked.index,
         question=question,
         aspect="direction",
-        expected=f"within {SAME_WAY:.0f} degrees of {name_direction(direction, view)}",
-        observed=f"{name_direction(seen, view)}, {angle:.0f} degrees off{how}",
+        expected=f"within {SAME_WAY:.0f} degrees of {name_direction(direction, asked.view)}",
+        observed=f"{name_direction(seen, asked.view)}, {angle:.0f} degrees off{how}",
         passed=passed,
         score=1.0 if passed else round(0.9 * (180.0 - angle) / 180.0, 6),
         margin=round((SAME_WAY - angle) / SAME_WAY, 6),
@@ -136,50 +126,44 @@ def compare_direction(
     )
 
 
-def make_limit_check(
-    index: int,
-    question: str,
-    expected: str,
-    observed: str,
+@functools.cache
+def read_words() -> dict[str, dict[str, Any]]:
+    """The words of the checks with one limit, by name; the file says what they hold."""
+    file = resources.files("physagent_jax.agents.rules.judging") / "checks.yaml"
+    return yaml.safe_load(file.read_text(encoding="utf-8"))
+
+
+def check_limit(
+    asked: Asked,
+    name: str,
     value: float,
     limit: float,
-    *,
-    aspect: str,
-    at_least: bool = False,
-    sigma: float = 0.0,
+    sigma: float,
     gain: float | None = None,
-    remedy: str = "",
+    **figures: object,
 ) -> Check:
     """A value with one limit; its margin is 1 at zero for an upper limit, and from twice a lower one on.
 
-    Args:
-        index: Which expectation.
-        question: Asked of the pictures.
-        expected: The range in words.
-        observed: The value in words.
-        value: What is compared.
-        limit: With what; above zero.
-        aspect: Aspect of the motion.
-        at_least: Whether the limit is the lowest value allowed.
-        sigma: Standard deviation of the value.
-        gain: Factor on the cause that would mend it.
-        remedy: What to change.
+    ``name`` tells its words in `checks.yaml`, which may need further ``figures``; ``sigma`` is the value's standard
+    deviation, and ``gain`` the factor on the cause that would mend it.
     """
+    words = read_words()[name]
+    at_least = words.get("at_least", False)
     margin = min((value - limit) / limit, 1.0) if at_least else (limit - value) / limit
     passed = margin >= 0.0
     score = 1.0 if passed else 0.9 * (max(value, 0.0) / limit if at_least else limit / value)
+    causes = asked.causes or words.get("cause", "the cause")
+    figures |= {"value": value, "limit": limit, "causes": causes}
+    told = ("question", "expected", "observed", *(() if passed else ("remedy",)))
     return Check(
-        expectation=index,
-        question=question,
-        expected=expected,
-        observed=observed,
+        expectation=asked.index,
         passed=passed,
-        aspect=aspect,  # type: ignore[arg-type]
+        aspect=words["aspect"],
         score=round(score, 6),
         margin=round(margin, 6),
         confidence=find_confidence(value - limit, max(sigma, 1e-9)),
         gain=None if passed or gain is None else round(gain, 4),
-        remedy="" if passed else remedy,
+        **{field: words[field].format(**figures) for field in told},
     )
 
 
@@ -190,8 +174,7 @@ def find_spread(length: float, view: View) -> float:
 
 def name_direction(vector: Vector, view: View) -> str:
     """A direction in the viewer's words: "left", "left and up", with the lesser part only if it matters."""
-    length = norm(vector)
-    if length < 1e-9:
+    if norm(vector) < 1e-9:
         return "nowhere"
     table = view.brief.directions
     parts = {name: cosine(vector, getattr(table, name)) for name in type(table).model_fields}
@@ -199,6 +182,6 @@ def name_direction(vector: Vector, view: View) -> str:
     return " and ".join(names[:2]) or format_vector(vector)
 
 
-def format_vector(vector: Vector | None) -> str:
+def format_vector(vector: Vector) -> str:
     """A direction for people."""
-    return "any direction" if vector is None else "[" + ", ".join(f"{c:.2g}" for c in vector) + "]"
+    return "[" + ", ".join(f"{c:.2g}" for c in vector) + "]"

@@ -6,16 +6,16 @@ import math
 from collections.abc import Callable, Sequence
 from statistics import median
 
+from physagent_jax.agents.rules.judging.asked import Asked
 from physagent_jax.agents.rules.judging.comparing import find_confidence
+from physagent_jax.agents.schema import Check
+from physagent_jax.agents.vectors import clamp
+from physagent_jax.core.turning import find_turning_points
 
-_STEPS = 40
-"""Thresholds tried between nothing and the whole span."""
-_NORMAL = 0.6745
-"""Median of a standard normal variable's size."""
-_FOURTH = math.sqrt(70.0)
-"""Standard deviation of the fourth difference of unit noise: 1, 4, 6, 4, 1 squared and added."""
-_ROUNDED = 1 / math.sqrt(12.0)
-"""Standard deviation of a time that is read off to whole frames [frames]."""
+_STEPS = 40  # thresholds tried between nothing and the whole span
+_NORMAL = 0.6745  # median of a standard normal variable's size
+_FOURTH = math.sqrt(70.0)  # deviation of the fourth difference of unit noise: 1, 4, 6, 4, 1 squared and added
+_ROUNDED = 1 / math.sqrt(12.0)  # [frames] standard deviation of a time that is read off to whole frames
 _SMALLEST = 1e-9
 
 
@@ -36,14 +36,8 @@ def find_count_confidence(
     """Chance that noise did not decide whether a count passes.
 
     What is counted is what exceeds a threshold. Noise makes a thing a little larger or smaller, as another threshold
-    would: the verdict is as sure as the nearest threshold with another verdict is far.
-
-    Args:
-        count: How many exceed a threshold.
-        passes: Whether a number of them is what was asked for.
-        threshold: The one that was used.
-        span: The largest that makes sense, in the same unit.
-        noise: Standard deviation of what is compared with the threshold.
+    would: the verdict is as sure as the nearest threshold with another verdict is far. None larger than ``span`` makes
+    sense; ``noise`` is the standard deviation of what is compared with the threshold.
     """
     verdict = passes(count(threshold))
     tried = [span * (k + 0.5) / _STEPS for k in range(_STEPS)]
@@ -51,14 +45,65 @@ def find_count_confidence(
     return find_confidence(min(away, default=max(span, _SMALLEST)), max(noise, _SMALLEST))
 
 
-def estimate_crossing(series: Sequence[tuple[int, float]], frame: int, noise: float) -> float:
-    """Standard deviation of when a series crossed a level [frames]: noise over slope, and the frames' own width.
+def check_count(
+    asked: Asked,
+    question: str,
+    count: Callable[[float], int],
+    *,
+    least: int,
+    most: int,
+    aim: float,
+    threshold: float,
+    span: float,
+    noise: float,
+    noun: str,
+    fix: str,
+) -> Check:
+    """The number of what exceeds a threshold against what is asked; see `find_count_confidence`.
 
-    Args:
-        series: Frames with a value each.
-        frame: At which the level was found to be crossed.
-        noise: Standard deviation of a value.
+    ``aim`` is the number in [least, most] with the largest margin, ``noun`` names what is counted.
     """
+    seen = count(threshold)
+    passed, half = least <= seen <= most, 0.5 + most - aim
+    return Check(
+        expectation=asked.index,
+        question=question,
+        aspect="repeats",
+        expected=f"{least} times" if least == most else f"{least} to {most} times",
+        observed=f"{seen} {noun}",
+        passed=passed,
+        score=1.0 if passed else round(0.9 * min(seen / least, most / max(seen, 1)), 6),
+        margin=round(clamp((half - abs(seen - aim)) / half, -10.0, 1.0), 6),
+        confidence=find_count_confidence(count, lambda n: least <= n <= most, threshold, span, noise),
+        remedy="" if passed else fix,
+    )
+
+
+def count_turns(asked: Asked, path: list[float], hysteresis: float) -> Check:
+    """To and fro ``repeats`` times is ``2 repeats - 1`` turns, and some more while it comes to rest.
+
+    Without a count (once), any number that can be followed is a sway. Ways back shorter than ``hysteresis``, in the
+    path's unit, do not count.
+    """
+    count = asked.motion.repeats
+    least, most = 2 * count - 1, (2 * count + 2 if count > 1 else 7)
+    return check_count(
+        asked,
+        "how often does it turn back?",
+        lambda threshold: len(find_turning_points(path, threshold)),
+        least=least,
+        most=most,
+        aim=0.5 * (least + most),
+        threshold=hysteresis,
+        span=max(path) - min(path),
+        noise=math.sqrt(2.0) * estimate_jitter(path),
+        noun="turns",
+        fix=f"alternate {asked.causes or 'pushes'} {count} times to and fro",
+    )
+
+
+def estimate_crossing(series: Sequence[tuple[int, float]], frame: int, noise: float) -> float:
+    """Standard deviation of when a series crossed a level [frames]: noise over slope, and the frames' own width."""
     at = next((k for k, (t, _) in enumerate(series) if t >= frame), len(series) - 1)
     low, high = max(at - 1, 0), min(at + 1, len(series) - 1)
     slope = abs(series[high][1] - series[low][1]) / max(series[high][0] - series[low][0], 1)

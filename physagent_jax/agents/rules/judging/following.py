@@ -3,30 +3,27 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
+from physagent_jax.agents.matching import AXIAL
 from physagent_jax.agents.rules import tolerances
+from physagent_jax.agents.rules.judging.asked import Asked
 from physagent_jax.agents.rules.judging.changing import measure_strains
 from physagent_jax.agents.rules.judging.comparing import (
+    check_limit,
     compare_amount,
-    find_confidence,
-    make_limit_check,
+    compare_range,
     make_unseen_check,
+    read_words,
 )
-from physagent_jax.agents.rules.judging.counting import (
-    estimate_crossing,
-    estimate_jitter,
-    find_count_confidence,
-)
-from physagent_jax.agents.rules.judging.moving import find_track, follow
-from physagent_jax.agents.rules.judging.seen import View
+from physagent_jax.agents.rules.judging.counting import check_count, estimate_crossing, estimate_jitter
+from physagent_jax.agents.rules.judging.moving import follow
+from physagent_jax.agents.rules.judging.seen import Signal
 from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind
-from physagent_jax.agents.vectors import clamp, dot, norm
+from physagent_jax.agents.vectors import dot, norm, scale
 from physagent_jax.core.turning import find_turning_points
 from physagent_jax.perception.schema import PartMotion
 
-Signal = list[tuple[int, float]]
-
-AXIAL = (MotionKind.STRETCH, MotionKind.SQUEEZE)
 _CAME_BACK = 0.5  # of the largest excursion that may be left after letting go
 _STAYED = 0.65  # of the largest excursion that has to be left where it should stay
 _UNEVEN = 0.2  # of its way that it may be ahead of, or behind, what goes at one speed
@@ -34,439 +31,301 @@ _SUDDEN = 0.3  # [s] in which a blow has brought most of the speed that it bring
 _PULSE = 0.35  # of the hardest: what counts as another blow
 _LEAKS = 0.5  # of a motion that may be seen before its time
 _REST = 0.25  # share of what follows that is looked at for where it comes to rest
+_REST_SHARE = {False: 0.75, True: 0.4}
+"""Share of the moving end's motion that the other may show: a part drags the rest along; an excepted one hardly
+moves."""
+_WORDS = read_words()
+_QUANTITY = "is it as much as the sentence says?"
+_DURATION = "does it last as long as the sentence says?"
+_BLOWS = "how many times is it pushed?"
 
 
-def measure_signal(expectation: ExpectedMotion, view: View, first: int, until: int) -> Signal:
+def measure_signal(asked: Asked, first: int, until: int) -> Signal:
     """A motion as one number per frame, positive the way that was asked for; empty if it cannot be seen."""
-    end, why = find_track(expectation, view)
-    if why:
+    if asked.hidden:
         return []
-    if expectation.kind in AXIAL:
-        sign = -1.0 if expectation.kind is MotionKind.SQUEEZE else 1.0
-        return [(t, sign * v) for t, v in measure_strains(expectation, view, first, until)[0]]
-    if expectation.kind is MotionKind.ROTATE:
-        turns = view.turns_asked(expectation, first, until, end)
-        axis = expectation.direction
-        return [(t, norm(v) if axis is None else dot(v, axis)) for t, v in turns]
-    course = view.course(first, until, end)
-    if first == view.span(expectation)[0]:
-        course = follow(expectation, view, until, end)[0]
-    direction = view.brief.directions.down if expectation.kind is MotionKind.FALL else expectation.direction
+    direction = asked.direction
+    if asked.kind in AXIAL:
+        return [(t, asked.sign * v) for t, v in measure_strains(asked, first, until)[0]]
+    if asked.kind is MotionKind.ROTATE:
+        course = asked.turns(first, until)
+    elif first == asked.span[0]:
+        course = follow(asked, until)[0]
+    else:
+        course = asked.course(first, until)
+    if asked.kind is MotionKind.FALL:
+        direction = asked.view.brief.directions.down
     return [(t, norm(p) if direction is None else dot(p, direction)) for t, p in course]
 
 
-def visible(expectation: ExpectedMotion) -> float:
-    """Least value of a signal that is seen."""
-    if expectation.kind in AXIAL:
-        return tolerances.VISIBLE_STRAIN
-    return tolerances.VISIBLE_DEGREES if expectation.kind is MotionKind.ROTATE else tolerances.VISIBLE
+def check_following(asked: Asked) -> list[Check]:
+    """All that is asked beside direction and amount; what cannot be seen of it is a check of its own."""
+    checks: list[Check] = []
+    for question, find_checks in _CHECKS if asked.kind is not MotionKind.STILL else ():
+        try:
+            checks += find_checks(asked)
+        except _Unseen as unseen:
+            checks.append(make_unseen_check(asked, str(unseen), question))
+    return checks
 
 
-def figure_of(expectation: ExpectedMotion) -> str:
-    """The uncertainty of the report that a signal has."""
-    if expectation.kind in AXIAL:
-        return "stretch"
-    return "rotation" if expectation.kind is MotionKind.ROTATE else "displacement"
+class _Unseen(Exception):
+    """Something asked for that the pictures do not show, with the reason."""
 
 
-def check_following(index: int, expectation: ExpectedMotion, view: View) -> list[Check]:
-    """All that is asked beside direction and amount."""
-    if expectation.kind is MotionKind.STILL:
-        return []
-    return [
-        *_check_quantity(index, expectation, view),
-        *_check_sudden(index, expectation, view),
-        *_check_even(index, expectation, view),
-        *_check_blows(index, expectation, view),
-        *_check_return(index, expectation, view),
-        *_check_stay(index, expectation, view),
-        *_check_order(index, expectation, view),
-        *_check_part(index, expectation, view),
-    ]
+def _observe(asked: Asked, first: int, until: int, least: int) -> Signal:
+    """A motion's signal with ``least`` frames."""
+    signal = measure_signal(asked, first, until)
+    if len(signal) < least:
+        raise _Unseen("its course is not known")
+    return signal
 
 
-def _check_quantity(index: int, expectation: ExpectedMotion, view: View) -> list[Check]:
+def _check_quantity(asked: Asked) -> list[Check]:
     """The named quantity as a target."""
-    amount = expectation.amount
-    if amount is None:
+    motion, (first, last) = asked.motion, asked.span
+    if motion.amount is None:
         return []
-    question = "is it as much as the sentence says?"
-    tolerance = tolerances.expect_quantity(amount, expectation.kind, view.brief)
-    first, last = view.span(expectation)
-    until = view.until(expectation) if expectation.released or expectation.sudden else last
-    end, why = find_track(expectation, view)
-    if tolerance is None or why:
-        why = why or f"{amount.unit} say nothing about such a motion"
-        return [make_unseen_check(index, expectation, why, question)]
-    if amount.unit == "seconds":
-        return _check_duration(index, expectation, view, tolerance)
-    if tolerance.unit == "degrees" and expectation.kind is not MotionKind.ROTATE:
-        signal, figure = [(t, norm(v)) for t, v in view.turns(first, until, end)], "rotation"
+    tolerance = tolerances.expect_quantity(motion.amount, motion.kind, asked.view.brief)
+    if tolerance is None or asked.hidden:
+        raise _Unseen(asked.hidden or f"{motion.amount.unit} say nothing about such a motion")
+    if motion.amount.unit == "seconds":
+        return _check_duration(asked, tolerance)
+    until, figure = asked.until if motion.released or motion.sudden else last, asked.figure
+    if tolerance.unit == "degrees" and motion.kind is not MotionKind.ROTATE:
+        figure = "rotation"
+        values = [norm(v) for _, v in asked.view.turns(first, until, asked.end)]
     else:
-        signal = measure_signal(expectation, view, first, until)
-        figure = figure_of(expectation)
-    if not signal:
-        return [make_unseen_check(index, expectation, "its course is not known", question)]
-    values = [value for _, value in signal]
-    value = max(values)
-    if expectation.kind is MotionKind.SWAY:
-        value = (max(values) - min(values)) / 2.0
+        values = [v for _, v in measure_signal(asked, first, until)]
+    if not values:
+        raise _Unseen("its course is not known")
+    value = (max(values) - min(values)) / 2.0 if motion.kind is MotionKind.SWAY else max(values)
     seen = f"{value:.3g} {tolerance.unit}"
-    return [compare_amount(index, expectation, question, tolerance, value, seen, view, figure)]
+    return [compare_amount(asked, _QUANTITY, tolerance, value, seen, figure=figure)]
 
 
-def _check_duration(
-    index: int, expectation: ExpectedMotion, view: View, tolerance: tolerances.Tolerance
-) -> list[Check]:
+def _check_duration(asked: Asked, tolerance: tolerances.Tolerance) -> list[Check]:
     """Check the cause's duration: a free thing gains speed for so long, a held one is kept away from rest."""
-    question = "does it last as long as the sentence says?"
-    first, _ = view.span(expectation)
-    signal = measure_signal(expectation, view, first, view.last)
+    view, first = asked.view, asked.span[0]
+    signal = measure_signal(asked, first, view.last)
     if len(signal) < 5:
-        return [make_unseen_check(index, expectation, "its course is not known", question)]
+        return [make_unseen_check(asked, "its course is not known", _DURATION)]
     jitter = estimate_jitter([v for _, v in signal])
-    is_held = view.anchored or expectation.kind in (*AXIAL, MotionKind.SWAY)
-    if is_held:
-        largest = max(abs(v) for _, v in signal)
-        level = (0.2 if expectation.kind is MotionKind.SWAY else 0.6) * largest
-        away = [t for t, v in signal if abs(v) >= level]
-        begun = next(t for t, v in signal if abs(v) >= min(0.1 * largest, level))
-        ended = away[-1]
-        off = [estimate_crossing(signal, t, jitter) for t in (begun, ended)]
+    if view.anchored or asked.kind in (*AXIAL, MotionKind.SWAY):
+        series = [(t, abs(v)) for t, v in signal]
+        largest = max(v for _, v in series)
+        level = (0.2 if asked.kind is MotionKind.SWAY else 0.6) * largest
+        begun = next(t for t, v in series if v >= min(0.1 * largest, level))
+        ended = [t for t, v in series if v >= level][-1]
     else:
-        speeds = _measure_speeds(signal)
-        fastest = max(v for _, v in speeds)
-        begun = next((t for t, v in speeds if v >= 0.1 * fastest), first)
-        ended = next((t for t, v in speeds if v >= 0.95 * fastest), first)
-        off = [estimate_crossing(speeds, t, jitter / math.sqrt(2.0)) for t in (begun, ended)]
-    value = view.seconds(begun, ended) + view.report.frame_dt
+        signal, jitter = _measure_speeds(signal), jitter / math.sqrt(2.0)
+        fastest = max(v for _, v in signal)
+        begun = next((t for t, v in signal if v >= 0.1 * fastest), first)
+        ended = next((t for t, v in signal if v >= 0.95 * fastest), first)
+    dt, off = (
+        view.report.frame_dt,
+        math.hypot(*(estimate_crossing(signal, t, jitter) for t in (begun, ended))),
+    )
+    value = view.seconds(begun, ended) + dt
     if ended >= view.last - 1 and value < tolerance.high:
-        value = max(value, min(tolerance.target, view.seconds(first, view.last) + view.report.frame_dt))
-    passed = tolerance.low <= value <= tolerance.high
-    fix = f"let {view.causes(expectation) or 'the cause'} act {tolerance.gain(value):.2g} times as long"
-    return [
-        Check(
-            expectation=index,
-            question=question,
-            expected=tolerance.text(),
-            observed=f"{value:.2g} seconds",
-            passed=passed,
-            aspect="order",
-            score=round(tolerance.score(value), 6),
-            margin=round(tolerance.margin(value), 6),
-            confidence=find_confidence(tolerance.distance(value), math.hypot(*off) * view.report.frame_dt),
-            remedy="" if passed else fix,
-        )
-    ]
+        value = max(value, min(tolerance.target, view.seconds(first, view.last) + dt))
+    compared = compare_range(tolerance, value, off * dt)
+    fix = f"let {asked.causes or 'the cause'} act {tolerance.gain(value):.2g} times as long"
+    compared |= {"observed": f"{value:.2g} seconds", "remedy": "" if compared["passed"] else fix}
+    return [Check(expectation=asked.index, question=_DURATION, aspect="order", **compared)]
 
 
-def _measure_speeds(signal: Signal, width: int = 2) -> Signal:
-    """Rate per frame, as a difference over ``width`` frames."""
-    pairs = zip(signal, signal[width:])
-    return [(a[0], (b[1] - a[1]) / (b[0] - a[0])) for a, b in pairs]
+def _measure_speeds(signal: Signal) -> Signal:
+    """Rate per frame, as a difference over two frames."""
+    return [(a[0], (b[1] - a[1]) / (b[0] - a[0])) for a, b in zip(signal, signal[2:])]
 
 
-def _check_sudden(index: int, expectation: ExpectedMotion, view: View) -> list[Check]:
+def _check_sudden(asked: Asked) -> list[Check]:
     """After a blow the speed is there at once."""
-    if not expectation.sudden or expectation.kind not in (MotionKind.MOVE, MotionKind.ROTATE):
+    if not asked.motion.sudden or asked.kind not in (MotionKind.MOVE, MotionKind.ROTATE):
         return []
-    first, last = view.span(expectation)
-    reach = first + max(round((last - first) / expectation.repeats), 3)
-    signal = measure_signal(expectation, view, first, min(reach, last))
-    if len(signal) < 4 or max(abs(v) for _, v in signal) < visible(expectation):
+    view, (first, last) = asked.view, asked.span
+    reach = first + max(round((last - first) / asked.motion.repeats), 3)
+    signal = measure_signal(asked, first, min(reach, last))
+    if len(signal) < 4 or max(abs(v) for _, v in signal) < asked.visible:
         return []
     top = max(range(len(signal)), key=lambda i: abs(signal[i][1]))
-    speeds = _measure_speeds(signal[: max(top + 1, 4)], 2)  # what comes after it is not the blow's doing
-    fastest = max(speeds, key=lambda point: abs(point[1]))[1]
-    level = max(0.25 * visible(expectation), 0.15 * max(abs(v) for _, v in signal))
+    speeds = _measure_speeds(signal[: max(top + 1, 4)])  # what comes after it is not the blow's doing
+    fastest = max(abs(v) for _, v in speeds)
+    level = max(0.25 * asked.visible, 0.15 * abs(signal[top][1]))
     onset = next(t for t, v in signal if abs(v) >= level)
-    reached = next(t for t, v in speeds if abs(v) >= 0.7 * abs(fastest))
+    reached = next(t for t, v in speeds if abs(v) >= 0.7 * fastest)
     seconds = max(view.seconds(onset, reached), 0.0)
-    return [
-        make_limit_check(
-            index,
-            "does it start at once?",
-            f"most of its speed within {_SUDDEN:g} s",
-            f"after {seconds:.2g} s",
-            seconds,
-            _SUDDEN,
-            aspect="order",
-            sigma=view.report.frame_dt,
-            remedy=f"make {view.causes(expectation) or 'the cause'} an impulse",
-        )
-    ]
+    return [check_limit(asked, "sudden", seconds, _SUDDEN, view.report.frame_dt)]
 
 
-def _check_even(index: int, expectation: ExpectedMotion, view: View) -> list[Check]:
+def _check_even(asked: Asked) -> list[Check]:
     """At one speed: the place over time is a straight line. What starts from rest is a quarter of its way behind."""
-    if not expectation.even:
+    if not asked.motion.even:
         return []
-    first, last = view.span(expectation)
-    signal = measure_signal(expectation, view, first, last)
-    question = "does it go at one speed?"
-    if len(signal) < 4:
-        return [make_unseen_check(index, expectation, "its course is not known", question)]
-    (begin, start), (end, way) = signal[0], max(signal, key=lambda point: abs(point[1]))
-    if abs(way - start) < visible(expectation) or end - begin < 3:
+    signal = _observe(asked, *asked.span, 4)
+    (begin, start), (end, place) = signal[0], max(signal, key=lambda point: abs(point[1]))
+    way = place - start
+    if abs(way) < asked.visible or end - begin < 3:
         return []
-    line = [(t, (v - start) / (way - start) - (t - begin) / (end - begin)) for t, v in signal if t <= end]
-    off = max((v for _, v in line), key=abs)
-    return [
-        make_limit_check(
-            index,
-            question,
-            f"at most {_UNEVEN:.0%} of its way ahead or behind",
-            f"{abs(off):.0%} {'ahead' if off > 0 else 'behind'}",
-            abs(off),
-            _UNEVEN,
-            aspect="order",
-            sigma=math.sqrt(2.0) * view.sigma(figure_of(expectation)) / abs(way - start),
-            remedy=f"let {view.causes(expectation) or 'its cause'} be a blow, or prescribe its velocity",
-        )
-    ]
+    line = [(v - start) / way - (t - begin) / (end - begin) for t, v in signal if t <= end]
+    off = max(line, key=abs)
+    sigma, side = math.sqrt(2.0) * asked.sigma / abs(way), "ahead" if off > 0 else "behind"
+    return [check_limit(asked, "even", abs(off), _UNEVEN, sigma, side=side)]
 
 
-def _check_blows(index: int, expectation: ExpectedMotion, view: View) -> list[Check]:
+def _check_blows(asked: Asked) -> list[Check]:
     """Separate pushes: runs of acceleration of a free thing, excursions of a held one."""
-    if expectation.kind is not MotionKind.MOVE or expectation.repeats < 2:
+    count = asked.motion.repeats
+    if asked.kind is not MotionKind.MOVE or count < 2:
         return []
-    first, _ = view.span(expectation)
-    signal = measure_signal(expectation, view, first, view.until(expectation))
-    question = "how many times is it pushed?"
-    if len(signal) < 6:
-        return [make_unseen_check(index, expectation, "its course is not known", question)]
-    count = expectation.repeats
-    if view.anchored:
-        values = [v for _, v in signal]
-        threshold, span = (
-            max(0.4 * (max(values) - min(values)), tolerances.VISIBLE / 2),
-            max(values) - min(values),
-        )
-        most, noise = 2 * count, math.sqrt(2.0)
+    signal = _observe(asked, asked.span[0], asked.until, 6)
+    values = [v for _, v in signal]
+    gains = _measure_gains(signal)
 
-        def find_count(limit: float) -> int:
-            return (len(find_turning_points(values, limit)) + 1) // 2
-    else:
-        gains = _measure_gains(signal)
-        span = max(v for _, v in gains)
-        threshold, most, noise = (
-            _PULSE * span,
-            count,
-            math.sqrt(1.5),
-        )  # of half the differences of differences
+    def count_excursions(limit: float) -> int:
+        return (len(find_turning_points(values, limit)) + 1) // 2
 
-        def find_count(limit: float) -> int:
-            return _count_pulses(gains, limit)
+    def count_pulses(limit: float) -> int:
+        return _count_pulses(gains, limit)
 
-    seen = find_count(threshold)
-    passed = count <= seen <= most
-    jitter = estimate_jitter([v for _, v in signal])
+    if asked.view.anchored:
+        counter, most, noise, span = count_excursions, 2 * count, math.sqrt(2.0), max(values) - min(values)
+        threshold = max(0.4 * span, tolerances.VISIBLE / 2)
+    else:  # the noise is that of half the differences of differences
+        counter, most, noise, span = count_pulses, count, math.sqrt(1.5), max(v for _, v in gains)
+        threshold = _PULSE * span
     return [
-        Check(
-            expectation=index,
-            question=question,
-            expected=f"{count} times" if most == count else f"{count} to {most} times",
-            observed=f"{seen} times",
-            passed=passed,
-            aspect="repeats",
-            score=1.0 if passed else round(0.9 * min(seen / count, most / max(seen, 1)), 6),
-            margin=round(clamp(1.0 - abs(seen - count) / (0.5 + most - count), -10.0, 1.0), 6),
-            confidence=find_count_confidence(
-                find_count, lambda n: count <= n <= most, threshold, span, noise * jitter
-            ),
-            remedy="" if passed else f"let it be pushed {count} separate times",
+        check_count(
+            asked,
+            _BLOWS,
+            counter,
+            least=count,
+            most=most,
+            aim=count,
+            threshold=threshold,
+            span=span,
+            noise=noise * estimate_jitter(values),
+            noun="times",
+            fix=f"let it be pushed {count} separate times",
         )
     ]
 
 
 def _measure_gains(signal: Signal) -> Signal:
     """By how much the speed grows over two frames."""
-    speeds = [(signal[0][0] - 2, 0.0), (signal[0][0] - 1, 0.0), *_measure_speeds(signal, 2)]
+    speeds = [(signal[0][0] - 2, 0.0), (signal[0][0] - 1, 0.0), *_measure_speeds(signal)]
     return [(a[0], b[1] - a[1]) for a, b in zip(speeds, speeds[2:])]
 
 
 def _count_pulses(gains: Signal, limit: float) -> int:
     """Runs of frames in which the speed grows by ``limit`` or more; short pauses do not part them."""
-    runs, before = 0, None
-    for t, v in gains:
-        if v >= limit:
-            if before is None or t - before > 3:
-                runs += 1
-            before = t
-    return runs
+    frames = [t for t, v in gains if v >= limit]
+    return len(frames[:1]) + sum(later - before > 3 for before, later in zip(frames, frames[1:]))
 
 
-def _check_return(index: int, expectation: ExpectedMotion, view: View) -> list[Check]:
+def _check_return(asked: Asked) -> list[Check]:
     """After letting go, held objects and deformations come back towards rest; a free object may drift on."""
-    if not expectation.released or expectation.kind in (MotionKind.SWAY, MotionKind.FALL):
+    motion, view, (first, last), until = asked.motion, asked.view, asked.span, asked.until
+    if not motion.released or motion.kind in (MotionKind.SWAY, MotionKind.FALL):
         return []
-    if expectation.kind not in AXIAL and not view.anchored:
+    if motion.kind not in AXIAL and not view.anchored:
         return []
-    first, last = view.span(expectation)
-    until = view.until(expectation)
-    question = "does it come back after letting go?"
     if until - last < 3:
-        if expectation.sudden or expectation.repeats > 1:
+        if motion.sudden or motion.repeats > 1:
             return []
-        return [make_unseen_check(index, expectation, "the clip ends before it can come back", question)]
-    signal = measure_signal(expectation, view, first, until)
-    end, _ = find_track(expectation, view)
-    series = view.report.stretch if expectation.kind in AXIAL else _get_series(view, end)
-    if not series or len(signal) < 4:
-        return [make_unseen_check(index, expectation, "its course is not known", question)]
+        raise _Unseen("the clip ends before it can come back")
+    signal = _observe(asked, first, until, 4)
+    if not (view.report.stretch if motion.kind in AXIAL else view.get_places(asked.end)):
+        raise _Unseen("its course is not known")
     largest = max(abs(v) for _, v in signal)
-    if largest < visible(expectation):
+    if largest < asked.visible:
         return []
-    rest = [v for t, v in signal if t >= until - _REST * (until - last)]
-    if not rest:
-        return [make_unseen_check(index, expectation, "its end is not seen", question)]
+    rest = _take_rest(signal, last, until)
     left = abs(sum(rest) / len(rest)) / largest
-    return [
-        make_limit_check(
-            index,
-            question,
-            f"at most {_CAME_BACK:.0%} of its excursion left",
-            f"{left:.0%} of it left",
-            left,
-            _CAME_BACK,
-            aspect="return",
-            sigma=view.sigma(figure_of(expectation)) / largest,
-            remedy=f"let {view.causes(expectation) or 'the cause'} end earlier",
-        )
-    ]
+    return [check_limit(asked, "returns", left, _CAME_BACK, asked.sigma / largest)]
 
 
-def _get_series(view: View, end: PartMotion | None):
-    return view.report.centroid if end is None else end.centroid
-
-
-def _check_stay(index: int, expectation: ExpectedMotion, view: View) -> list[Check]:
-    """Check that the object stays where it was brought."""
-    if not expectation.stays:
-        return []
-    first, _ = view.span(expectation)
-    until = view.until(expectation)
-    signal = measure_signal(expectation, view, first, until)
-    question = "does it stay where it was brought?"
-    if len(signal) < 4:
-        return [make_unseen_check(index, expectation, "its course is not known", question)]
-    largest = max(v for _, v in signal)
-    if largest < visible(expectation):
-        return []
-    rest = [v for t, v in signal if t >= until - _REST * (until - first)]
+def _take_rest(signal: Signal, since: int, until: int) -> list[float]:
+    """The last part of what follows a frame, in which a motion comes to rest."""
+    rest = [v for t, v in signal if t >= until - _REST * (until - since)]
     if not rest:
-        return [make_unseen_check(index, expectation, "its end is not seen", question)]
-    left = min(rest) / largest
-    wanders = (max(rest) - min(rest)) / largest
-    sigma = view.sigma(figure_of(expectation)) / largest
-    causes = view.causes(expectation) or "the cause"
-    return [
-        make_limit_check(
-            index, question, f"at least {_STAYED:.0%} of its excursion left", f"{left:.0%} of it left",
-            left, _STAYED, aspect="return", at_least=True, sigma=sigma, remedy=f"let {causes} act to the end",
-        ),
-        make_limit_check(
-            index, question, f"it moves by at most {1 - _STAYED:.0%} of its excursion there",
-            f"it moves by {wanders:.0%}", wanders, 1 - _STAYED, aspect="stillness", sigma=sigma,
-            remedy="stop it where it was brought",
-        ),
-    ]  # fmt: skip
+        raise _Unseen("its end is not seen")
+    return rest
 
 
-def _check_order(index: int, expectation: ExpectedMotion, view: View) -> list[Check]:
+def _check_stay(asked: Asked) -> list[Check]:
+    """Check that the object stays where it was brought."""
+    first, until = asked.span[0], asked.until
+    if not asked.motion.stays:
+        return []
+    signal = _observe(asked, first, until, 4)
+    largest = max(v for _, v in signal)
+    if largest < asked.visible:
+        return []
+    rest, sigma = _take_rest(signal, first, until), asked.sigma / largest
+    left, wanders = min(rest) / largest, (max(rest) - min(rest)) / largest
+    stays = check_limit(asked, "stays", left, _STAYED, sigma)
+    return [stays, check_limit(asked, "rests", wanders, 1 - _STAYED, sigma)]
+
+
+def _check_order(asked: Asked) -> list[Check]:
     """Check that what comes later is not seen before its time."""
-    first, last = view.span(expectation)
+    view, first = asked.view, asked.span[0]
     earlier = [e for e in view.expectations if view.span(e)[0] < first - 1]
-    if first < 3 or expectation.kind in (MotionKind.FALL, MotionKind.SWAY) or expectation.repeats > 1:
+    if first < 3 or asked.kind in (MotionKind.FALL, MotionKind.SWAY) or asked.motion.repeats > 1:
         return []
-    if not earlier or any(_is_alike(e, expectation) for e in earlier):
+    if not earlier or any(_is_alike(e, asked.motion) for e in earlier):
         return []
-    begin = min(view.span(e)[0] for e in earlier)
-    before = measure_signal(expectation, view, begin, first)
-    during = measure_signal(expectation, view, first, view.until(expectation))
+    before = measure_signal(asked, min(view.span(e)[0] for e in earlier), first)
+    during = measure_signal(asked, first, asked.until)
     if len(before) < 2 or not during:
         return []
     most, leaked = max(v for _, v in during), max(v for _, v in before)
-    if most < visible(expectation):
+    if most < asked.visible:
         return []
-    return [
-        make_limit_check(
-            index,
-            "does it come in its turn?",
-            f"less than {_LEAKS:.0%} of it before frame {first}",
-            f"{max(leaked, 0.0) / most:.0%} of it before",
-            max(leaked, 0.0) / most,
-            _LEAKS + visible(expectation) / most,
-            aspect="order",
-            sigma=view.sigma(figure_of(expectation)) / most,
-            remedy=f"let {view.causes(expectation) or 'its cause'} begin at frame {first}",
-        )
-    ]
+    share, limit = max(leaked, 0.0) / most, _LEAKS + asked.visible / most
+    return [check_limit(asked, "in_turn", share, limit, asked.sigma / most, share=_LEAKS, frame=first)]
 
 
 def _is_alike(one: ExpectedMotion, other: ExpectedMotion) -> bool:
     """Return whether one motion also shows as the other."""
-    if one.kind is MotionKind.SWAY and other.kind is MotionKind.MOVE:
-        return True
     if one.kind is not other.kind:
-        return one.kind is MotionKind.FALL and other.kind is MotionKind.MOVE
+        return one.kind in (MotionKind.SWAY, MotionKind.FALL) and other.kind is MotionKind.MOVE
     return one.direction is None or other.direction is None or dot(one.direction, other.direction) > 0.3
 
 
-def _check_part(index: int, expectation: ExpectedMotion, view: View) -> list[Check]:
+def _check_part(asked: Asked) -> list[Check]:
     """The named end moves more than the opposite one; one that is excepted moves less."""
-    if expectation.part is None or expectation.kind not in (
-        MotionKind.MOVE,
-        MotionKind.SWAY,
-        MotionKind.ROTATE,
-    ):
+    motion, moving = asked.motion, asked.end
+    if moving is None or motion.kind not in (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE):
         return []
-    moving, why = find_track(expectation, view)
-    if moving is None:
-        return []  # told already
-    resting = view.find_end(tuple(-c for c in moving.direction))  # type: ignore[arg-type]
-    first, last = view.span(expectation)
-    own, other = _measure_extent(expectation, view, moving, first, last), None
-    if resting is not None:
-        other = _measure_extent(expectation, view, resting, first, last)
-    question = "does that part move, and the rest less?"
+    resting = asked.view.find_end(scale(moving.direction, -1.0))
+    own = _measure_extent(asked, moving)
+    other = None if resting is None else _measure_extent(asked, resting)
     if own is None or other is None:
-        return [make_unseen_check(index, expectation, why or "the ends are not followed", question)]
-    limit = _REST_SHARE[expectation.excludes_part]
-    if own < visible(expectation):
-        return []  # nothing moves: told by the amount
-    both = any(e.part and e.part != expectation.part for e in view.together(expectation))
-    if both:
-        return []
-    return [
-        make_limit_check(
-            index,
-            question,
-            f"the opposite end at most {limit:.0%} as much",
-            f"{other / own:.0%} as much",
-            other / own,
-            limit,
-            aspect="part",
-            sigma=view.sigma(figure_of(expectation)) / own,
-            remedy=f"let {view.causes(expectation) or 'the cause'} act on that part only, or hold the rest",
-        )
-    ]
+        raise _Unseen("the ends are not followed")
+    both = any(e.part and e.part != motion.part for e in asked.together)
+    if own < asked.visible or both:
+        return []  # that nothing moves is told by the amount
+    return [check_limit(asked, "part", other / own, _REST_SHARE[motion.excludes_part], asked.sigma / own)]
 
 
-_REST_SHARE = {False: 0.75, True: 0.4}
-"""Of the moving end's motion that the other may show: a part drags the rest along, an excepted one hardly moves."""
-
-
-def _measure_extent(
-    expectation: ExpectedMotion, view: View, end: PartMotion, first: int, last: int
-) -> float | None:
+def _measure_extent(asked: Asked, end: PartMotion) -> float | None:
     """The largest motion or turn of an end along the asked direction."""
-    course = (
-        view.turns(first, last, end)
-        if expectation.kind is MotionKind.ROTATE
-        else view.course(first, last, end)
-    )
-    if not course:
-        return None
-    direction = expectation.direction
-    return max(norm(p) if direction is None else abs(dot(p, direction)) for _, p in course)
+    measure = asked.view.turns if asked.kind is MotionKind.ROTATE else asked.view.course
+    direction, course = asked.direction, measure(*asked.span, end)
+    extents = (norm(p) if direction is None else abs(dot(p, direction)) for _, p in course)
+    return max(extents, default=None)
+
+
+_CHECKS: tuple[tuple[str, Callable[[Asked], list[Check]]], ...] = (
+    (_QUANTITY, _check_quantity),
+    (_WORDS["sudden"]["question"], _check_sudden),
+    (_WORDS["even"]["question"], _check_even),
+    (_BLOWS, _check_blows),
+    (_WORDS["returns"]["question"], _check_return),
+    (_WORDS["stays"]["question"], _check_stay),
+    (_WORDS["in_turn"]["question"], _check_order),
+    (_WORDS["part"]["question"], _check_part),
+)

@@ -1,0 +1,1 @@
+"""Agents on chat models, measured: adversarial replies, and real small models from files."""

@@ -1,0 +1,69 @@
+"""Models that benchmarks ask: opened when they are first needed, and where their answers are kept."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from pathlib import Path
+from typing import Any
+
+from physagent_jax.agents.llm.base import ChatModel
+from physagent_jax.agents.llm.registry import make_model
+from physagent_jax.core.errors import UserError
+from physagent_jax.run.spec import Implementation
+
+
+@dataclasses.dataclass(frozen=True)
+class Asked:
+    """A model of the command line.
+
+    Attributes:
+        text: "NAME=PLACE": a name for the tables, and a GGUF file, a cassette (.jsonl), or a server's address and the
+            model's name as URL#MODEL.
+        cassettes: Folder where answers are kept; a run that is stopped asks nothing twice.
+    """
+
+    text: str
+    cassettes: Path
+
+    @property
+    def name(self) -> str:
+        """The name in the tables."""
+        return self.text.partition("=")[0]
+
+    @property
+    def choice(self) -> Implementation:
+        """The model as a run's spec would name it.
+
+        Raises:
+            UserError: The text names none.
+        """
+        name, sign, place = self.text.partition("=")
+        if not (name and sign and place):
+            raise UserError("a model is NAME=PLACE", got=self.text, do="Pass small=models/small.gguf, say")
+        options: dict[str, Any] = {"path": place}
+        if "://" in place:
+            url, _, model = place.partition("#")
+            return Implementation(name="openai", options={"url": url, "model": model or name})
+        if place.endswith(".jsonl"):
+            return Implementation(name="replay", options=options)
+        return Implementation(name="llama", options=options)
+
+    def open(self) -> ChatModel:
+        """The model; the same object whenever it is asked for."""
+        return _open(self)
+
+
+@functools.cache
+def _open(asked: Asked) -> ChatModel:
+    choice = asked.choice
+    record = None if choice.name == "replay" else asked.cassettes / f"{asked.name}.jsonl"
+    return make_model((choice.name, choice.options), record=record)
+
+
+def close_all(models: tuple[Asked, ...]) -> None:
+    """Close the models that have been opened."""
+    if _open.cache_info().currsize:
+        for each in models:
+            each.open().close()
+    _open.cache_clear()

@@ -1,0 +1,133 @@
+"""The meaning of a quantity for a motion: a distance, an angle, a share of the size.
+
+A target for whoever judges, and the magnitude that reaches it where nothing opposes (`forces.calibration`).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from physagent_jax.agents.intent import Quantity
+from physagent_jax.agents.lexicon import Effect, Motion, Names
+from physagent_jax.agents.rules.tolerances import MOVE, TURN, pick_band
+from physagent_jax.agents.schema import Amount, SceneBrief
+from physagent_jax.agents.vectors import clamp
+from physagent_jax.forces import calibration
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+
+MOST = 1e5  # of any unit, as in `agents.schema.Amount`: more is no target
+_LEAST = 1e-6  # of any unit
+_AXES: dict[str, Names] = {"height": ("up",), "width": ("right",), "depth": ("toward",)}
+_TRAVELS = (Effect.PUSH, Effect.STRIKE, Effect.ROLL, Effect.SWAY, Effect.LEAN, Effect.JUMP)
+_TURNS = (Effect.TURN, Effect.LEAN, Effect.SWAY, Effect.TOPPLE, Effect.ROLL)
+_SCALES = (Effect.SCALE, Effect.SWELL)
+_UNITS = {"lengths": _TRAVELS, "metres": _TRAVELS, "degrees": _TURNS}
+_SPUN = (Effect.TURN, Effect.LEAN, Effect.ROLL)  # turned by a torque
+
+_SAME_HEIGHT = 0.1
+"""[body lengths] by which a height may differ from the one that everything is dropped from."""
+
+_STRAIN_PER_M = 0.2
+"""[1] that a stretch or squeeze shows for M = 1: between the linear 0.15 and what soft solids do at full strength."""
+
+
+class Target(NamedTuple):
+    """The target that a quantity sets; None if it does not fit the motion.
+
+    Attributes:
+        amount: The target.
+        names: The axis that it names; empty = none.
+        everywhere: Whether all dimensions change.
+        usual: Whether the quantity is what the motion has by itself: there is nothing to aim at.
+    """
+
+    amount: Amount | None = None
+    names: Names = ()
+    everywhere: bool = False
+    usual: bool = False
+
+
+def find_target(quantity: Quantity, motion: Motion, before: Amount | None) -> Target:
+    """The target that ``quantity`` sets for ``motion``; ``before`` is the target of the event before."""
+    value, effect, unit = quantity.value, motion.effect, quantity.unit
+    if quantity.dimension == "far" and before is not None:  # "twice as far"
+        value, unit = before.value * value, before.unit
+    if not _LEAST <= value <= MOST:
+        return Target()
+    if effect in _UNITS.get(unit, ()):
+        return Target(Amount.model_validate({"value": value, "unit": unit}))
+    if effect is Effect.FALL and (unit == "lengths" or unit == "share" and quantity.dimension == "length"):
+        return Target(usual=abs(value - calibration.DROP_HEIGHT) <= _SAME_HEIGHT)
+    if unit != "share" or quantity.dimension in ("far", "volume"):
+        return Target()
+    becomes = quantity.relation in ("to", "is")  # "pull it to twice its length", "until it is half as tall"
+    if effect in _TRAVELS and quantity.dimension and not becomes:
+        return Target(Amount(value=value, unit="lengths"))
+    return _find_scale(quantity, motion) if effect in _SCALES else Target()
+
+
+def _find_scale(quantity: Quantity, motion: Motion) -> Target:
+    """A share as a factor of the extent: "to half", "by half", "by 30 percent"."""
+    factor = 1.0 + motion.sign * quantity.value if quantity.relation == "by" else quantity.value
+    if (factor - 1.0) * motion.sign <= 0 or factor < _LEAST:  # "stretch it to half its length"
+        return Target()
+    amount = Amount(value=round(factor, 6), unit="factor")
+    return Target(amount, _AXES.get(quantity.dimension, ()), quantity.dimension == "size")
+
+
+def find_lengths(amount: Amount | None, brief: SceneBrief) -> float | None:
+    """A distance in body lengths; None if the amount is none."""
+    if amount is None or amount.unit not in ("lengths", "metres"):
+        return None
+    return amount.value / (brief.size if amount.unit == "metres" else 1.0)
+
+
+def find_effort(amount: Amount | None, effect: Effect, brief: SceneBrief) -> float | None:
+    """The effort for a free object: 1 is what M = 1 does from rest in the reference time; None = no matter."""
+    lengths = find_lengths(amount, brief)
+    if lengths is not None:
+        return lengths / calibration.TRAVEL
+    turned = amount is not None and amount.unit == "degrees" and effect in _SPUN
+    return math.radians(amount.value) / calibration.TURN if amount and turned else None
+
+
+def find_word_effort(strength: float, effect: Effect) -> float | None:
+    """The same for what a word promises a viewer, without a quantity; None = no matter."""
+    if effect is Effect.PUSH:
+        return pick_band(MOVE, strength, "body lengths").target / calibration.TRAVEL
+    if effect is Effect.TURN:
+        return math.radians(pick_band(TURN, strength, "degrees").target) / calibration.TURN
+    return None
+
+
+def find_span(effort: float, usual: float, brief: SceneBrief) -> float:
+    """The time for which an object is pushed and then braked, so that a magnitude in range brings it there [s].
+
+    Half of the time it is pushed, half braked: it gets M (t / T)^2 / 2 of what M = 1 does in T.
+    """
+    reference = calibration.REFERENCE_TIME
+    shortest, longest = (reference * math.sqrt(2.0 * effort / m) for m in (MAGNITUDE_MAX, MAGNITUDE_MIN))
+    return clamp(usual, shortest, max(longest, 4.0 * brief.frame_dt))
+
+
+def find_held_magnitude(amount: Amount, effect: Effect, brief: SceneBrief) -> float | None:
+    """M that bends, turns or (to either side) sways something held about as far."""
+    lengths = find_lengths(amount, brief)
+    if lengths is not None:
+        sways = effect is Effect.SWAY
+        return lengths / (calibration.EXPECTED_SWAY if sways else calibration.EXPECTED_HELD_SHIFT)
+    return amount.value / calibration.EXPECTED_HELD_TURN if amount.unit == "degrees" else None
+
+
+def find_swing_magnitude(amount: Amount, held: bool, brief: SceneBrief) -> float | None:
+    """M that swings something about as far to either side."""
+    if held:
+        return find_held_magnitude(amount, Effect.SWAY, brief)
+    lengths = find_lengths(amount, brief)
+    return None if lengths is None else lengths / calibration.SWING
+
+
+def find_strain_magnitude(amount: Amount) -> float:
+    """M whose stretch or squeeze comes near a factor."""
+    return abs(amount.value - 1.0) / _STRAIN_PER_M

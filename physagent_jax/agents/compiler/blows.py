@@ -1,0 +1,132 @@
+"""Blows, leaps and falls: what begins with a speed, or is left to weight."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from physagent_jax.agents.compiler.amounts import find_effort, find_held_magnitude
+from physagent_jax.agents.compiler.directions import find_lean_axis
+from physagent_jax.agents.compiler.steady import (
+    BRAKED_BEFORE,
+    IMPULSE_FRAMES,
+    SHORTEST_STROKE,
+    Task,
+    make_impulse_window,
+)
+from physagent_jax.agents.dosing import find_reference_seconds
+from physagent_jax.agents.lexicon import Effect
+from physagent_jax.agents.schema import MotionKind
+from physagent_jax.agents.vectors import add, dot, normalise, scale
+from physagent_jax.agents.windows import divide
+from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY, MAGNITUDE_MAX
+from physagent_jax.forces.schema import ActionType
+
+_RAISING = (Effect.STRIKE, Effect.JUMP)
+_UPRIGHT = 0.7  # cosine
+
+
+def compile_strike(task: Task) -> None:
+    """Blows, evenly spaced if counted; thrown things come down again."""
+    event, builder, window = task.event, task.builder, task.window
+    swings, way = event.repeat.alternate, task.direction
+    count = task.limit_count(event.repeat.count or (2 if swings else event.motion.strokes), SHORTEST_STROKE)
+    if event.motion.gravity and not builder.grounded:
+        task.enable_gravity("what is thrown or jumps comes down again")
+    falls_back = builder.default_drop or (builder.grounded and not builder.anchored)
+    rises = falls_back and dot(way, task.brief.directions.up) > 0.5
+    strength = _find_blow(task, count, rises)
+    for index, part in enumerate(divide(window, [1.0] * count)):
+        blow = scale(way, -1.0 if swings and index % 2 else 1.0)
+        task.act(ActionType.IMPULSE, blow, strength, make_impulse_window(part[0]))
+    if task.needs_brake and count == 1 and not builder.grounded:  # else friction stops it
+        stop = make_impulse_window(window[1] - IMPULSE_FRAMES)
+        task.act(ActionType.IMPULSE, scale(way, -1.0), strength, stop)
+        builder.add_note(BRAKED_BEFORE)
+    rise, fall = divide(window, [1.0, 1.0])
+    task.expect(
+        MotionKind.SWAY if swings else MotionKind.MOVE,
+        way,
+        rise if rises else window,
+        sudden=True,
+        repeats=count,
+        released=builder.anchored,
+        leaves_place=task.leaves_place,
+    )
+    thrown = event.motion.gravity or builder.default_drop
+    if rises and thrown and not any(each.effect in (Effect.FALL, Effect.TOPPLE) for each in task.after):
+        task.expect(MotionKind.FALL, None, fall, amount=None)
+
+
+def _find_blow(task: Task, count: int, rises: bool) -> float:
+    """Magnitude of each of ``count`` blows that reach the event's quantity, or of its words."""
+    event, brief = task.event, task.brief
+    effort = find_effort(event.amount, event.effect, brief)
+    if effort is None or event.amount is None:
+        return event.strength
+    if rises:
+        return effort  # what weight stops rises by M body lengths (`forces.opposition`)
+    if task.builder.anchored and (held := find_held_magnitude(event.amount, event.effect, brief)):
+        return held
+    seconds = (task.window[1] - task.window[0]) * brief.frame_dt / count
+    return effort * find_reference_seconds(brief) / max(seconds, brief.frame_dt)
+
+
+def compile_jump(task: Task) -> None:
+    """An impulse upwards, and along the direction if there is one."""
+    up = task.brief.directions.up
+    direction = normalise(add([up, task.direction])) or up
+    compile_strike(replace(task, event=replace(task.event, direction=direction)))
+
+
+def compile_fall(task: Task) -> None:
+    """Gravity from the first frame; where there is none, a fall after other motion is a push downwards instead."""
+    event, up = task.event, task.brief.directions.up
+    if task.builder.gravity == "up":
+        task.expect(MotionKind.FALL, up, task.window)
+        return
+    _let_fall(task)
+    if event.direction is None or abs(dot(event.direction, up)) >= _UPRIGHT:
+        task.expect(MotionKind.FALL, None, task.window)
+    elif task.builder.default_drop and (effort := find_effort(event.amount, Effect.PUSH, task.brief)):
+        task.expect(MotionKind.FALL, None, task.window, amount=None)  # the quantity is that of the way aside
+        _throw_aside(task, effort)
+    else:
+        task.expect(MotionKind.FALL, None, task.window)
+        task.act(ActionType.TRANSLATION, event.direction, event.strength, task.window)
+        task.expect(MotionKind.MOVE, event.direction, task.window)
+
+
+def _throw_aside(task: Task, effort: float) -> None:
+    """Adds the blow by which a falling object lands so far aside: it falls for sqrt(2 h / g)."""
+    brief, (first, last), way = task.brief, task.window, task.direction
+    seconds = math.sqrt(2.0 * DROP_HEIGHT * brief.size / GRAVITY)
+    strength = effort * find_reference_seconds(brief) / seconds
+    task.act(ActionType.IMPULSE, way, strength, make_impulse_window(first))
+    task.expect(MotionKind.MOVE, way, (first, min(first + seconds / brief.frame_dt, last)))
+
+
+def _let_fall(task: Task) -> None:
+    """Turns gravity on, or pushes downwards where it would have to begin after other motion."""
+    builder, earlier = task.builder, task.builder.earlier
+    raised = any(effect in _RAISING for effect in earlier)
+    thrown = all(effect in (*_RAISING, Effect.FALL) for effect in earlier)
+    falls = thrown or builder.default_drop and Effect.STILL not in earlier
+    if falls and builder.gravity != "none":
+        if not (builder.grounded and raised):
+            task.enable_gravity("a falling object needs gravity")
+    elif not builder.grounded:
+        task.act(ActionType.TRANSLATION, builder.brief.directions.down, MAGNITUDE_MAX, task.window)
+        builder.add_note(
+            "Gravity acts from the first frame, so a fall that comes later is made by a push downwards."
+        )
+
+
+def compile_topple(task: Task) -> None:
+    """Gravity and a turn of the top towards the direction."""
+    if not task.builder.grounded:
+        task.enable_gravity("a toppling object needs gravity")
+    axis = find_lean_axis(task.direction, task.brief)
+    task.act(ActionType.TORQUE, axis, task.event.strength, task.window)
+    task.expect(MotionKind.ROTATE, axis, task.window)
+    task.expect(MotionKind.FALL, None, task.window)

@@ -1,0 +1,109 @@
+"""The reply in the making."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from physagent_jax.agents.lexicon import Effect
+from physagent_jax.agents.schema import Evidence, ExpectedMotion, MotionKind, ObstacleRequest, SceneBrief
+from physagent_jax.agents.vectors import clamp
+from physagent_jax.agents.windows import Window
+from physagent_jax.core.strict import Vector
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.schema import Action, VelocityConstraint, is_too_short
+
+MAX_ACTIONS = 60  # more would only slow the simulation; no sentence for a clip of a few seconds needs them
+
+
+@dataclass
+class ForceFieldBuilder:
+    """The force field that follows from the events so far.
+
+    Attributes:
+        brief, anchored: The scene, with the clip's length.
+        gravity: What the sentence says about gravity: "down", "up", "none"; None = nothing.
+        room: Frame at which what follows the present event is over: its brake ends there.
+        earlier: What the slots before do.
+        unsure: What was not understood and matters.
+        obstacles: Walls and blocks that it names.
+    """
+
+    brief: SceneBrief
+    anchored: bool
+    gravity: Literal["down", "up", "none"] | None = None
+    room: float = 0.0
+    earlier: list[Effect] = field(default_factory=list)
+    default_drop: bool = False
+    actions: list[Action] = field(default_factory=list)
+    expectations: list[ExpectedMotion] = field(default_factory=list)
+    evidence: list[Evidence] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    unsure: list[str] = field(default_factory=list)
+    obstacles: list[ObstacleRequest] = field(default_factory=list)
+
+    @property
+    def grounded(self) -> bool:
+        """Return whether gravity acts all the time, on an object that stands on the ground."""
+        return self.brief.world == "ground" and self.gravity not in ("none", "up")
+
+    @property
+    def last(self) -> float:
+        """Index of the clip's last frame."""
+        return float(self.brief.frame_count - 1)
+
+    def expect(self, kind: MotionKind, direction: Vector | None, window: Window, words: str, **more) -> None:
+        """Adds a motion that a viewer should see; once."""
+        strength = clamp(more.pop("strength", 1.0), MAGNITUDE_MIN, MAGNITUDE_MAX)
+        shown = self.fit_window(window) or (0.0, self.last)
+        motion = ExpectedMotion(
+            kind=kind, direction=direction, window=shown, words=words[:200], strength=strength, **more
+        )
+        told = [(each.kind, each.direction, each.window, each.part) for each in self.expectations]
+        if len(told) < MAX_ACTIONS and (kind, direction, shown, motion.part) not in told:
+            self.expectations.append(motion)
+
+    def add_evidence(self, words: str, field: str, value: str, why: str) -> None:
+        """Adds the words that led to a value."""
+        self.evidence.append(Evidence(words=words, field=field, value=value, why=why))
+
+    def enable_gravity(self, words: str, why: str) -> None:
+        """Lets the object fall from the first frame."""
+        if self.gravity not in ("none", "up") and not self.default_drop:
+            self.add_evidence(words, "default_drop", "true", why)
+            self.default_drop = True
+
+    def add_note(self, text: str) -> None:
+        """Adds an assumption once."""
+        if text not in self.notes:
+            self.notes.append(text)
+
+    def add_doubt(self, text: str) -> None:
+        """Adds what was not understood and matters, once."""
+        if text not in self.unsure:
+            self.unsure.append(text)
+
+    def fit_window(self, window: Window) -> Window | None:
+        """``window`` inside the clip, in whole frames if it keeps one; None (all) if the clip has one frame."""
+        if self.last < 1:
+            return None
+        first, end = (clamp(edge, 0.0, self.last) for edge in window)
+        if round(end) > round(first):
+            return (float(round(first)), float(round(end)))
+        return (self.last - 1.0, self.last) if is_too_short(first, end) else (first, end)
+
+
+def describe_skill(skill: Action | VelocityConstraint) -> dict[str, str]:
+    """Describe the fields of a skill in words."""
+    name = "action_type" if isinstance(skill, Action) else "constraint_type"
+    return {
+        name: getattr(skill, name).value,
+        "vector": _format(skill.vector),
+        "magnitude": f"{skill.magnitude:g}",
+        "active_time": _format(skill.active_time),
+        "region": getattr(skill.region, "kind", ""),
+    }
+
+
+def _format(values: Vector | Window | None) -> str:
+    return "whole clip" if values is None else "[" + ", ".join(f"{round(v, 3):g}" for v in values) + "]"

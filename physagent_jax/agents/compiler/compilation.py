@@ -1,0 +1,178 @@
+"""The compiler: an intent and the brief -> force field, expectations and evidence, by rules alone.
+
+The paper's two rules hold: base vectors come from the brief's direction table and are never changed, and what the
+lexicon maps a word to takes precedence over whatever else an agent thinks of it.
+"""
+
+from __future__ import annotations
+
+from physagent_jax.agents.compiler.builder import ForceFieldBuilder, describe_skill
+from physagent_jax.agents.compiler.events import Event
+from physagent_jax.agents.compiler.interpretation import resolve_obstacles
+from physagent_jax.agents.compiler.schedule import schedule
+from physagent_jax.agents.compiler.sequence import apply_holding, choose_anchor, make_events
+from physagent_jax.agents.compiler.skills import compile_slots
+from physagent_jax.agents.compiler.words import look_up, suggest_motions
+from physagent_jax.agents.intent import Intent
+from physagent_jax.agents.lexicon import Effect
+from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
+from physagent_jax.agents.schema import (
+    Evidence,
+    MotionKind,
+    SceneBrief,
+    SemanticReply,
+    WorldRequest,
+)
+from physagent_jax.core.errors import UserError
+from physagent_jax.forces.schema import ForceField
+
+EXAMPLES = (
+    '"push the robot to the left", "a gentle wind sways the plant", "drop the guitar", "twist the loaf"'
+)
+
+
+def compile_intent(intent: Intent, brief: SceneBrief) -> SemanticReply:
+    """The reply to an intent, with the kind of each skill chosen: body forces or velocity constraints.
+
+    Raises:
+        UserError: No motion is known, and nothing is said about holding or gravity.
+    """
+    return _choose_kinds(compile_forces(intent, brief), brief)
+
+
+def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
+    """The reply to an intent in the paper's four skills, all of them body forces.
+
+    Raises:
+        UserError: No motion is known, and nothing is said about holding or gravity.
+    """
+    told = [look_up(clause) for clause in intent.clauses]
+    known = [event for event in told if event.is_known]
+    unknown = [event for event in told if not event.is_known]
+    if not known and intent.held is None and intent.surroundings.gravity is None:
+        raise _refuse(unknown, brief)
+    clauses = apply_holding(known, intent.held)
+    anchor = choose_anchor(intent.held, clauses)
+    anchored = anchor.kind in ("base", "top") or (brief.anchored is not None and anchor.kind != "none")
+    builder = ForceFieldBuilder(brief, anchored, intent.surroundings.gravity, notes=list(intent.notes))
+    builder.obstacles += resolve_obstacles(intent.surroundings.solids, None, brief)
+    slots, frame_count, remarks = schedule(make_events(clauses, builder), brief, anchored)
+    builder.brief = brief.model_copy(update={"frame_count": frame_count})
+    builder.notes += remarks
+    compile_slots(slots, builder)
+    _state_gravity(intent, builder)
+    _expect_stillness(clauses, builder)
+    solids = [*intent.surroundings.solids, *(each for clause in intent.clauses for each in clause.solids)]
+    words = [intent.surroundings.text, *(each.text or each.kind for each in solids)]
+    if len(set(solids)) > len(builder.obstacles):
+        builder.add_doubt(f"Where '{words[-1]}' is, is not understood.")
+    _collect_doubts(intent, unknown, builder)
+    if anchor.kind is not None:
+        builder.add_evidence(anchor.words, "anchor", anchor.kind, "words about holding or freedom")
+    return SemanticReply(
+        force_field=ForceField(default_drop=builder.default_drop, actions=tuple(builder.actions)),
+        expectations=tuple(builder.expectations),
+        anchor=anchor,
+        world=WorldRequest(
+            gravity=builder.gravity,
+            ground=intent.surroundings.ground,
+            obstacles=tuple(builder.obstacles),
+            words=", ".join(dict.fromkeys(filter(None, words))),
+        ),
+        frame_count=None if frame_count == brief.frame_count else frame_count,
+        materials=intent.materials,
+        ignored=intent.ignored,
+        unsure=tuple(builder.unsure),
+        evidence=tuple(builder.evidence),
+        not_understood=intent.unknown,
+        notes=tuple(builder.notes),
+    )
+
+
+def _refuse(unknown: list[Event], brief: SceneBrief) -> UserError:
+    """The error for an intent of which nothing is known, with the nearest known motions."""
+    words = [event.clause.motion or event.clause.cause or "" for event in unknown]
+    do = f"Say in other words what should happen to the {brief.object_name}, for example {EXAMPLES}"
+    if not any(words):
+        return UserError("The prompt names no motion that is understood", do=do)
+    near = [each for word in words for each in suggest_motions(word)]
+    nearest = f"; the nearest known motions are {', '.join(map(repr, near))}" if near else ""
+    return UserError(
+        "The motion is not known", got=", ".join(map(repr, filter(None, words))), do=do + nearest
+    )
+
+
+def _state_gravity(intent: Intent, builder: ForceFieldBuilder) -> None:
+    """Gravity named without a falling motion; explicit weightlessness is recorded too."""
+    told = intent.surroundings
+    words = told.text or "gravity"
+    if builder.gravity is None or told.gravity is None:
+        return
+    if builder.gravity == "none":
+        builder.add_evidence(words, "default_drop", "false", "no gravity is asked for")
+    elif not (builder.grounded and builder.expectations):
+        builder.enable_gravity(words, "gravity is named")
+    if not builder.expectations and builder.gravity != "none":
+        way = builder.brief.directions.up if builder.gravity == "up" else None
+        builder.expect(MotionKind.FALL, way, (0.0, builder.last), words)
+
+
+def _expect_stillness(clauses: list[Event], builder: ForceFieldBuilder) -> None:
+    """A sentence that forbids all motion, or only holds something, asks for stillness."""
+    if builder.expectations:
+        return
+    for event in clauses:
+        if event.clause.negated and event.verb is not None and event.verb.effect is Effect.STILL:
+            builder.add_doubt("What it is to do, if not to be still, is not understood.")
+    words = " ".join(event.words for event in clauses)
+    builder.expect(MotionKind.STILL, None, (0.0, builder.last), words)
+
+
+def _collect_doubts(intent: Intent, unknown: list[Event], builder: ForceFieldBuilder) -> None:
+    """Adds what the intent doubts, and what the lexicon, the scene or the clip have no place for."""
+    for event in unknown:
+        for doubt in event.doubts or ["A clause without a motion is not understood."]:
+            builder.add_doubt(doubt)
+    if builder.gravity == "none" and any(each.kind is MotionKind.FALL for each in builder.expectations):
+        builder.add_doubt("How it falls without gravity is not understood.")
+    for doubt in (*intent.doubts, *(f"'{word}' is not understood." for word in intent.unknown)):
+        builder.add_doubt(doubt)
+
+
+def _choose_kinds(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
+    """The reply with velocity constraints where they do what the sentence says and a force does not."""
+    fixture = {"base": "the base", "top": "the top", "none": None, None: brief.anchored}[reply.anchor.kind]
+    weightless = reply.world.gravity in ("none", "up") or reply.world.ground is False
+    scene = brief.model_copy(
+        update={
+            "anchored": fixture,
+            "frame_count": reply.frame_count or brief.frame_count,
+            "world": "free" if weightless else "ground" if reply.world.ground else brief.world,
+        }
+    )
+    if scene.frame_count < 2:
+        return reply  # nothing moves in one frame
+    choice = choose_kinds(reply.force_field, reply.expectations, scene)
+    if not choice.reasons:
+        return reply
+    places = find_new_places(reply.force_field, choice.force_field)
+    evidence = [_follow(item, places, choice.force_field) for item in reply.evidence]
+    return reply.model_copy(
+        update={
+            "force_field": choice.force_field,
+            "evidence": tuple(evidence),
+            "notes": (*reply.notes, *choice.reasons),
+        }
+    )
+
+
+def _follow(item: Evidence, places: dict[str, str], force_field: ForceField) -> Evidence:
+    """Evidence of an action as that of what stands for it: its new place, and what is there now."""
+    place, dot, name = item.field.partition(".")
+    new = places.get(place, place)
+    group, _, index = new.rstrip("]").partition("[")
+    if group != "constraints":
+        return item.model_copy(update={"field": new + dot + name})
+    name = "constraint_type" if name == "action_type" else name
+    values = describe_skill(force_field.constraints[int(index)])
+    return item.model_copy(update={"field": f"{new}.{name}", "value": values.get(name, item.value)})

@@ -1,0 +1,176 @@
+"""The direction of a clause, or the axis of its turn.
+
+Directions come from the brief's `DirectionTable` alone; several are added and normalised. A push moves
+the object where it is told, whoever pushes or pulls ("pull it to the left" goes left): the sign of
+the magnitude is kept for stretching (+) and squeezing (-).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueSource, WayKind
+from physagent_jax.agents.lexicon import Effect, Names, read_lexicon
+from physagent_jax.agents.schema import SceneBrief
+from physagent_jax.agents.vectors import add, cosine, cross, dot, normalise, scale
+from physagent_jax.core.strict import Vector
+
+ASSUMED = "left"
+TOWARDS = (Effect.PUSH, Effect.STRIKE, Effect.SCALE, Effect.LEAN, Effect.ROLL, Effect.JUMP, Effect.TOPPLE)
+"""Effects that go a way."""
+_NO_WAY = (Effect.FALL, Effect.HOLD, Effect.RELEASE, Effect.STILL, Effect.SWELL, Effect.BURST)
+_WORLD_AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+_NORMALS: dict[Names, Names] = {("right",): ("up",), ("up",): ("right",)}
+"""Turning horizontally is about the vertical."""
+
+
+class Heading(NamedTuple):
+    """Unit direction or axis (None = needs none), the words that led to it, and the rule."""
+
+    vector: Vector | None
+    words: str
+    why: str
+
+
+def sum_directions(names: Names, brief: SceneBrief) -> Vector:
+    """Sum of named directions (not normalised)."""
+    table = brief.directions
+    long = {"long": brief.long_axis or table.up, "lengthwise": brief.long_axis or table.right}
+    known = _WORLD_AXES | long
+    return add(known.get(name) or getattr(table, name) for name in names)
+
+
+def take_heading(event: Event, brief: SceneBrief) -> None:
+    """Sets the direction that the clause's words tell, in the order in which they take precedence."""
+    rules = (_find_axis, _find_long_axis, _add_ways, _find_line, _find_swing, _find_obstacle, _find_blow)
+    found = (rule(event, brief) for rule in rules)
+    heading = next((each for each in found if each is not None), None) or _assume(event, brief)
+    event.direction = heading.vector
+    event.sources["vector"] = ValueSource(heading.words, heading.why)
+
+
+def _find_axis(event: Event, brief: SceneBrief) -> Heading | None:
+    """Rotation axis from "about the vertical axis", "horizontally", "clockwise", "seen from above".
+
+    Counter-clockwise is right-handed about the axis that points at whoever looks: at the viewer for
+    turns in the picture plane, up (seen from above) for spinning and twisting.
+    """
+    motion = event.motion
+    turning, seen_from = event.clause.turning, event.clause.seen_from
+    lines = [*event.pick(WayKind.LINE), *event.pick(WayKind.PLANE)]
+    if motion.effect is not Effect.TURN or not (lines or turning or seen_from):
+        return None
+    told = event.pick(WayKind.TO)
+    if lines:
+        names = lines[0].names
+        axis = sum_directions(_NORMALS.get(names, names) if lines[0].kind is WayKind.PLANE else names, brief)
+    elif motion.wrings and brief.long_axis is not None and not (told or seen_from):
+        axis = brief.long_axis
+    else:
+        usual = "toward" if motion.picture else motion.direction or "toward"
+        axis = sum_directions((seen_from or usual,), brief)
+    towards = _find_turn_towards(sum_directions(told[0].names, brief), brief) if told else axis
+    backwards = turning == "clockwise" if turning else dot(axis, towards) < 0
+    seen = f"seen from {seen_from}" if seen_from else ""
+    words = [turning or "", seen, *(way.text for way in (*lines, *told))]
+    why = "counter-clockwise is right-handed about the axis towards whoever looks"
+    return Heading(normalise(scale(axis, -1.0 if backwards else 1.0)), " ".join(filter(None, words)), why)
+
+
+def _find_long_axis(event: Event, brief: SceneBrief) -> Heading | None:
+    wrung = event.motion.wrings and not (event.parts or event.pick(*WAYS))
+    if not wrung or brief.long_axis is None:
+        return None
+    return Heading(brief.long_axis, "", "the object is longest along it")
+
+
+def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
+    """The sum of all ways that are told."""
+    motion, up = event.motion, brief.directions.up
+    told = event.pick(*WAYS)
+    if not told:
+        return None
+    pulled_from = motion.pulls and not event.pick(WayKind.TO)  # "pull it from left to right"
+    distinct = dict.fromkeys((way.kind, way.names) for way in told)
+    parts = [
+        scale(sum_directions(names, brief), -1.0 if kind is WayKind.FROM and not pulled_from else 1.0)
+        for kind, names in distinct
+    ]
+    total = normalise(add(parts))
+    if total is None:  # "to the left and to the right": an axis for stretching, to and fro for the rest
+        total = normalise(parts[0])
+        both = motion.effect is Effect.SCALE or event.pick(WayKind.SIDES)  # "its ends apart"
+        event.repeat = replace(event.repeat, alternate=not both)
+    why = "the viewer's directions, added" if len(told) > 1 else "the viewer's direction"
+    if motion.effect is Effect.TURN and total is not None:
+        tumbles = motion.tumbles and abs(dot(total, up)) < 0.7
+        total = find_lean_axis(total, brief) if tumbles else _find_turn_towards(total, brief)
+        why = f"{'the top' if tumbles else 'the side that faces the viewer'} turns this way"
+    return Heading(total, " ".join(way.text for way in told), why)
+
+
+def _find_line(event: Event, brief: SceneBrief) -> Heading | None:
+    lines = event.pick(WayKind.LINE, WayKind.PLANE)
+    if not lines or event.repeat.names and event.effect is Effect.SCALE:
+        return None
+    return Heading(normalise(sum_directions(lines[0].names, brief)), lines[0].text, "an axis by name")
+
+
+def _find_swing(event: Event, brief: SceneBrief) -> Heading | None:
+    """The first swing of "left and right"."""
+    total = normalise(sum_directions(event.repeat.names, brief))
+    if total is None:
+        return None
+    if event.effect is Effect.TURN:
+        total = _find_turn_towards(total, brief)
+    words = next(each.text or each.first or "" for each in event.clause.repetitions if each.first)
+    event.repeat = replace(event.repeat, alternate=event.effect is not Effect.SCALE)
+    return Heading(total, words, "to and fro, this way first")
+
+
+def _find_obstacle(event: Event, brief: SceneBrief) -> Heading | None:
+    """Towards the wall that it meets."""
+    solids = event.clause.solids
+    if not solids or event.effect not in TOWARDS:
+        return None
+    words, told = solids[0].text or solids[0].kind, normalise(sum_directions(solids[0].sides, brief))
+    event.notes += [] if told else [f"'{words}': no side given, assumed {ASSUMED}."]
+    return Heading(told or getattr(brief.directions, ASSUMED), words, "towards what is in the way")
+
+
+def _find_blow(event: Event, brief: SceneBrief) -> Heading | None:
+    """A blow on a side drives away from it."""
+    if not event.parts or event.effect is not Effect.STRIKE:
+        return None
+    part = event.parts[0]
+    if part.phrase in read_lexicon().fronts:
+        why = "a blow on the front drives it away"
+        return Heading(brief.directions.away, event.words, why)
+    side = normalise(sum_directions(part.place.names, brief))
+    return side and Heading(scale(side, -1.0), part.text, "a blow drives away from the side that it hits")
+
+
+def _assume(event: Event, brief: SceneBrief) -> Heading:
+    """The motion's own direction, else the assumed one with a note."""
+    motion = event.motion
+    if motion.effect in _NO_WAY:
+        return Heading(None, event.words, "needs no direction")
+    sides = any("side" in way.phrase and way.names == ("both",) for way in event.pick(WayKind.SIDES))
+    name = "right" if sides and motion.effect is Effect.SCALE else motion.direction or ASSUMED
+    missing = "no axis given: it points" if motion.effect is Effect.TURN else "no direction given:"
+    event.notes += [] if motion.direction else [f"'{event.words}': no direction given, assumed {name}."]
+    vector = normalise(sum_directions((name,), brief))
+    return Heading(vector, event.words, f"{missing} {name} {BY_DEFAULT}")
+
+
+def _find_turn_towards(direction: Vector, brief: SceneBrief) -> Vector:
+    """Axis about which the viewer's side (or, for toward and away, the top) moves along ``direction``."""
+    toward, up = brief.directions.toward, brief.directions.up
+    reference = up if abs(cosine(direction, toward)) > 0.7 else toward
+    return normalise(cross(reference, direction)) or up
+
+
+def find_lean_axis(direction: Vector, brief: SceneBrief) -> Vector:
+    """Axis about which the top moves along ``direction``."""
+    return normalise(cross(brief.directions.up, direction)) or brief.directions.toward

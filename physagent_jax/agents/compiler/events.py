@@ -1,0 +1,175 @@
+"""Events: one motion of a sentence, from the meanings of its words to values that a force field can be made of."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass, field
+
+from physagent_jax.agents.intent import Clause, Timing
+from physagent_jax.agents.lexicon import Effect, Motion, Names, Place, Repeat
+from physagent_jax.agents.schema import Amount, ObstacleRequest
+from physagent_jax.core.strict import Vector
+from physagent_jax.forces.schema import Region
+
+BY_DEFAULT = "by default"
+
+
+class WayKind(enum.Enum):
+    """The kinds of ways."""
+
+    TO = enum.auto()  # a direction
+    FROM = enum.auto()  # where the cause comes from
+    LINE = enum.auto()  # of a stretch, or axis of a turn
+    PLANE = enum.auto()  # of a turn
+    SIDES = enum.auto()  # several at once
+    AGAIN = enum.auto()  # as before, or the other way
+
+
+WAYS = (WayKind.TO, WayKind.FROM)
+
+
+@dataclass(frozen=True)
+class KnownWay:
+    """A way with its meaning.
+
+    Attributes:
+        kind: Its kind.
+        names: Directions that are added; for sides "both" or "all", for `WayKind.AGAIN` "same" or "other".
+        phrase: The lexicon's phrase.
+        text: The words in the sentence.
+    """
+
+    kind: WayKind
+    names: Names
+    phrase: str
+    text: str
+
+
+@dataclass(frozen=True)
+class KnownPart:
+    """A part with its place, the lexicon's phrase and the words in the sentence."""
+
+    place: Place
+    phrase: str
+    text: str
+
+
+@dataclass(frozen=True)
+class ValueSource:
+    """The words that led to a value of an event, and the rule that applied."""
+
+    words: str
+    why: str
+
+
+@dataclass
+class Event:
+    """One thing that happens: first its words with their meanings, then what follows from them.
+
+    Attributes:
+        clause: The clause.
+        when: Its time.
+        stays: Whether the result is to be held.
+        verb, cause: What is done, and what does it; None = not named.
+        phrase, cause_phrase: The lexicon's words for motion and cause.
+        motion: What it comes to: the verb's, else the cause's, as what stands beside it makes it.
+        ways, parts, excluded: Ways, parts that are acted on, and parts that are not.
+        strengths: Words for strength, as `words.find_strength` knows them.
+        doubts, notes: What was not understood and matters; what was assumed.
+        repeat: Count and alternation.
+        direction: Unit world direction, stretch axis or rotation axis; None if the motion needs none or acts in all
+            directions.
+        strength: Magnitude in [0.4, 1.6].
+        region: Part of the object; None = all of it.
+        part: The end that is named (unit vector towards it); None = none, or a part that is no end.
+        excludes_part: Whether ``part`` is the one that is not meant.
+        amount: A quantity that the sentence names.
+        obstacles: Solids that it meets.
+        sources: Where each value comes from.
+    """
+
+    clause: Clause
+    when: Timing
+    stays: bool = False
+    verb: Motion | None = None
+    cause: Motion | None = None
+    phrase: str = ""
+    cause_phrase: str = ""
+    motion: Motion = Motion(Effect.STILL)
+    ways: list[KnownWay] = field(default_factory=list)
+    parts: list[KnownPart] = field(default_factory=list)
+    excluded: list[KnownPart] = field(default_factory=list)
+    strengths: list[tuple[str, float]] = field(default_factory=list)
+    doubts: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    repeat: Repeat = Repeat()
+    direction: Vector | None = None
+    strength: float = 1.0
+    region: Region | None = None
+    part: Vector | None = None
+    excludes_part: bool = False
+    amount: Amount | None = None
+    obstacles: list[ObstacleRequest] = field(default_factory=list)
+    sources: dict[str, ValueSource] = field(default_factory=dict)
+
+    @property
+    def words(self) -> str:
+        """The words in the sentence that name the motion."""
+        return self.clause.said or self.clause.motion or self.clause.cause or ""
+
+    @property
+    def text(self) -> str:
+        """The clause's words in the sentence."""
+        return self.clause.text or self.words
+
+    @property
+    def effect(self) -> Effect:
+        """The kind of effect."""
+        return self.motion.effect
+
+    @property
+    def count(self) -> int:
+        """Number of repetitions, 1 unless the sentence counts."""
+        return self.repeat.count or 1
+
+    def pick(self, *kinds: WayKind) -> list[KnownWay]:
+        """Its ways of these kinds."""
+        return [way for way in self.ways if way.kind in kinds]
+
+    @property
+    def is_known(self) -> bool:
+        """Return whether a motion or a cause is known."""
+        return self.verb is not None or self.cause is not None
+
+    @property
+    def is_bare(self) -> bool:
+        """Return whether nothing but its strength is told."""
+        told = self.clause
+        rest = told.quantities or told.repetitions or told.solids or told.turning or told.seen_from
+        return not (self.ways or self.parts or self.excluded or rest or self.is_timed)
+
+    @property
+    def is_timed(self) -> bool:
+        """Return whether the sentence says when or how long it is."""
+        return self.when != Timing()
+
+    @property
+    def is_back(self) -> bool:
+        """Return whether it goes back where it came from."""
+        return any(way.phrase == "back" for way in self.pick(WayKind.TO))
+
+    @property
+    def is_upwards(self) -> bool:
+        """Return whether it goes up."""
+        return any(way.names == ("up",) for way in self.pick(WayKind.TO))
+
+    @property
+    def lands_aside(self) -> bool:
+        """Return whether it tells where something comes down: "as it reaches the ground it is farther to the right"."""
+        lands = self.verb is not None and self.verb.lands and not self.clause.negated
+        return lands and any(way.names not in (("up",), ("down",)) for way in self.pick(WayKind.TO))
+
+    @property
+    def is_in_wind(self) -> bool:
+        """Return whether a wind does it."""
+        return any(each is not None and each.wind for each in (self.cause, self.verb))

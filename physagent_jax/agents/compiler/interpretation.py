@@ -1,0 +1,293 @@
+"""The interpretation of a clause: its motion, direction, strength, place and time as values of an event."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+from physagent_jax.agents import intent
+from physagent_jax.agents.compiler.amounts import MOST, find_target
+from physagent_jax.agents.compiler.directions import TOWARDS, sum_directions, take_heading
+from physagent_jax.agents.compiler.events import WAYS, Event, ValueSource, WayKind
+from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
+from physagent_jax.agents.regions import make_end_region, make_middle_region
+from physagent_jax.agents.schema import Amount, ObstacleRequest, SceneBrief
+from physagent_jax.agents.vectors import clamp, normalise, scale
+from physagent_jax.core.strict import Vector
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+
+# What each kind of way means nothing for; nor does a part for what all of the object does.
+_NO_WAYS = (Effect.SWELL, Effect.BURST, Effect.STILL)
+_NO_LINES = (*_NO_WAYS, Effect.TOPPLE, Effect.RELEASE)
+_NO_SIDES = (Effect.LEAN, Effect.TURN, Effect.ROLL, Effect.FALL, Effect.TOPPLE, Effect.JUMP, *_NO_LINES[2:])
+_USELESS = {
+    **dict.fromkeys(WAYS, _NO_WAYS),
+    WayKind.LINE: _NO_LINES,
+    WayKind.PLANE: _NO_LINES,
+    WayKind.SIDES: _NO_SIDES,
+    WayKind.AGAIN: (),
+}
+_WHOLE = (Effect.ROLL, Effect.BURST, Effect.TOPPLE, Effect.JUMP, Effect.FALL)
+_ONCE = (Effect.FALL, Effect.TOPPLE, Effect.ROLL, Effect.BURST, Effect.RELEASE, Effect.STILL)
+_LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
+
+
+def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
+    """Fill in what a clause's words come to; "harder", "back" and "the other way" are measured by ``before``."""
+    event.motion, event.phrase = _choose_motion(event, brief)
+    event.repeat = _sum_repeats(event)
+    _resolve_strength(event, before if event.clause.inherited else None)
+    take_heading(event, brief)
+    _act_from_sides(event, brief)
+    if before is not None:
+        _take_over_direction(event, before)
+    _find_quantities(event, before, brief)
+    _count_turns(event)
+    _resolve_again(event, before)
+    event.doubts += _find_unused(event)
+    if event.motion.droops and brief.object_kind not in _LIMP:
+        event.doubts.append(f"How '{event.words}' is done is not understood.")
+    event.sources["action_type"] = ValueSource(event.words, f"'{event.phrase}' is a {event.effect.value}")
+    event.sources["active_time"] = _describe_time(event)
+    _take_part(event, brief)
+    event.obstacles += resolve_obstacles(event.clause.solids, event.direction, brief)
+
+
+def _choose_motion(event: Event, brief: SceneBrief) -> tuple[Motion, str]:
+    """The clause's motion as what stands beside it makes it, and the phrase that it then goes by."""
+    motion, phrase = _join_cause(event)
+    motions, effect = read_lexicon().motions, motion.effect
+    told, repeats = event.pick(*WAYS), event.clause.repetitions
+    counted = any((each.times or 1) > 1 for each in repeats)
+    if effect is Effect.ROLL and (event.clause.turning or event.clause.seen_from) and not told:
+        return replace(motion, effect=Effect.TURN, direction="toward"), phrase  # rolls on the spot
+    sways = brief.anchored is not None or brief.object_kind == "plant"  # what is free is blown away
+    if event.verb is None and motion.wind and not told and sways:
+        return replace(motions["sway"], strength=motion.strength), "sway"
+    if any(each.alternating for each in repeats) and (effect in (Effect.FALL, Effect.JUMP) or motion.gravity):
+        phrase = "sway" if effect is Effect.STRIKE else "bob"  # "is tossed to and fro", "jumps up and down"
+    elif motion.bounces and (counted or event.is_upwards):
+        phrase = "jump"  # "it bounces three times"
+    elif motion.coasts and told:
+        phrase = "move"  # "it coasts to the left"; else it goes on by itself
+    elif effect is Effect.ROLL and has_wheels(brief):
+        phrase = "push"  # its wheels turn, and it does not
+    elif effect is Effect.SWELL and (told or event.pick(WayKind.LINE, WayKind.PLANE)):
+        return replace(motion, effect=Effect.SCALE), phrase  # "expands horizontally", "grows upwards"
+    else:
+        return motion, phrase
+    return motions[phrase], phrase
+
+
+def _join_cause(event: Event) -> tuple[Motion, str]:
+    """The motion; a wind that "hits" pushes, a cause of generic motion ("sends it") gives its own kind."""
+    cause, verb = event.cause, event.verb
+    if verb is None:
+        assert cause is not None
+        return cause, event.cause_phrase
+    if cause is None:
+        return verb, event.phrase
+    quakes = cause.effect is Effect.SWAY and event.phrase in ("hit", "strike")  # "an earthquake hits"
+    struck = verb.effect is Effect.STRIKE and (cause.wind or cause.skill is not None)  # "a vortex hits it"
+    if (verb.generic and verb.effect is Effect.PUSH) or struck or quakes:
+        return cause, event.cause_phrase
+    skill = cause.skill if verb.effect is cause.effect else verb.skill  # "a vortex spins it"
+    return replace(verb, brief=verb.brief or cause.brief, skill=skill), event.phrase
+
+
+def has_wheels(brief: SceneBrief) -> bool:
+    """Return whether it rolls on wheels, and so stays upright when it is rolled."""
+    return not read_lexicon().wheeled.isdisjoint(re.findall(r"[^\W\d_]+", brief.object_name.lower()))
+
+
+def _resolve_strength(event: Event, before: Event | None) -> None:
+    """Base strength of motion and cause times the intensities; degrees widen the next one's distance from 1."""
+    clause, motion, degree, absolute = event.clause, event.motion, 1.0, []
+    value = motion.strength
+    if event.cause is not None and event.verb is not None and event.cause not in (motion, event.verb):
+        value *= event.cause.strength
+    shares = [each for each in clause.quantities if each.dimension == "strength"]
+    told = [*event.strengths, *(("relative", each.value) for each in shares)]
+    for kind, factor in told:
+        if kind == "degree":
+            degree = factor
+        elif kind == "absolute":
+            value *= 1.0 + (factor - 1.0) * degree
+            degree = 1.0
+            absolute.append(factor)
+        else:
+            value = factor * (before.strength if before else value)
+    # A word for how strong it is outweighs the motion's own strength.
+    if absolute and degree == 1.0 and motion.strength >= 0.8:
+        if min(absolute) >= 1.3:
+            value = max(value, 1.2)
+        elif max(absolute) <= 0.6:
+            value = min(value, 0.7)
+    event.strength = round(clamp(value, MAGNITUDE_MIN, MAGNITUDE_MAX), 3)
+    words, why = (
+        event.words,
+        "no intensity word: plain" if event.strength == 1.0 else "the word's own strength",
+    )
+    if told:
+        words, why = ", ".join([*clause.strength, *(each.text for each in shares)]), "intensity words"
+    event.sources["magnitude"] = ValueSource(words, why)
+
+
+def _sum_repeats(event: Event) -> Repeat:
+    """All counts of a clause as one: "left and right twice" alternates and counts."""
+    sides = bool(event.pick(WayKind.SIDES))  # "in both directions, left and right" goes there once
+    found = [each for each in event.clause.repetitions if not (each.first and sides)]
+    count = next((each.times for each in found if each.times is not None), None)
+    names = next(((each.first,) for each in found if each.first), ())
+    return Repeat(count, any(each.alternating for each in found), names, any(each.often for each in found))
+
+
+def _act_from_sides(event: Event, brief: SceneBrief) -> None:
+    """Motions whose kind depends on where they act: from both sides, outward, from one side."""
+    sides, told = event.pick(WayKind.SIDES), event.pick(*WAYS)
+    if event.effect is Effect.BURST and told:
+        event.motion = replace(event.motion, effect=Effect.STRIKE)
+    elif sides:
+        beside = told and sides[0].phrase == "either side"  # "away, by less than a tenth to either side"
+        if event.effect in (Effect.PUSH, Effect.STRIKE) and not beside:
+            outward = event.motion.pulls or sides[0].phrase in ("outward", "outwards", "apart")
+            event.motion = replace(event.motion, effect=Effect.SCALE, sign=1 if outward else -1)
+        if event.effect is Effect.SCALE and sides[0].names == ("all",):
+            event.motion = replace(event.motion, effect=Effect.SWELL)
+    if event.effect is Effect.SWELL:
+        event.direction = None
+    elif event.effect is Effect.SCALE and event.direction is None:
+        event.direction = brief.directions.right
+
+
+def _turn(event: Event, vector: Vector | None, why: str) -> None:
+    """Sets another direction than the clause alone tells."""
+    event.direction, event.notes = vector, []
+    event.sources["vector"] = replace(event.sources["vector"], why=why)
+
+
+def _take_over_direction(event: Event, before: Event) -> None:
+    """The direction of the event before, where none is told; and "back" from there."""
+    driven = event.effect is Effect.TOPPLE and before.effect in (Effect.PUSH, Effect.STRIKE)
+    likewise = before.effect is event.effect and (
+        event.effect is not Effect.SWAY or before.phrase == event.phrase
+    )
+    if event.notes and (likewise or driven):  # "push it to the right, then push it harder"
+        _turn(event, before.direction, "no direction given: as before")
+    if before.direction is not None and event.is_back:
+        _turn(event, scale(before.direction, -1.0), "back where it came from")
+
+
+def _find_quantities(event: Event, before: Event | None, brief: SceneBrief) -> None:
+    """The target that the clause's quantities set, its axis, and what they say that cannot be used."""
+    motion = replace(event.motion, effect=Effect.PUSH) if event.lands_aside else event.motion
+    for quantity in event.clause.quantities:
+        if quantity.dimension == "strength":
+            continue
+        found = find_target(quantity, motion, before.amount if before else None)
+        if found.usual:
+            continue
+        if found.amount is None or event.amount is not None:
+            words = quantity.text or f"{quantity.value:g} {quantity.unit}"
+            event.doubts.append(f"'{words}' is a quantity that nothing here is measured in.")
+            continue
+        event.amount = found.amount
+        if found.everywhere:
+            event.motion, event.direction = replace(motion, effect=Effect.SWELL), None
+        elif found.names and not event.pick(*WAYS):  # "to twice its height"
+            event.motion = replace(motion, effect=Effect.SCALE)
+            event.direction = normalise(sum_directions(found.names, brief))
+
+
+def _count_turns(event: Event) -> None:
+    """Counts turns ("spin three times"); a somersault is a whole one."""
+    repeat, angle = event.repeat, event.motion.angle
+    counts = event.effect is Effect.TURN and repeat.count is not None and not repeat.alternate
+    if counts and event.amount is None:
+        event.repeat = replace(repeat, count=None)
+        angle = angle if repeat.vague else 360.0 * (repeat.count or 0)
+    if angle > MOST:
+        event.doubts.append(f"So many turns ('{event.text}') cannot be shown.")
+    if angle and event.amount is None:
+        event.amount = Amount(value=min(angle, MOST), unit="degrees")
+
+
+def _resolve_again(event: Event, before: Event | None) -> None:
+    """Goes "the other way" or "the same way" as the event before."""
+    ways = event.pick(WayKind.AGAIN)
+    if not ways:
+        return
+    same = ways[0].names == ("same",)
+    alike = before is not None and (
+        before.effect in TOWARDS and event.effect in TOWARDS if same else before.effect is event.effect
+    )
+    if before is None or before.direction is None or not alike:
+        event.doubts.append(f"Which way '{ways[0].text}' is, is not understood.")
+    elif same:
+        _turn(event, before.direction, "the same way as before")
+    else:
+        _turn(event, scale(before.direction, -1.0), "the other way than before")
+
+
+def _find_unused(event: Event) -> list[str]:
+    """Find words about place, direction and number that mean nothing for the clause's motion."""
+    clause, effect = event.clause, event.effect
+    unused = [way.text for way in event.ways if effect in _USELESS[way.kind]]
+    if effect in _WHOLE:
+        lands = event.motion.lands  # "lands on its feet"
+        parts = [*event.parts, *event.excluded]
+        unused += [part.text for part in parts if not (lands and part.place.names == ("down",))]
+    if (clause.turning or clause.seen_from) and effect is not Effect.TURN:
+        unused.append(clause.turning or f"seen from {clause.seen_from}")
+    unused += [each.text for each in clause.repetitions if each.times][1:]
+    if effect in _ONCE:
+        unused += [each.text for each in clause.repetitions if (each.times or 1) > 1 or each.alternating]
+    return [f"What '{words}' means for '{event.words}' is not understood." for words in unused]
+
+
+def _take_part(event: Event, brief: SceneBrief) -> None:
+    """The region that is acted on, and the end that is named or excepted."""
+    named = [*event.parts, *event.excluded]
+    opposite = event.effect is Effect.TURN and len({each.place.names for each in event.parts}) == 2
+    if len(named) > 1 and not opposite:  # "one end against the other"
+        words = ", ".join(each.text for each in named)
+        event.doubts.append(f"Of several parts ({words}) only the first is used.")
+    if not named or event.effect is Effect.FALL and named[0].place.names == ("down",) and event.parts:
+        return  # "lands on its feet", as it stood
+    place, event.excludes_part = named[0].place, not event.parts
+    event.part = normalise(sum_directions(place.names, brief))
+    if not event.excludes_part:
+        event.sources["region"] = ValueSource(named[0].text, "a part of the object")
+    if event.part is None and event.excludes_part:
+        event.excludes_part = False
+        event.doubts.append(f"All but '{named[0].text}' cannot be acted on.")
+    elif event.part is None:
+        event.region = make_middle_region(brief.directions.up)
+        if event.region is None:
+            event.doubts.append("The middle is not a box here, because world up is oblique to the axes.")
+    elif event.excludes_part:
+        event.region = make_end_region(scale(event.part, -1.0), 1.0 - place.start)
+    else:
+        event.region = make_end_region(event.part, place.start)
+
+
+def resolve_obstacles(
+    solids: tuple[intent.Solid, ...], way: Vector | None, brief: SceneBrief
+) -> list[ObstacleRequest]:
+    """The walls and blocks that a clause names; those without a place of their own stand in the way."""
+    found = []
+    for solid in solids:
+        sides = normalise(sum_directions(solid.sides, brief)) or way
+        for direction in (sides, normalise(sum_directions(solid.opposite, brief))):
+            if direction is not None:
+                words = solid.text or solid.kind
+                found.append(ObstacleRequest(kind=solid.kind, direction=direction, words=words))
+    return found
+
+
+def _describe_time(event: Event) -> ValueSource:
+    told = [each for each in (event.when.starts, event.when.lasts) if each is not None]
+    if not told:
+        return ValueSource(event.words, "its share of the sequence")
+    words = dict.fromkeys(each.text or f"{each.value:g} {each.unit}" for each in told)
+    return ValueSource(", ".join(words), "time as told")

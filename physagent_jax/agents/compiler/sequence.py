@@ -1,0 +1,235 @@
+"""The events of a sentence in their order, with what the clauses around them change; and what is held."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from physagent_jax.agents.compiler.builder import ForceFieldBuilder
+from physagent_jax.agents.compiler.events import WAYS, Event, WayKind
+from physagent_jax.agents.compiler.interpretation import interpret, resolve_obstacles
+from physagent_jax.agents.compiler.schedule import follows
+from physagent_jax.agents.intent import Held, Timing
+from physagent_jax.agents.lexicon import Effect, read_lexicon
+from physagent_jax.agents.schema import AnchorRequest
+from physagent_jax.agents.vectors import dot
+
+_AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
+_RESTING = (Effect.STILL, Effect.RELEASE)
+_HOLDABLE = (Effect.PUSH, Effect.LEAN, Effect.SCALE, Effect.SWELL, Effect.TURN)
+_RISING = (Effect.PUSH, Effect.STRIKE, Effect.JUMP)
+
+
+def make_events(clauses: list[Event], builder: ForceFieldBuilder) -> list[Event]:
+    """The events that happen, in order."""
+    events: list[Event] = []
+    for event in clauses:
+        if event.effect is Effect.HOLD:
+            builder.obstacles += resolve_obstacles(event.clause.solids, None, builder.brief)
+        elif keeps_end(event, clauses):
+            continue  # "while the bottom stays put": what is held
+        elif event.clause.negated or any(each.times == 0 for each in event.clause.repetitions):
+            builder.add_note(f"'{event.words}' is negated: it does not happen.")
+        else:
+            _add_event(events, event, builder)
+    events = _share_time(_find_releases(events, builder))
+    if any(each.effect not in _RESTING for each in events):
+        events = [each for each in events if not _is_only_posture(each, events)]
+    return events
+
+
+def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) -> None:
+    """Adds what a clause tells."""
+    interpret(event, _find_measure(events, event), builder.brief)
+    _measure_return(event, events)
+    event = _put_under_gravity(event, builder.gravity)
+    if events and events[-1].effect is Effect.FALL and event.effect is Effect.FALL:
+        last = events[-1]
+        if event.is_bare:
+            return  # "it drops and bounces"
+        if event.lands_aside and last.direction is None:
+            last.direction, last.amount = event.direction, event.amount
+            last.doubts += event.doubts
+            last.sources |= event.sources
+            return  # "drop it; as it reaches the ground it is farther to the right"
+    if event.effect is Effect.FALL and builder.gravity is None and event.is_upwards:
+        builder.gravity = "up"  # "it falls upwards"
+    events.append(event)
+
+
+def _is_only_posture(event: Event, events: list[Event]) -> bool:
+    """Return whether "standing" is no wish for stillness: "the robot standing on the ground is pushed"."""
+    last = event is events[-1] and event.clause.order == "then"
+    return event.effect is Effect.STILL and event.motion.generic and not last and not event.is_timed
+
+
+def _find_measure(events: list[Event], event: Event) -> Event | None:
+    """The last event with a direction; for what comes "back" or goes on the same way, the last like it."""
+    directed = [each for each in events if each.direction is not None]
+    turns = event.effect is Effect.TURN
+    if event.is_back:
+        directed = [each for each in directed if (each.effect is Effect.TURN) == turns] or directed
+    if any(way.names == ("same",) for way in event.pick(WayKind.AGAIN)):
+        directed = [each for each in directed if each.effect is not Effect.TURN] or directed
+    return directed[-1] if directed else None
+
+
+def _measure_return(event: Event, events: list[Event]) -> None:
+    """The distance of a return, where the distance away was told."""
+    way, told = event.direction, event.amount is not None or event.clause.quantities
+    if told or not event.is_back or way is None:
+        return
+    alike = [(e.direction, e.amount) for e in events if e.effect is event.effect and e.direction is not None]
+    if len({amount and amount.unit for _, amount in alike}) != 1:
+        return
+    away = -sum(dot(one, way) * amount.value for one, amount in alike if amount is not None)
+    if away >= _AWAY and (amount := alike[0][1]) is not None:
+        event.amount = amount.model_copy(update={"value": round(away, 6)})
+
+
+def _share_time(events: list[Event]) -> list[Event]:
+    """A time that is told of all steps together ("left, then up, in a second") as a time of each, by its way."""
+    told = events[-1].when if events else Timing()
+    if not told.overall or told.lasts is None or any(each.is_timed for each in events[:-1]):
+        return events
+    if not all(follows(one, other) for one, other in zip(events, events[1:])):
+        return events
+    units = {each.amount and each.amount.unit for each in events}
+    ways = [each.amount.value if each.amount and len(units) == 1 else 1.0 for each in events]
+    lengths = [told.lasts.model_copy(update={"value": told.lasts.value * way / sum(ways)}) for way in ways]
+    return [replace(each, when=Timing(lasts=length, within=True)) for each, length in zip(events, lengths)]
+
+
+def _make_another(event: Event, phrase: str, **changes) -> Event:
+    """The event with another motion, which goes no way."""
+    motion = replace(read_lexicon().motions[phrase], **changes)
+    return replace(event, motion=motion, phrase=phrase, direction=None)
+
+
+def _put_under_gravity(event: Event, gravity: str | None) -> Event:
+    """Let gravity make things fall; what floats in zero gravity is still, unless something else moves it."""
+    told = bool(event.pick(*WAYS))
+    falls = event.clause.cause == "gravity" and gravity in ("down", None)
+    if falls and event.effect is Effect.PUSH and (not told or event.motion.pulls):
+        return _make_another(event, "fall")
+    if gravity == "none" and event.motion.floats and not told:
+        return _make_another(event, "motionless", generic=True)
+    return event
+
+
+def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Event]:
+    """Letting go of something at rest lets it fall; letting go before a fall is part of the fall."""
+    result: list[Event] = []
+    for event, after in zip(events, [*events[1:], None]):
+        if event.effect is not Effect.RELEASE:
+            result.append(event)
+            continue
+        if result and result[-1].effect is Effect.RELEASE:
+            continue  # "release it and let it swing back" is one release
+        acted = any(each.effect not in _RESTING for each in result)
+        if event.motion.lets_go and _is_lifted(result, builder):
+            result.append(_make_another(event, "fall"))
+        elif after is not None and after.effect in (Effect.FALL, Effect.TOPPLE):
+            continue
+        elif acted:
+            result.append(event)
+        elif event.motion.lets_go:
+            result.append(replace(event, motion=read_lexicon().motions["fall"]))
+            builder.add_note(f"'{event.text}': nothing acts before it, so the object is let fall.")
+        else:
+            builder.add_doubt(f"What '{event.text}' comes back from is not understood.")
+    return result
+
+
+def _is_lifted(events: list[Event], builder: ForceFieldBuilder) -> bool:
+    """Return whether the last motion raised an object that gravity acts on, and nothing holds."""
+    last = next((each for each in reversed(events) if each.effect is not Effect.STILL), None)
+    if last is None or last.effect is not Effect.PUSH or last.direction is None:
+        return False
+    raised = dot(last.direction, builder.brief.directions.up) > 0.5
+    return raised and builder.grounded and not builder.anchored
+
+
+def apply_holding(clauses: list[Event], held: Held | None) -> list[Event]:
+    """Holding what was just moved keeps it there; holding what is then let go is no anchor."""
+    result: list[Event] = []
+    for index, event in enumerate(clauses):
+        last = result[-1] if result else None
+        after = next((each for each in clauses[index + 1 :] if not each.clause.negated), None)
+        if last is not None and event.stays and event.is_bare and event.effect is last.effect:
+            last.stays = True  # "compress it and keep it compressed"
+            continue
+        if _hangs_in_the_air(event, last):
+            if after is not None and after.effect is Effect.FALL:
+                continue  # "thrown up, it hangs there and falls": so does all that turns back
+            event = _wait(event)
+        if _is_bare_hold(event) and held is None:
+            result += _hold(event, last, after)
+        else:
+            result.append(event)
+    return result
+
+
+def _hold(event: Event, last: Event | None, after: Event | None) -> list[Event]:
+    """A bare hold as an anchor, as a time of rest, or (nothing) as a property of what was done before."""
+    moved = last is not None and not last.clause.negated and last.effect in _HOLDABLE
+    let_go = after is not None and after.effect is Effect.RELEASE and after.is_bare
+    if moved and last is not None and let_go and not last.is_timed:
+        last.when = event.when  # "hold it for a second, then release it"
+    elif after is not None and event.is_timed:
+        return [_wait(event)]  # "hold it for a second, then"
+    elif moved and last is not None and event.clause.order != "together":
+        last.stays = after is None
+    elif after is None or after.effect not in (Effect.FALL, Effect.RELEASE):
+        return [event]
+    return []
+
+
+def choose_anchor(told: Held | None, clauses: list[Event]) -> AnchorRequest:
+    """Choose the hold: an adjective ("rooted"), a motion ("hold the pot"), or an end that "does not move"."""
+    if told is not None:
+        return AnchorRequest(kind=told.end, words=told.text, described=told.described)
+    for event in clauses:
+        if event.effect is Effect.HOLD:
+            end = "none" if event.clause.negated else _find_held_end(event, event.motion.holds)
+        elif keeps_end(event, clauses):
+            end = _find_held_end(event, None)
+        else:
+            continue
+        return AnchorRequest.model_validate({"kind": end, "words": event.text})
+    return AnchorRequest()
+
+
+def keeps_end(event: Event, clauses: list[Event]) -> bool:
+    """Return whether a clause says of an end that it is still while the rest moves."""
+    still = event.effect is Effect.STILL and not event.clause.negated
+    beside = event is clauses[0] or event.clause.order != "then"
+    return still and beside and _find_held_end(event, None) is not None
+
+
+def _find_held_end(event: Event, otherwise: str | None) -> str | None:
+    """The end that a clause names: "base" or "top"; other parts cannot be held."""
+    if not event.parts:
+        return otherwise
+    names = event.parts[0].place.names
+    return "base" if "down" in names else "top" if "up" in names else None
+
+
+def _is_bare_hold(event: Event) -> bool:
+    """Return whether a clause only holds the object."""
+    holds = event.effect is Effect.HOLD and event.motion.holds == "base"
+    return holds and not event.parts and not event.clause.negated
+
+
+def _hangs_in_the_air(event: Event, last: Event | None) -> bool:
+    """Return whether what hangs has just been moved, and nothing is told that it hangs from."""
+    if event.phrase != "hang" or event.clause.negated or event.clause.order == "together":
+        return False
+    if last is None or last.clause.negated or event.pick(WayKind.FROM, WayKind.PLANE):
+        return False
+    return last.effect in _RISING
+
+
+def _wait(event: Event) -> Event:
+    """The same for a time in which nothing moves."""
+    wait = read_lexicon().motions["wait"]
+    return replace(event, motion=wait, verb=wait, phrase="wait", cause=None)

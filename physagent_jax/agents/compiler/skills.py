@@ -1,0 +1,212 @@
+"""Events in their windows -> actions of the skill library and what a viewer should see: one function per `Effect`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from physagent_jax.agents.compiler.amounts import find_strain_magnitude, find_swing_magnitude
+from physagent_jax.agents.compiler.blows import compile_fall, compile_jump, compile_strike, compile_topple
+from physagent_jax.agents.compiler.builder import ForceFieldBuilder
+from physagent_jax.agents.compiler.directions import find_lean_axis
+from physagent_jax.agents.compiler.schedule import Slot
+from physagent_jax.agents.compiler.steady import Task, add_steady, make_impulse_window, shorten
+from physagent_jax.agents.lexicon import Effect
+from physagent_jax.agents.regions import make_end_region
+from physagent_jax.agents.schema import MotionKind
+from physagent_jax.agents.vectors import dot, scale
+from physagent_jax.agents.windows import Window, divide, divide_swings
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, SWING
+from physagent_jax.forces.schema import ActionType
+from physagent_jax.forces.skills import find_skill
+
+_UPRIGHT = 0.7  # cosine
+_LEAN = 0.5  # torque of a lean relative to a full turn
+
+
+def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
+    """Compiles every event; each knows what comes after it."""
+    for index, slot in enumerate(slots):
+        following = slots[index + 1 : index + 2]
+        builder.room = following[0].window[1] if following else builder.last
+        stops = [each for each in slot.events if each.effect is Effect.STILL]
+        if stops and len(stops) < len(slot.events):
+            builder.add_doubt(f"What '{stops[0].text}' keeps still while the rest moves is not understood.")
+        for event in slot.events:
+            for note in event.notes:
+                builder.add_note(note)
+            for doubt in event.doubts:
+                builder.add_doubt(doubt)
+            builder.obstacles += [each for each in event.obstacles if each not in builder.obstacles]
+            after = [event for later in following for event in later.events]
+            task = Task(event, slot.window, after, builder)
+            if event.motion.skill is not None and not event.repeat.alternate:
+                _compile_by_skill(task, event.motion.skill)
+            else:
+                _COMPILERS[event.effect](task)
+        builder.earlier += [event.effect for event in slot.events]
+
+
+def _compile_push(task: Task) -> None:
+    if task.event.repeat.alternate:
+        _compile_sway(task)
+    else:
+        _compile_by_skill(task, ActionType.TRANSLATION.value)
+
+
+def _compile_by_skill(task: Task, name: str) -> None:
+    """A skill, as often as it is told, with pauses; the first motion that it causes is expected."""
+    event, skill, kind = task.event, find_skill(name), ActionType(name)
+    acted, count = task.window, task.limit_count(event.count)
+    strength = event.strength * (event.motion.sign if skill.is_two_sided else 1)
+    if count == 1 and not skill.is_sudden:
+        acted = add_steady(task, kind, task.direction, strength)
+    else:
+        for part in divide(task.window, [1.0] * (2 * count))[::2]:
+            part = make_impulse_window(part[0]) if skill.is_sudden else part
+            task.act(kind, task.direction, strength, part)
+    sways = task.builder.anchored and count > 1 and MotionKind.SWAY in skill.causes
+    task.expect(
+        MotionKind.SWAY if sways else MotionKind(skill.causes[0]),
+        event.direction,
+        acted,
+        repeats=count,
+        sudden=skill.is_sudden,
+        released=task.is_released,
+        leaves_place=count == 1 and event.motion.skill is None and task.leaves_place,
+    )
+
+
+def _compile_sway(task: Task) -> None:
+    """To and fro.
+
+    How far the pushes go does not depend on how short they are (`forces.swinging`). What bobs on the ground is thrown
+    up each time, and weight brings it back.
+    """
+    event, builder, up = task.event, task.builder, task.brief.directions.up
+    count, held = task.limit_count(event.repeat.count or event.motion.cycles), builder.anchored
+    magnitude = event.strength
+    if event.amount is not None:
+        magnitude = find_swing_magnitude(event.amount, held, builder.brief) or magnitude
+    if builder.grounded and not held and abs(dot(task.direction, up)) > _UPRIGHT:
+        for part in divide(task.window, [1.0] * count):
+            task.act(ActionType.IMPULSE, up, 2 * SWING * magnitude, make_impulse_window(part[0]))
+    else:
+        _alternate(task, ActionType.TRANSLATION, magnitude, divide_swings(task.window, count, held))
+    released = task.is_released
+    task.expect(MotionKind.SWAY, event.direction, task.window, repeats=count, released=released)
+
+
+def _alternate(task: Task, kind: ActionType, magnitude: float, windows: list[Window]) -> None:
+    """Adds an action in each window, each against the one before."""
+    for index, window in enumerate(windows):
+        task.act(kind, scale(task.direction, -1.0 if index % 2 else 1.0), magnitude, window)
+
+
+def _compile_lean(task: Task) -> None:
+    """Anchored things and things in the wind are pushed over; a free thing is turned."""
+    event, brief = task.event, task.brief
+    vertical = abs(dot(task.direction, brief.directions.up)) >= 0.9
+    if event.repeat.alternate or event.count > 1:
+        _compile_sway(task)
+    elif task.builder.anchored or event.is_in_wind or vertical or brief.object_kind == "plant":
+        _compile_push(task)
+    else:
+        axis, strength = find_lean_axis(task.direction, brief), _LEAN * event.strength
+        acted = add_steady(task, ActionType.TORQUE, axis, strength)
+        task.expect(MotionKind.ROTATE, axis, acted, strength=strength, released=task.is_released)
+
+
+def _compile_scale(task: Task) -> None:
+    """Along one axis, or along all three (`Effect.SWELL`); several times with pauses if counted."""
+    event, builder, window = task.event, task.builder, task.window
+    table = builder.brief.directions
+    axes = [table.right, table.up, table.toward] if event.direction is None else [event.direction]
+    count = task.limit_count(event.repeat.count or (2 if event.repeat.alternate else 1))
+    windows = divide(window, [1.0] * (2 * count))[::2] if count > 1 else [window]
+    strength = event.strength
+    if event.amount is not None and event.amount.unit == "factor":
+        strength = find_strain_magnitude(event.amount)
+        task = replace(task, event=replace(event, stays=event.stays or count == 1 and task.is_kept))
+        if strength > MAGNITUDE_MAX:
+            builder.add_note(f"'{event.text}': more than the library's strongest force is calibrated for.")
+    for part in windows:
+        for axis in axes:
+            task.act(ActionType.SCALE, axis, event.motion.sign * strength, part)
+    kind = MotionKind.STRETCH if event.motion.sign > 0 else MotionKind.SQUEEZE
+    released = count > 1 or task.is_released
+    task.expect(kind, event.direction, windows[0], repeats=count, released=released)
+
+
+def _compile_burst(task: Task) -> None:
+    """Outward along all axes, briefly: a uniform impulse has no outward form."""
+    task.builder.add_note("An explosion without a direction is a brief, strong stretch in all directions.")
+    _compile_scale(replace(task, window=shorten(task.window, task.builder.last)))
+
+
+def _compile_turn(task: Task) -> None:
+    event, free = task.event, not task.builder.anchored
+    if event.repeat.alternate:
+        count = task.limit_count(event.repeat.count or 2)
+        shares = [0.5, *[1.0] * (2 * count - 1), 0.5] if free else [1.0] * (2 * count)
+        windows = divide(task.window, shares)
+        _alternate(task, ActionType.TORQUE, event.strength, windows)
+        task.expect(MotionKind.ROTATE, event.direction, windows[0], repeats=count)
+    elif event.motion.wrings and event.part is None and event.region is None:
+        _compile_twist(task)
+    else:
+        _turn_steadily(task)
+
+
+def _turn_steadily(task: Task) -> None:
+    acted = add_steady(task, ActionType.TORQUE, task.direction, task.event.strength)
+    task.expect(MotionKind.ROTATE, task.direction, acted, released=task.is_released)
+
+
+def _compile_twist(task: Task) -> None:
+    """One end against the other, half each; the free end alone where the other is held.
+
+    An object both of whose ends turn stays where it is as a whole, and nothing has to be braked.
+    """
+    builder, axis, amount, up = task.builder, task.direction, task.event.amount, task.brief.directions.up
+    event = replace(task.event, stays=task.event.stays or task.is_kept)
+    if builder.anchored:
+        end = task.brief.directions.down if "top" in (task.brief.anchored or "") else up
+        return _turn_steadily(replace(task, event=replace(event, part=end, region=make_end_region(end, 0.5))))
+    builder.add_note(f"'{event.text}': one end turns against the other.")
+    if amount is not None and amount.unit == "degrees":
+        event.amount = amount.model_copy(update={"value": amount.value / 2})
+    for sign in (1.0, -1.0):
+        end, way = scale(up if abs(dot(axis, up)) > _UPRIGHT else axis, sign), scale(axis, sign)
+        half = replace(event, part=end, region=make_end_region(end, 0.5), direction=way)
+        turned = replace(task, event=half)
+        turned.act(ActionType.TORQUE, way, half.strength, task.window)
+        turned.expect(MotionKind.ROTATE, way, task.window, released=turned.is_released)
+
+
+def _compile_roll(task: Task) -> None:
+    """Travels along the direction while the top turns into it."""
+    event, axis = task.event, find_lean_axis(task.direction, task.brief)
+    acted = add_steady(task, ActionType.TRANSLATION, task.direction, event.strength)
+    add_steady(task, ActionType.TORQUE, axis, event.strength)
+    turns = event.amount is not None and event.amount.unit == "degrees"
+    task.expect(MotionKind.MOVE, event.direction, acted, amount=None if turns else event.amount)
+    task.expect(MotionKind.ROTATE, axis, acted, amount=event.amount if turns else None)
+
+
+_COMPILERS = {
+    Effect.PUSH: _compile_push,
+    Effect.LEAN: _compile_lean,
+    Effect.SWAY: _compile_sway,
+    Effect.SCALE: _compile_scale,
+    Effect.SWELL: _compile_scale,
+    Effect.STRIKE: compile_strike,
+    Effect.BURST: _compile_burst,
+    Effect.TURN: _compile_turn,
+    Effect.ROLL: _compile_roll,
+    Effect.FALL: compile_fall,
+    Effect.TOPPLE: compile_topple,
+    Effect.JUMP: compile_jump,
+    Effect.STILL: lambda task: task.expect(MotionKind.STILL, None, task.window),
+    Effect.RELEASE: lambda task: None,  # release and holding act through windows of others and the anchor
+    Effect.HOLD: lambda task: None,
+}

@@ -1,0 +1,228 @@
+"""Forces and torques that act for a time: how strong, how long, and how they are stopped.
+
+A free object keeps its speed when a force ends, so a push that is followed by another motion or by stillness brakes in
+the second half of its window; an anchored one comes back by itself. A length that the sentence tells is the cause's
+own: what is to stop then is braked after it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from physagent_jax.agents.compiler.amounts import MOST, find_effort, find_held_magnitude, find_word_effort
+from physagent_jax.agents.compiler.builder import MAX_ACTIONS, ForceFieldBuilder, describe_skill
+from physagent_jax.agents.compiler.events import BY_DEFAULT, Event
+from physagent_jax.agents.compiler.schedule import find_frames, has_to_stop
+from physagent_jax.agents.dosing import find_magnitude
+from physagent_jax.agents.lexicon import Effect
+from physagent_jax.agents.schema import Amount, MotionKind, SceneBrief
+from physagent_jax.agents.vectors import clamp, scale
+from physagent_jax.agents.windows import Window, halve
+from physagent_jax.core.strict import Vector
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.schema import Action, ActionType
+
+SHORTEST_STROKE, _SHORTEST_SWING = 2.0, 4.0  # frames; faster ones alias in the pictures
+IMPULSE_FRAMES = 1.0
+GUST = 0.3  # part of its window during which a gust impulses
+_DRIFTS = "The object is free and would drift on: it is braked"
+BRAKED_BEFORE = f"{_DRIFTS} before what follows."
+
+
+@dataclass(frozen=True)
+class Task:
+    """An event in its window, to be compiled.
+
+    Attributes:
+        event, window: The event, and its time [frames].
+        after: Events of the slot that follows.
+        builder: The reply in the making.
+    """
+
+    event: Event
+    window: Window
+    after: list[Event]
+    builder: ForceFieldBuilder
+
+    @property
+    def brief(self) -> SceneBrief:
+        """The scene."""
+        return self.builder.brief
+
+    @property
+    def direction(self) -> Vector:
+        """The event's direction, of an effect that always has one."""
+        assert self.event.direction is not None
+        return self.event.direction
+
+    def act(self, kind: ActionType, vector: Vector, magnitude: float, window: Window) -> None:
+        """Adds an action with its evidence; windows are kept inside the clip."""
+        builder, event = self.builder, self.event
+        if len(builder.actions) >= MAX_ACTIONS:
+            builder.add_note(f"More than {MAX_ACTIONS} actions: the rest of the sentence is left out.")
+            return
+        size = round(clamp(abs(magnitude), MAGNITUDE_MIN, MAGNITUDE_MAX), 3)
+        action = Action(
+            action_type=kind,
+            vector=vector,
+            magnitude=size if magnitude > 0 else -size,
+            active_time=builder.fit_window(window),
+            region=event.region,
+        )
+        if action in builder.actions:  # "squashed and flattened" says one thing twice
+            return
+        place = f"actions[{len(builder.actions)}]"
+        builder.actions.append(action)
+        for name, value in describe_skill(action).items():
+            if source := event.sources.get(name):
+                builder.add_evidence(source.words, f"{place}.{name}", value, source.why)
+
+    def expect(self, kind: MotionKind, direction: Vector | None, window: Window, **more) -> None:
+        """Adds once what a viewer should see: the event's values but for ``more``."""
+        event, builder = self.event, self.builder
+        values = {
+            "strength": event.strength,
+            "partial": event.region is not None,
+            "part": event.part,
+            "excludes_part": event.excludes_part,
+            "stays": event.stays,
+            "even": event.clause.even and kind in (MotionKind.MOVE, MotionKind.ROTATE),
+            "amount": event.amount or self._find_duration(),
+        }
+        builder.expect(kind, direction, window, event.text, **(values | more))
+
+    def enable_gravity(self, why: str) -> None:
+        """Lets the object fall from the first frame, for what the event does."""
+        self.builder.enable_gravity(self.event.words, why)
+
+    def _find_duration(self) -> Amount | None:
+        """The cause's duration, if the sentence says so in seconds or frames."""
+        told = self.event.when.lasts
+        if told is None or told.unit == "clip" or told.value <= 0 or self.event.effect is Effect.STILL:
+            return None
+        seconds = (find_frames(told, self.brief) or 0.0) * self.brief.frame_dt
+        return Amount(value=round(min(seconds, MOST), 6), unit="seconds")
+
+    @property
+    def is_reached_within(self) -> bool:
+        """Return whether the told time is the one in which a quantity is reached, and says nothing of later."""
+        event = self.event
+        return event.when.within and event.amount is not None and not event.motion.brief
+
+    @property
+    def is_kept(self) -> bool:
+        """Return whether a change of shape that is reached in its time is to stay: nothing says that it is let go."""
+        return self.is_reached_within and not self._is_let_go
+
+    @property
+    def is_released(self) -> bool:
+        """Return whether the cause ends and leaves the object to itself, which was brought to no place to stay."""
+        if self.event.stays or self._is_measured or self.is_kept:
+            return False
+        ends_early = not self.after and self.window[1] < self.builder.last - 0.5
+        return self._is_let_go or ends_early or self.event.motion.brief
+
+    @property
+    def needs_brake(self) -> bool:
+        """Return whether a free object must be stopped before what comes next can be seen."""
+        up, grounded = self.brief.directions.up, self.builder.grounded
+        stops = self.event.stays or self._is_measured or has_to_stop(self.event, self.after, up, grounded)
+        return stops and not self.builder.anchored
+
+    @property
+    def leaves_place(self) -> bool:
+        """Return whether a push or a blow takes the whole object elsewhere: thrown, to another place, or so far.
+
+        A lean and a wind bend what is rooted, however far. So may a push or a blow of which neither a distance nor
+        another place is told; a motion that says no more than that the object goes a told way does not. What is let go
+        afterwards springs back, and is in no other place.
+        """
+        event, motion = self.event, self.event.motion
+        whole = event.region is None and event.part is None
+        if not whole or event.is_in_wind or event.effect is Effect.LEAN:
+            return False
+        thrown = event.effect is Effect.STRIKE and (motion.gravity or motion.direction == "up")
+        way_told = event.effect is Effect.PUSH and not event.sources["vector"].why.endswith(BY_DEFAULT)
+        elsewhere = event.clause.elsewhere or way_told and motion.hauls
+        far = event.amount is not None and event.amount.unit in ("lengths", "metres")
+        goes = way_told and motion.generic or elsewhere and not self._is_let_go
+        return thrown or far or goes or event.effect is Effect.JUMP
+
+    @property
+    def _is_let_go(self) -> bool:
+        return any(later.effect is Effect.RELEASE for later in self.after)
+
+    @property
+    def _is_measured(self) -> bool:
+        """Return whether a free object is to go so far, or turn by so much, and no further."""
+        effort = find_effort(self.event.amount, self.event.effect, self.brief)
+        return not self.builder.anchored and effort is not None
+
+    def limit_count(self, count: int, shortest: float = _SHORTEST_SWING) -> int:
+        """``count`` limited to what the pictures can show, at ``shortest`` frames each, and the list can hold."""
+        frames = self.window[1] - self.window[0]
+        fits = max(1, min(int(frames / shortest), MAX_ACTIONS // 3))
+        if fits < count:
+            note = f"{count} repetitions do not fit into {frames:.0f} frames: {fits} are made."
+            self.builder.add_note(note)
+        return min(count, fits)
+
+
+def add_steady(task: Task, kind: ActionType, vector: Vector, magnitude: float) -> Window:
+    """Adds a force or torque over the window, braked in its second half if need be; returns where it acts."""
+    event, window, builder = task.event, task.window, task.builder
+    lasts, stops = event.when.lasts, task.needs_brake
+    if event.motion.brief and lasts is None:
+        window = shorten(window, builder.last)
+    told = lasts is not None and lasts.unit != "clip" and not event.when.within
+    brakes = stops and not told
+    speed_up, slow_down = halve(window)
+    frames = slow_down[1] - speed_up[0] if brakes else window[1] - window[0]
+    magnitude *= _find_dose(task, magnitude, frames * builder.brief.frame_dt, brakes)
+    if builder.anchored and task.is_reached_within and not task.after:
+        task.act(kind, vector, magnitude, (window[0], builder.last))
+    elif brakes:
+        task.act(kind, vector, magnitude, speed_up)
+        task.act(kind, scale(vector, -1.0), magnitude, slow_down)
+        builder.add_note(BRAKED_BEFORE)
+    else:
+        task.act(kind, vector, magnitude, window)
+        if stops and window[1] < builder.last and any(later.effect is Effect.STILL for later in task.after):
+            _brake_after(task, kind, vector, magnitude, window)
+    return window
+
+
+def shorten(window: Window, last: float) -> Window:
+    """The part of a window in which a gust or a burst acts."""
+    return (window[0], window[0] + max(GUST * (window[1] - window[0]), min(1.0, last)))
+
+
+def _brake_after(task: Task, kind: ActionType, vector: Vector, magnitude: float, window: Window) -> None:
+    """Adds the brake behind a told time."""
+    first, end = round(window[0]), round(window[1])
+    brake = (float(end), float(min(2 * end - first, math.floor(task.builder.room))))
+    if brake[1] > brake[0]:
+        task.act(kind, scale(vector, -1.0), magnitude, brake)
+        task.builder.add_note(f"{_DRIFTS} after the time that is told.")
+
+
+def _find_dose(task: Task, magnitude: float, seconds: float, braked: bool) -> float:
+    """Factor on the magnitude so that the event's quantity is reached where nothing opposes.
+
+    Without one, what is braked goes as far as its word promises: half of its time goes to stopping.
+    """
+    event, brief = task.event, task.brief
+    if event.amount is not None and task.builder.anchored:
+        wanted = find_held_magnitude(event.amount, event.effect, brief)
+    else:
+        effort = find_effort(event.amount, event.effect, brief)
+        if event.amount is None and braked:
+            effort = find_word_effort(event.strength, event.effect)
+        wanted = None if effort is None else find_magnitude(effort, seconds, braked, brief)
+    return 1.0 if wanted is None else max(wanted, 1e-3) / abs(magnitude)
+
+
+def make_impulse_window(at: float) -> Window:
+    """The shortest window that begins nearest to ``at``."""
+    return (float(round(at)), round(at) + IMPULSE_FRAMES)

@@ -1,0 +1,1 @@
+"""Grammar of a documented language (`patterns.yaml`): sentence -> mentions -> clauses -> `agents.intent.Intent`."""

@@ -1,0 +1,295 @@
+"""Passes over the mentions of a sentence: exceptions, corrections, comparisons, and what is said of other things.
+
+Each takes all mentions and the words for the object, and gives the mentions back with some emptied or changed. They
+are independent of each other but for one thing: what is said of the camera or of other things goes first, so that no
+later pass meets it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from physagent_jax.agents.grammar.mentions import (
+    MOTIONS,
+    Mention,
+    MentionKind,
+    empty,
+    get_last_motion,
+    has_motion,
+)
+from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
+from physagent_jax.agents.lexicon import Effect, Join, Motion
+
+OTHER = "other"
+"""Phrase of emptied words that are said of something else than the object."""
+
+_WAYS = (MentionKind.DIRECTION, MentionKind.FROM)
+_REPLACED = {kind: (kind,) for kind in (MentionKind.PLACE, MentionKind.SENSE, MentionKind.QUANTITY)} | {
+    MentionKind.DIRECTION: _WAYS,
+    MentionKind.FROM: _WAYS,
+}
+_LOOSE = (
+    MentionKind.FUNCTION,
+    MentionKind.UNKNOWN,
+    MentionKind.IGNORED,
+    MentionKind.INTENSITY,
+    MentionKind.DEGREE,
+)
+_REACH = 20  # words before a correction in which the corrected ones stand
+# What ends a comparison.
+_GOES_ON = (
+    MentionKind.JOIN,
+    MentionKind.TIME,
+    MentionKind.REPEAT,
+    MentionKind.QUANTITY,
+    MentionKind.SENSE,
+    MentionKind.FROM,
+    MentionKind.SOLID,
+)
+# Motions whose form is told by the verb, so that a comparison adds nothing; how fast a fall is, it would tell.
+_SHAPED = frozenset(
+    {
+        Effect.SWAY,
+        Effect.TURN,
+        Effect.LEAN,
+        Effect.TOPPLE,
+        Effect.SCALE,
+        Effect.SWELL,
+        Effect.BURST,
+        Effect.JUMP,
+    }
+)
+
+
+def list_segments(mentions: list[Mention]) -> list[tuple[int, int]]:
+    """Beginnings and ends of what stands between connectives."""
+    joins = [index for index, mention in enumerate(mentions) if mention.kind is MentionKind.JOIN]
+    return list(zip([0, *(index + 1 for index in joins)], [*joins, len(mentions)]))
+
+
+def drop_others(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
+    """Empties what the camera does, and what another thing than the object does by itself.
+
+    "Pan the camera to the left", "a bird flies past the robot": the motion and all that is told of it.
+    """
+    result = list(mentions)
+    named = any(mention.phrase in names | get_set("pronouns") for mention in mentions)
+    for begin, end in list_segments(mentions):
+        segment = mentions[begin:end]
+        if _is_filmed(segment, names) or named and _is_done_by_another(segment, names):
+            result[begin:end] = [
+                empty(m, OTHER if m.kind in MOTIONS or m.form in get_set("camera_verbs") else "aside")
+                for m in segment
+            ]
+    return result
+
+
+def _is_filmed(segment: list[Mention], names: frozenset[str]) -> bool:
+    """Return whether a segment tells what the camera does."""
+    first = next((i for i, m in enumerate(segment) if m.kind in MOTIONS), len(segment))
+    camera = any(m.phrase in get_set("cameras") for m in segment[:first])
+    films = any(m.form in get_set("camera_verbs") for m in segment[: first + 1])
+    object_first = any(m.phrase in names for m in segment[:first])
+    told = any(m.phrase in get_set("cameras") for m in segment[first:])
+    return (
+        films
+        and (camera or told or first == len(segment))
+        or camera
+        and not object_first
+        and first < len(segment)
+    )
+
+
+def _is_done_by_another(segment: list[Mention], names: frozenset[str]) -> bool:
+    """Return whether the subject is another thing, and nothing is done to the object: "the door slams on the left"."""
+    at = next((i for i, m in enumerate(segment) if m.kind is MentionKind.VERB), None)
+    if at is None or any(m.kind is MentionKind.CAUSE for m in segment) or not segment[at].form.endswith("s"):
+        return False
+    subject = at
+    while (
+        subject > 0
+        and segment[subject - 1].kind in _LOOSE
+        and segment[subject - 1].phrase not in get_set("determiners")
+    ):
+        subject -= 1
+    noun = segment[subject:at]
+    told = any(
+        m.kind in (MentionKind.UNKNOWN, MentionKind.IGNORED) and not m.phrase.endswith("ly") for m in noun
+    )
+    own = names | get_set("pronouns") | get_set("relatives")
+    another = subject > 0 and segment[subject - 1].phrase in ("a", "an", "the")
+    if not told or not another or any(m.phrase in own for m in segment[:at]):
+        return False
+    behind = [m.phrase for m in segment[at + 1 : at + 3]]
+    thing = behind[1:] if behind and behind[0] in get_set("determiners") else behind[:1]
+    return not set(thing) & (names | get_set("objects"))  # "a crane lifts the robot"
+
+
+def mark_exceptions(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Makes the place in "except the head", "but not the head", "everything but the head" an excluded one."""
+    result: list[Mention] = []
+    at = 0
+    while at < len(mentions):
+        place = _find_exception(mentions, at)
+        result.append(mentions[at] if place is None else replace(mentions[place], kind=MentionKind.EXCLUDED))
+        at = at + 1 if place is None else place + 1
+    return result
+
+
+def _find_exception(mentions: list[Mention], at: int) -> int | None:
+    """Index of the excluded place if an exception begins at ``at``."""
+    contrasts = mentions[at].kind is MentionKind.JOIN and mentions[at].value is Join.BUT
+    if mentions[at].kind is not MentionKind.EXCEPT and not contrasts:
+        return None
+    place = at + 1
+    while place < len(mentions) and mentions[place].kind in (MentionKind.FUNCTION, MentionKind.NOT):
+        place += 1
+    if place >= len(mentions) or mentions[place].kind is not MentionKind.PLACE:
+        return None
+    if not contrasts:
+        return place
+    negated = any(m.kind is MentionKind.NOT for m in mentions[at:place])
+    begin = next((i for i in range(at - 1, -1, -1) if mentions[i].kind is MentionKind.JOIN), -1)
+    whole = any(m.phrase in LEXICON.whole for m in mentions[begin + 1 : at])
+    after = mentions[place + 1].kind if place + 1 < len(mentions) else MentionKind.JOIN
+    if whole and not negated:  # but "all of it is still, but the top sways"
+        return None if has_motion(mentions[:at]) and after is MentionKind.VERB else place
+    return place if negated and after is MentionKind.JOIN else None
+
+
+def read_corrections(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Puts what corrects a phrase in its place: "to the left, no wait, to the right", "the tip, i.e. the top"."""
+    result = list(mentions)
+    for begin in range(1, len(mentions)):
+        size = _match_correction(mentions, begin)
+        if not size or mentions[begin - 1].kind is not MentionKind.JOIN and mentions[begin].form != "or":
+            continue
+        while begin + size < len(mentions) and mentions[begin + size].kind is MentionKind.JOIN:
+            size += 1
+        stop = begin + size
+        while stop < len(mentions) and mentions[stop].kind not in (MentionKind.JOIN, *MOTIONS):
+            stop += 1
+        said = mentions[begin + size : stop]
+        told = [m for m in said if m.kind in _REPLACED]
+        if not told or any(m.kind not in (*_REPLACED, MentionKind.FUNCTION) for m in said):
+            continue
+        for mention in told:
+            for place in [
+                i for i in range(max(begin - _REACH, 0), begin) if result[i].kind in _REPLACED[mention.kind]
+            ][-1:]:
+                result[place] = empty(result[place])
+        first = begin
+        while first > 0 and mentions[first - 1].kind is MentionKind.JOIN:
+            first -= 1
+        result[first : begin + size] = [empty(m) for m in result[first : begin + size]]
+    return result
+
+
+def _match_correction(mentions: list[Mention], at: int) -> int:
+    """The number of mentions from ``at`` on that take back what stands before; 0 if they do not."""
+    words = [m.words.lower() if m.kind is MentionKind.JOIN else m.form for m in mentions[at : at + 3]]
+    for size in (3, 2, 1):
+        if " ".join(word for word in words[:size] if word != ",") in get_set("corrections"):
+            return size
+    return 0
+
+
+def read_comparisons(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Empties "like a leaf", "as though it were alive", where the motion is known without it.
+
+    Where the verb says nothing by itself ("moves"), a thing known for one motion does ("like a pendulum").
+    """
+    result = list(mentions)
+    at: int | None = None
+    for index, mention in enumerate(mentions):
+        at = index if mention.kind is MentionKind.VERB else at
+        verb = result[at].motion if at is not None else None
+        likens = mention.form == "like" and not (
+            index and mentions[index - 1].form in get_set("before_likes")
+        )
+        supposes = mention.phrase in ("as if", "as though")
+        if mention.kind is not MentionKind.FUNCTION or not (likens or supposes) or at is None or verb is None:
+            continue
+        end = _find_end(mentions, index)
+        model = _find_model(mentions[index:end]) if likens else None
+        same = model is not None and LEXICON.motions[model].effect is verb.effect
+        if model is not None and verb.generic and not same:
+            result[at] = replace(result[at], value=LEXICON.motions[model], phrase=model)
+        elif not (_is_telling(verb) or same or supposes and not verb.generic):
+            continue
+        inside = [i for i in range(index, end) if not supposes or mentions[i].kind is MentionKind.VERB]
+        done = supposes and any(mentions[i].kind in MOTIONS for i in range(index, end))
+        for place in inside if done else range(index, end):
+            result[place] = empty(mentions[place], "comparison")
+    return result
+
+
+def _find_model(mentions: list[Mention]) -> str | None:
+    models = read_sections()["models"]
+    words = [word for mention in mentions for word in (mention.words.lower(), mention.form)]
+    return next((models[word] for word in words if word in models), None)
+
+
+def _is_telling(verb: Motion) -> bool:
+    """Return whether a verb says what form its motion has; which way a stretch goes, a comparison may tell."""
+    return not verb.generic and verb.effect in _SHAPED and not (verb.effect is Effect.SCALE and verb.sign > 0)
+
+
+def _find_end(mentions: list[Mention], index: int) -> int:
+    """The end of a comparison: a connective, a way, a time, a count."""
+    for at in range(index + 1, len(mentions)):
+        way = mentions[at].kind is MentionKind.DIRECTION and mentions[at - 1].form in ("to", "the")
+        if mentions[at].kind in _GOES_ON or way:
+            return at
+    return len(mentions)
+
+
+def read_returns(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Makes a step of "and back" behind a turn or behind measured steps: "left by a third, then right, and back"."""
+    result: list[Mention] = []
+    for at, mention in enumerate(mentions):
+        result.append(mention)
+        if mention.phrase not in ("and back", "and back again"):
+            continue
+        if (
+            at + 1 < len(mentions) and mentions[at + 1].kind is MentionKind.DIRECTION
+        ):  # "up 10 cm and back down"
+            result[-1] = replace(mention, kind=MentionKind.JOIN, value=Join.THEN, phrase="then")
+            continue
+        steps = any(m.value is Join.THEN and m.words.isalpha() for m in mentions[:at])
+        measured = any(m.kind is MentionKind.QUANTITY for m in mentions[:at])
+        verb = get_last_motion(mentions[:at])
+        swings = verb is not None and verb.effect is Effect.SWAY
+        if steps and measured and not swings or verb is not None and verb.effect is Effect.TURN:
+            back = replace(mention, kind=MentionKind.DIRECTION, value=("away",), phrase="back", words="back")
+            result[-1:] = [replace(mention, kind=MentionKind.JOIN, value=Join.THEN, phrase="then"), back]
+    return result
+
+
+def read_landings(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Makes a toppling of a fall on a side: "it falls on its back", "tip it onto its right side".
+
+    How an object lies while it goes is no part that is moved: "it slides to the left on its back".
+    """
+    result = list(mentions)
+    verb: int | None = None
+    for at, side in enumerate(mentions):
+        verb = at if side.motion is not None else verb
+        way = read_sections()["lying"].get(side.phrase) if side.kind is MentionKind.PLACE else None
+        motion = mentions[verb].motion if verb is not None else None
+        if verb is None or motion is None or way is None or at < verb + 3:
+            continue
+        on, owner = mentions[at - 2 : at]
+        if on.form not in ("on", "onto") or owner.form not in get_set("pronouns_of_owners"):
+            continue
+        tipped = motion.effect is Effect.TOPPLE or motion.effect is Effect.LEAN and on.form == "onto"
+        if tipped or mentions[verb].phrase == "fall":
+            result[verb] = replace(mentions[verb], value=LEXICON.motions["topple"], phrase="topple")
+            result[at - 2] = empty(on)
+            result[at] = replace(side, kind=MentionKind.DIRECTION, value=(way,), phrase="lying")
+        elif on.form == "on" and motion.generic and way in ("away", "toward"):
+            result[at] = empty(side)
+    return result
+
+
+PASSES = (drop_others, read_corrections, mark_exceptions, read_comparisons, read_returns, read_landings)

@@ -1,0 +1,240 @@
+"""Chunks: the longest phrases of the lexicon in a sentence, inflections undone."""
+
+from __future__ import annotations
+
+from physagent_jax.agents.grammar.measures import make_moment
+from physagent_jax.agents.grammar.mentions import Mention, MentionKind, Reader, get_last_motion
+from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set
+from physagent_jax.agents.lexicon import Effect, Join, Motion, Place
+
+GAP = "~"
+LONGEST_GAP = 4
+Entry = tuple[tuple[str, ...], MentionKind, object]
+
+
+def _index_phrases() -> dict[str, list[Entry]]:
+    """All phrases of the lexicon by their first word; at equal length the earlier table wins."""
+    lexicon = LEXICON
+    tables: tuple[tuple[MentionKind, dict], ...] = (
+        (MentionKind.REPEAT, lexicon.repeats),
+        (MentionKind.VERB, lexicon.motions),
+        (MentionKind.CAUSE, lexicon.causes),
+        (MentionKind.GRAVITY, lexicon.gravity),
+        (MentionKind.ANCHOR, lexicon.anchors),
+        (MentionKind.SENSE, lexicon.senses),
+        (MentionKind.VIEW, lexicon.views),
+        (MentionKind.AXIS, lexicon.axes),
+        (MentionKind.PLANE, lexicon.planes),
+        (MentionKind.SIDES, {phrase: side == "all" for phrase, side in lexicon.sides.items()}),
+        (MentionKind.PLACE, lexicon.parts),
+        (MentionKind.DIRECTION, lexicon.directions),
+        (MentionKind.COMPARATIVE, lexicon.comparatives),
+        (MentionKind.INTENSITY, lexicon.intensities),
+        (MentionKind.DEGREE, lexicon.degrees),
+        (MentionKind.JOIN, lexicon.joins),
+        (MentionKind.REVERSAL, lexicon.reversals),
+        (MentionKind.EVEN, dict.fromkeys(lexicon.even)),
+        (MentionKind.EXCEPT, dict.fromkeys(lexicon.exceptions)),
+        (MentionKind.TIME, {p: make_moment(m.starts, m.lasts) for p, m in lexicon.moments.items()}),
+        (MentionKind.NOT, dict.fromkeys(lexicon.negations)),
+        (MentionKind.FUNCTION, dict.fromkeys(lexicon.phrases)),
+        (MentionKind.IGNORED, dict.fromkeys(get_set("ignored_phrases"))),
+    )
+    by_first: dict[str, list[Entry]] = {}
+    for kind, table in tables:
+        for phrase, value in table.items():
+            words = tuple(phrase.split())
+            by_first.setdefault(words[0], []).append((words, kind, value))
+    return by_first
+
+
+PHRASES = _index_phrases()
+
+
+def read_phrase(reader: Reader, at: int) -> Mention | None:
+    """The longest phrase of the lexicon that begins at a token."""
+    token = reader.tokens[at]
+    entries = {id(entry): entry for word in (token.text, token.lemma) for entry in PHRASES.get(word, ())}
+    matches = [(entry, used) for entry in entries.values() if (used := match_words(reader, entry[0], at))]
+    matches = [(entry, used) for entry, used in matches if not _is_noun(reader, entry, used)]
+    if not matches:
+        return None
+    (words, kind, value), used = max(matches, key=lambda match: (len(match[0][0]), GAP not in match[0][0]))
+    if kind is MentionKind.VERB and isinstance(value, Motion) and _is_means(reader, value, at):
+        kind = MentionKind.CAUSE
+    elif kind is MentionKind.DIRECTION and words == ("away",) and _is_way_told_behind(reader, at):
+        kind, value = MentionKind.FUNCTION, None  # "flies away to the right"
+    elif kind is MentionKind.DIRECTION and words == ("right",) and _is_exactly(reader, at):
+        kind, value = MentionKind.FUNCTION, None
+    elif kind is MentionKind.DIRECTION and (
+        reader.get_preposition(at) == "from" or _is_crossing(reader, at) or _is_locating_cause(reader, words)
+    ):
+        kind = MentionKind.FROM
+    elif kind is MentionKind.JOIN and token.text == "make" and _is_asked(reader, at):
+        kind, value = MentionKind.FUNCTION, None  # "don't make it jump": a request, and no result
+    elif kind is MentionKind.INTENSITY and _is_describing_object(reader, at, len(used)):
+        kind, value = MentionKind.FUNCTION, None
+    return reader.make_mention(kind, value, " ".join(words), used)
+
+
+def match_words(reader: Reader, words: tuple[str, ...], at: int) -> list[int]:
+    """Indices of the tokens that make up ``words`` from ``at`` on; empty if they do not."""
+    used, position = [], at
+    for index, word in enumerate(words):
+        if word == GAP:
+            position = _skip_gap(reader, position, words[index + 1])
+            continue
+        if position >= len(reader.tokens) or position in reader.used:
+            return []
+        token = reader.tokens[position]
+        if word not in (token.text, token.lemma):
+            return []
+        used.append(position)
+        position += 1
+    return used
+
+
+def begins_longer_phrase(reader: Reader, at: int) -> bool:
+    """Return whether a fixed phrase of several words begins at a token: "back and forth" is not the back."""
+    return any(
+        len(words) > 1 and GAP not in words and match_words(reader, words, at)
+        for words, _, _ in PHRASES.get(reader.get_text(at), ())
+    )
+
+
+def read_word(reader: Reader, at: int) -> Mention:
+    """A word of no phrase: of grammar, or unknown."""
+    text = reader.tokens[at].text
+    kind = MentionKind.FUNCTION if text in LEXICON.words else MentionKind.UNKNOWN
+    return reader.make_mention(kind, None, text, [at])
+
+
+def _skip_gap(reader: Reader, position: int, until: str) -> int:
+    """The place of ``until`` at most `LONGEST_GAP` words on; past the end if it is not there."""
+    for there in range(position + 1, min(position + LONGEST_GAP + 1, len(reader.tokens))):
+        if not _is_in_noun_phrase(reader, there - 1):
+            break
+        if until in (reader.tokens[there].text, reader.tokens[there].lemma):
+            return there
+    return len(reader.tokens)
+
+
+def _is_in_noun_phrase(reader: Reader, at: int) -> bool:
+    """Return whether a word can stand between a verb and its particle: in "push it until it tips over" one cannot."""
+    token = reader.tokens[at]
+    joins = LEXICON.joins.get(token.text, Join.AND) is not Join.AND
+    if not token.is_word or joins or token.text in get_set("finite"):
+        return False
+    named = token.text in reader.names or reader.is_after_determiner(at)
+    return named or token.lemma not in LEXICON.motions
+
+
+def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
+    """Return whether this reading is wrong because the word stands as a noun, or is the object or an agent."""
+    words, kind, value = entry
+    at = used[0]
+    before, text = reader.get_text(at - 1), reader.tokens[at].text
+    if kind is MentionKind.PLACE:
+        assert isinstance(value, Place)
+        possessive = at > 0 and reader.tokens[at - 1].possessive and before not in get_set("persons")
+        owned = before in get_set("owners_of_parts") or possessive
+        if isinstance(value, Place) and value.names == ("down",) and _is_standing(reader, at):
+            return True  # "wobble it on its base"
+        another = before in ("a", "an") and not set(words) & LEXICON.one_of_many
+        return (text in LEXICON.agents and not owned) or another and reader.get_text(at + 1) != "of"
+    if kind is MentionKind.ANCHOR and value == "none":  # "the free end"
+        behind = reader.get_text(used[-1] + 1)
+        return behind in LEXICON.part_adjectives or behind in LEXICON.part_nouns
+    if kind is not MentionKind.VERB:
+        return False
+    if len(words) > 1:  # "push it over and over" does not push it over, "push it over the edge" neither
+        behind = reader.get_text(used[-1] + 1)
+        over = words[-2:] == (GAP, "over") and (
+            behind in get_set("determiners") or behind in NUMBERS or behind.isdigit()
+        )
+        return over or begins_longer_phrase(reader, used[-1])
+    described = before in LEXICON.intensities and not before.endswith("ly")
+    article = reader.get_text(at - 2) in ("the", "its", "a", "an")
+    counted = before in NUMBERS and text.endswith("s") and reader.tokens[at].lemma in LEXICON.causes
+    if counted:  # "three blows"
+        return True
+    if text in LEXICON.causes:  # "a hard blow", "an invisible force" are nouns, "they blow" a verb
+        return reader.is_after_determiner(at) or described or reader.get_text(at - 2) in ("a", "an")
+    if (
+        _is_past(reader, at)
+        and reader.is_after_determiner(at)
+        and reader.get_text(at + 1) not in reader.names
+    ):
+        return True  # "in this shot"
+    filmed = (
+        text in get_set("camera_words")
+        and before not in get_set("finite") | get_set("pronouns") | reader.names
+    )
+    if filmed:
+        return True  # "a close shot of it"
+    plural = text.endswith("s") and text != reader.tokens[at].lemma
+    if plural and before in get_set("before_nouns"):
+        return True  # "on waves"
+    return " ".join(words) in LEXICON.nouns and (described and article or before in ("the", "its", "a"))
+
+
+def _is_standing(reader: Reader, at: int) -> bool:
+    """Return whether what is done last is done on the spot: what it stands on is no part that is moved."""
+    motion = get_last_motion(reader.mentions)
+    spot = motion is not None and motion.effect in (Effect.SWAY, Effect.TURN, Effect.JUMP, Effect.STILL)
+    return spot and reader.get_preposition(at) == "on"
+
+
+def _is_past(reader: Reader, at: int) -> bool:
+    text = reader.tokens[at].text
+    return text != reader.tokens[at].lemma and not text.endswith(("ing", "s"))
+
+
+def _is_means(reader: Reader, motion: Motion, at: int) -> bool:
+    """Return whether a push or a blow tells how it is done: "with a sudden jerk it is lifted"."""
+    before = at - 1
+    while reader.get_text(before) in LEXICON.intensities or reader.get_text(before) in LEXICON.moments:
+        before -= 1
+    means = reader.get_text(before) in ("a", "an", "one") and reader.get_text(before - 1) == "with"
+    return means and motion.effect in (Effect.PUSH, Effect.STRIKE)
+
+
+def _is_way_told_behind(reader: Reader, at: int) -> bool:
+    return reader.get_text(at + 1) == "to" and reader.get_text(at + 3) in ("left", "right")
+
+
+def _is_exactly(reader: Reader, at: int) -> bool:
+    """Return whether "right" says no way but just where a blow lands: "hit it right on the head"."""
+    return (
+        reader.is_striking()
+        and reader.get_text(at + 1) in ("on", "in")
+        and reader.is_after_determiner(at + 3)
+    )
+
+
+def _is_crossing(reader: Reader, at: int) -> bool:
+    """Return whether it goes "left to right": from there to the other side."""
+    pair = (reader.get_text(at), reader.get_text(at + 2))
+    return reader.get_text(at + 1) == "to" and pair in (("left", "right"), ("right", "left"))
+
+
+def _is_locating_cause(reader: Reader, words: tuple[str, ...]) -> bool:
+    """Return whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""
+    return (
+        words[0] in LEXICON.locations
+        and bool(reader.mentions)
+        and reader.mentions[-1].kind is MentionKind.CAUSE
+    )
+
+
+def _is_describing_object(reader: Reader, at: int, size: int) -> bool:
+    """Return whether an adjective belongs to the object, as in "the heavy robot", not to a motion."""
+    behind = [reader.get_text(at + size + step) for step in range(LONGEST_GAP)]
+    noun = next((word for word in behind if word not in LEXICON.intensities), "")
+    return reader.is_after_determiner(at) and noun in reader.names
+
+
+def _is_asked(reader: Reader, at: int) -> bool:
+    """Return whether a verb stands in its plain form at the beginning of a clause, or behind "please"."""
+    before = reader.get_text(at - 1)
+    return not before.isalnum() or before in get_set("asking")

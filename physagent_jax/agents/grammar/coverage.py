@@ -1,0 +1,319 @@
+"""Words outside the grammar: ignored ones, which no motion depends on, and doubtful ones, which may change it.
+
+Words of looks, scenery, camera, light, mood and talk are ignored wherever they stand (`lexicon/scenery.yaml`). Other
+unknown words are judged by their place: what stands where a verb, an object or a part would stand is doubtful; what
+tells a place, describes, accompanies or stands in a fragment of its own is ignored.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from physagent_jax.agents.grammar.asides import list_segments
+from physagent_jax.agents.grammar.mentions import MOTIONS, Mention, MentionKind, get_phrase
+from physagent_jax.agents.grammar.nouns import is_telling
+from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
+from physagent_jax.agents.lexicon import Effect, Motion
+from physagent_jax.agents.schema import SceneBrief
+
+_LEAST_WORDS, _MOST_UNKNOWN = 3, 0.5
+_REACH = 40  # words to either side that tell the place of a word: keeps long texts linear
+_LOOSE = (MentionKind.UNKNOWN, MentionKind.IGNORED, MentionKind.INTENSITY, MentionKind.DEGREE)
+_LOOKS = frozenset(word for name in read_sections(("scenery",)) for word in get_set(name)) | LEXICON.moods
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """The words of a sentence that the grammar has no place for.
+
+    Attributes:
+        ignored: Words that do not bear on the motion.
+        doubtful: Words that may bear on it.
+        taken: Words taken for the object's name.
+    """
+
+    ignored: tuple[str, ...] = ()
+    doubtful: tuple[str, ...] = ()
+    taken: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Spot:
+    """The place of an unknown word.
+
+    Attributes:
+        mentions, names: The sentence, and words for the object.
+        index: Index of the word.
+        begin, end: What stands between the connectives around it.
+        motion: The last motion before it.
+        captions: Whether it is a caption: a motion among words of looks.
+    """
+
+    mentions: list[Mention]
+    names: frozenset[str]
+    index: int
+    begin: int
+    end: int
+    motion: Motion | None
+    captions: bool
+
+    @property
+    def word(self) -> str:
+        """The word."""
+        return self.mentions[self.index].phrase
+
+    def get(self, step: int) -> str:
+        """The phrase of a mention so many places away."""
+        return get_phrase(self.mentions, self.index + step)
+
+    @property
+    def first(self) -> int:
+        """Index of the first word of the noun's phrase: its article, or its first adjective."""
+        first = self.index
+        while first > self.begin and self.mentions[first - 1].kind in _LOOSE:
+            first -= 1
+        return first - (get_phrase(self.mentions, first - 1) in get_set("determiners"))
+
+    @property
+    def preposition(self) -> str:
+        """The word before the noun's phrase."""
+        return get_phrase(self.mentions, self.first - 1)
+
+    def skip(self, step: int, helps: frozenset[str] = frozenset()) -> Mention | None:
+        """The nearest mention in a direction past adjectives, adverbs and ``helps``."""
+        at = self.index + step
+        while self.begin <= at < self.end and (
+            self.mentions[at].kind in _LOOSE or self.mentions[at].phrase in helps
+        ):
+            at += step
+        return self.mentions[at] if 0 <= at < len(self.mentions) else None
+
+
+def sort_words(mentions: list[Mention], names: frozenset[str], brief: SceneBrief) -> Coverage:
+    """The unknown words of a sentence by whether they may bear on the motion; ``names`` are words for the object."""
+    named = any(mention.phrase in names for mention in mentions)
+    nameless = not is_telling(brief.object_name)
+    found: dict[str, list[str]] = {"ignored": [], "doubtful": [], "taken": []}
+    seen: set[str] = set()
+    for spot in _list_spots(mentions, names):
+        look = is_look(spot.word) and not _is_telling_a_part(spot)
+        if nameless and spot.word.isalpha() and _is_named_here(spot, named, found["taken"]):
+            kind = "taken"
+        elif look or mentions[spot.index].kind is MentionKind.IGNORED:
+            kind = "ignored"
+        else:
+            ignored = next((ignored for rule, ignored in _RULES if rule(spot)), False)
+            kind = "ignored" if ignored else "doubtful"
+        known = mentions[spot.index].kind is MentionKind.FUNCTION
+        if spot.word not in seen and not (known and kind == "ignored"):
+            found[kind].append(spot.word)
+            seen.add(spot.word)
+    return Coverage(*(tuple(found[kind]) for kind in ("ignored", "doubtful", "taken")))
+
+
+def _list_spots(mentions: list[Mention], names: frozenset[str]) -> Iterator[_Spot]:
+    """The places of words that are not understood."""
+    motion: Motion | None = None
+    captions = _is_caption(mentions)
+    for begin, end in list_segments(mentions):
+        for index in range(begin, end):
+            mention = mentions[index]
+            motion = mention.motion or motion
+            strange = (
+                mention.kind in (MentionKind.UNKNOWN, MentionKind.IGNORED) and mention.phrase not in names
+            )
+            if strange or mention.kind is MentionKind.FUNCTION and mention.phrase in get_set("particles"):
+                reach = max(begin, index - _REACH), min(end, index + _REACH)
+                yield _Spot(mentions, names, index, *reach, motion, captions)
+
+
+def _is_caption(mentions: list[Mention]) -> bool:
+    """Return whether a motion stands among words of looks."""
+    moves = any(mention.kind in MOTIONS for mention in mentions)
+    looks = (
+        m.kind is MentionKind.IGNORED or m.kind is MentionKind.UNKNOWN and is_look(m.phrase) for m in mentions
+    )
+    return moves and any(looks)
+
+
+def ignore_captions(mentions: list[Mention]) -> list[Mention]:
+    """The mentions with numbers ignored that a caption tells by themselves: ", golden hour, 35mm,"."""
+    if not _is_caption(mentions):
+        return mentions
+    result = list(mentions)
+    for begin, end in list_segments(mentions):
+        kinds = {mention.kind for mention in mentions[begin:end]}
+        if kinds <= {MentionKind.QUANTITY, MentionKind.UNKNOWN}:
+            for at in range(begin, end):
+                if mentions[at].kind is MentionKind.QUANTITY:
+                    words = mentions[at].words
+                    result[at] = Mention(MentionKind.IGNORED, None, words, words, mentions[at].first, words)
+    return result
+
+
+def is_mostly_unknown(mentions: list[Mention], coverage: Coverage) -> bool:
+    """Return whether so little was understood that what was is probably misunderstood: another language, say."""
+    words = [m for m in mentions if m.kind is not MentionKind.JOIN or m.words.isalpha()]
+    strange = set(coverage.doubtful) | {word for word in coverage.ignored if not is_look(word)}
+    unknown = sum(m.kind is MentionKind.UNKNOWN and m.phrase in strange for m in mentions)
+    return len(words) >= _LEAST_WORDS and unknown >= _MOST_UNKNOWN * len(words)
+
+
+def is_look(word: str) -> bool:
+    """Return whether a word tells a look, a mood, a light, a camera or the like: "merrily", "naughty", "cinematic"."""
+    stem = word.removesuffix("ly")
+    return not _LOOKS.isdisjoint(
+        (word, *((stem, stem.removesuffix("i") + "y", stem + "le") if stem != word else ()))
+    )
+
+
+def _is_named_here(spot: _Spot, named: bool, taken: list[str]) -> bool:
+    """Return whether a noun is the object of a sentence that does not name it otherwise."""
+    done_to = spot.get(-1) in get_set("determiners") and spot.get(-2) not in get_set("prepositions")
+    return spot.get(-1) in taken or not named and not taken and done_to
+
+
+def _is_a_particle(spot: _Spot) -> bool:
+    """A particle that tells where a motion ends, in no known phrase ("slides off the table"); a fall ends below."""
+    falls = spot.motion is not None and spot.motion.effect in (Effect.FALL, Effect.TOPPLE)
+    wall = any(m.kind is MentionKind.SOLID for m in spot.mentions[spot.index : spot.index + 4])
+    return spot.word in get_set("particles") and not falls and not wall
+
+
+def _is_a_known_word(spot: _Spot) -> bool:
+    return spot.mentions[spot.index].kind is MentionKind.FUNCTION
+
+
+def _is_heading(spot: _Spot) -> bool:
+    """A number that counts sentences: "3.2 Push it", "Run 3: push it"."""
+    return spot.word[0].isdigit() and (spot.index == 0 or spot.get(1) in (":", "."))
+
+
+def _is_number(spot: _Spot) -> bool:
+    """A number, or a sign that turns one around: "by -45 degrees"."""
+    return not spot.word.isalpha() or spot.word == "minus"
+
+
+def _is_measured(spot: _Spot) -> bool:
+    """A word behind a quantity that says it all: "a third of its length farther to the right"."""
+    return spot.index > 0 and spot.mentions[spot.index - 1].kind is MentionKind.QUANTITY
+
+
+def _is_asking(spot: _Spot) -> bool:
+    """Somebody speaks: "I was wondering whether it could bow", "my daughter wants it to", "I am over the moon"."""
+    before = spot.mentions[spot.begin : spot.index]
+    told = any(m.kind in MOTIONS or m.phrase in spot.names for m in before)
+    done_to = {spot.get(1), spot.get(2)} & (get_set("objects") | spot.names)
+    return any(m.form in get_set("speakers") for m in before) and not told and not done_to
+
+
+def _is_described(spot: _Spot) -> bool:
+    """A state of something: "she is fragile", "until he was dizzy"."""
+    before = spot.skip(-1)
+    return before is not None and before.form in get_set("copulas") and not spot.word.endswith(("ing", "ed"))
+
+
+def _is_reaching(spot: _Spot) -> bool:
+    """The verb of a wind that meets something: "a gust catches the sign"."""
+    heads = [m for m in spot.mentions[spot.begin : spot.index] if m.kind in MOTIONS]
+    return [m.kind for m in heads] == [MentionKind.CAUSE] and spot.motion is not None and spot.motion.wind
+
+
+def _is_a_part(spot: _Spot) -> bool:
+    """A part of the object: "the corners", "the handle", "its lid"."""
+    owned = spot.get(-1) in get_set("pronouns_of_owners") and spot.get(-2) not in get_set("prepositions")
+    return spot.word in LEXICON.unplaced or spot.word.removesuffix("s") in LEXICON.part_nouns or owned
+
+
+def _is_telling_a_part(spot: _Spot) -> bool:
+    """The adjective of a part: "the red part", "the blue corner"; an object has one head."""
+    after = spot.mentions[spot.index + 1] if spot.index + 1 < len(spot.mentions) else None
+    if after is None or spot.get(-1) not in get_set("owners_of_parts"):
+        return False
+    several = after.phrase in LEXICON.ends or " " in after.phrase or after.phrase in LEXICON.one_of_many
+    return after.kind is MentionKind.PLACE and several or after.phrase in LEXICON.part_nouns
+
+
+def _is_a_path(spot: _Spot) -> bool:
+    """A shape of the way, or another world: "in a spiral", "on the moon"."""
+    return spot.word in get_set("paths") or spot.word in get_set("worlds")
+
+
+def _is_struck(spot: _Spot) -> bool:
+    """The place where a blow or a pull acts: "tap it on the forehead", "tug at the collar"."""
+    acts = spot.motion is not None and (spot.motion.effect is Effect.STRIKE or spot.motion.pulls)
+    return acts and spot.preposition in ("at", "on", "against")
+
+
+def _is_result(spot: _Spot) -> bool:
+    """A result: "bend it into a knot"; or a way: "toward the north"."""
+    return spot.preposition in ("into", "toward", "towards", "like")
+
+
+def _is_placed(spot: _Spot) -> bool:
+    """A noun behind a preposition: "in the garden", "by a crane", "with a spoon"."""
+    return spot.preposition in get_set("prepositions")
+
+
+def _is_in_a_fragment(spot: _Spot) -> bool:
+    """A segment of nouns alone beside a motion, in a caption: ", soft focus, volumetric,"."""
+    inside = spot.mentions[spot.begin : spot.end]
+    around = (*spot.mentions[spot.begin - 1 : spot.begin], *spot.mentions[spot.end : spot.end + 1])
+    told = {m.kind for m in inside} - {MentionKind.FUNCTION, *_LOOSE}
+    apart = all(not m.words.isalnum() for m in around)
+    linked = spot.names | get_set("pronouns") | get_set("repeating") | get_set("linking")
+    nouns = not any(m.phrase in linked or m.phrase.endswith(("ly", "wise", "ways")) for m in inside)
+    return spot.captions and apart and not told and nouns
+
+
+def _is_describing(spot: _Spot) -> bool:
+    """An adjective: "the old robot", "the polished floor", "the howling wind", "the slender neck"."""
+    noun = spot.skip(1)
+    if noun is None:
+        return False
+    known = noun.phrase in spot.names or noun.form in LEXICON.scene_nouns or noun.kind is MentionKind.PLACE
+    return known or noun.motion is not None and noun.motion.wind
+
+
+def _is_predicate(spot: _Spot) -> bool:
+    """The place of a verb: behind the object as its subject, or before it as its object."""
+    subject = spot.skip(-1, get_set("auxiliaries"))
+    behind = spot.get(2) if spot.get(1) in get_set("determiners") else spot.get(1)
+    after_subject = subject is not None and subject.phrase in spot.names | get_set("pronouns")
+    before_object = behind in spot.names | get_set("objects")
+    noun = spot.get(-1) in get_set("determiners") | get_set("prepositions")
+    return after_subject and not spot.word.endswith("ly") or before_object and not noun
+
+
+def _is_acting(spot: _Spot) -> bool:
+    """The agent of a motion: "the baker presses the bread", "Alice nudges it"."""
+    verb = spot.skip(1, get_set("auxiliaries"))
+    if verb is None or verb.kind not in MOTIONS:
+        return False
+    behind = spot.mentions[spot.index : spot.index + _REACH]
+    end = next((i for i, m in enumerate(behind) if m.words == "."), len(behind))
+    return any(m.phrase in spot.names | get_set("objects") for m in behind[:end])
+
+
+# In their order: the first that holds decides whether the word is ignored; what none holds for is doubtful.
+_RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
+    (_is_a_particle, False),
+    (_is_a_known_word, True),
+    (_is_a_path, False),
+    (_is_heading, True),
+    (_is_in_a_fragment, True),
+    (_is_number, False),
+    (_is_measured, True),
+    (_is_asking, True),
+    (_is_described, True),
+    (_is_reaching, True),
+    (_is_a_part, False),
+    (_is_telling_a_part, False),
+    (_is_struck, False),
+    (_is_result, False),
+    (_is_placed, True),
+    (_is_describing, True),
+    (_is_predicate, False),
+    (_is_acting, True),
+)

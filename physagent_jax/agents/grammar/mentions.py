@@ -1,0 +1,141 @@
+"""Mentions of a sentence: a phrase of the lexicon, its kind and its value; and the reader that collects them."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass, replace
+
+from physagent_jax.agents.grammar.measures import Words
+from physagent_jax.agents.grammar.tables import get_set
+from physagent_jax.agents.grammar.tokens import correct_spelling, tokenise
+from physagent_jax.agents.lexicon import Effect, Motion
+
+
+class MentionKind(enum.Enum):
+    """The kind of a mention; in brackets the type of its value."""
+
+    VERB = enum.auto()  # Motion
+    CAUSE = enum.auto()  # Motion
+    DIRECTION = enum.auto()  # names
+    FROM = enum.auto()  # names: where the cause comes from
+    AXIS = enum.auto()  # names
+    PLANE = enum.auto()  # names
+    SIDES = enum.auto()  # "both" or "all"
+    SENSE = enum.auto()  # int
+    VIEW = enum.auto()  # names
+    INTENSITY = enum.auto()  # float
+    DEGREE = enum.auto()  # float
+    COMPARATIVE = enum.auto()  # float
+    EVEN = enum.auto()  # None: at one speed
+    REPEAT = enum.auto()  # Repeat
+    PLACE = enum.auto()  # Place
+    EXCLUDED = enum.auto()  # Place that is not meant
+    EXCEPT = enum.auto()  # None: what is not meant is not understood
+    TIME = enum.auto()  # TimeSpan
+    QUANTITY = enum.auto()  # Quantity
+    REVERSAL = enum.auto()  # "other" or "same"
+    ORDINAL = enum.auto()  # int: "the second time"
+    SOLID = enum.auto()  # Solid
+    GRAVITY = enum.auto()  # str: where to
+    ANCHOR = enum.auto()  # str
+    JOIN = enum.auto()  # Join
+    NOT = enum.auto()  # None
+    FUNCTION = enum.auto()  # None
+    UNKNOWN = enum.auto()  # None
+    IGNORED = enum.auto()  # None: looks, scenery, camera
+
+
+MOTIONS = (MentionKind.VERB, MentionKind.CAUSE)
+WAYS = (MentionKind.DIRECTION, MentionKind.FROM)
+
+
+@dataclass(frozen=True)
+class Mention:
+    """A phrase of the lexicon as it stands in the sentence.
+
+    Attributes:
+        kind, value: Its meaning.
+        words: The words in the sentence.
+        phrase: The entry of the lexicon.
+        first: Index of its first token.
+        form: The first token's text ("pushing"), to tell participles.
+    """
+
+    kind: MentionKind
+    value: object
+    words: str
+    phrase: str
+    first: int
+    form: str
+
+    @property
+    def motion(self) -> Motion | None:
+        """The motion of a verb or a cause; None for others."""
+        return self.value if isinstance(self.value, Motion) else None
+
+
+def empty(mention: Mention, why: str = "aside") -> Mention:
+    """The mention without what it says; ``why`` stands for its phrase."""
+    return replace(mention, kind=MentionKind.FUNCTION, value=None, phrase=why, form=why)
+
+
+def get_phrase(mentions: list[Mention], index: int) -> str:
+    """The phrase of a mention; empty past the ends."""
+    return mentions[index].phrase if 0 <= index < len(mentions) else ""
+
+
+def get_last_motion(mentions: list[Mention]) -> Motion | None:
+    """The last motion among mentions."""
+    return next((mention.motion for mention in reversed(mentions) if mention.motion), None)
+
+
+def has_motion(mentions: list[Mention]) -> bool:
+    """Return whether something is done in them."""
+    return any(mention.kind in MOTIONS for mention in mentions)
+
+
+class Reader:
+    """One sentence and its tokens while its phrases are looked for.
+
+    Attributes:
+        sentence: The sentence.
+        tokens, words: Its tokens, and the same as one string.
+        names: Words for the object.
+        used: Indices of the tokens that belong to a mention.
+        mentions: Mentions found so far, in order of the first words.
+    """
+
+    def __init__(self, sentence: str, names: frozenset[str]):
+        self.sentence, self.tokens = sentence, correct_spelling(tokenise(sentence), names)
+        self.words = Words(self.tokens)
+        self.names = names
+        self.used: set[int] = set()
+        self.mentions: list[Mention] = []
+
+    def make_mention(self, kind: MentionKind, value: object, phrase: str, used: list[int]) -> Mention:
+        """The mention of the tokens ``used``, which belong to it from now on."""
+        self.used.update(used)
+        words = self.sentence[self.tokens[used[0]].start : self.tokens[used[-1]].end]
+        return Mention(kind, value, words, phrase, used[0], self.tokens[used[0]].text)
+
+    def make_span(self, kind: MentionKind, value: object, phrase: str, at: int, behind: int) -> Mention:
+        """The mention of the tokens from ``at`` to ``behind`` that are free."""
+        free = [index for index in range(at, min(behind, len(self.tokens))) if index not in self.used]
+        return self.make_mention(kind, value, phrase, free)
+
+    def get_text(self, at: int) -> str:
+        """The text of a token; empty past the ends."""
+        return self.words.get(at)
+
+    def is_after_determiner(self, at: int) -> bool:
+        """Return whether an article or the like stands before it."""
+        return self.get_text(at - 1) in get_set("determiners")
+
+    def get_preposition(self, at: int) -> str:
+        """The word before, past a determiner."""
+        return self.get_text(at - 2 if self.is_after_determiner(at) else at - 1)
+
+    def is_striking(self) -> bool:
+        """Return whether the last motion is a blow."""
+        motion = get_last_motion(self.mentions)
+        return motion is not None and motion.effect is Effect.STRIKE

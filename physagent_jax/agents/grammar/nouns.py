@@ -1,0 +1,215 @@
+"""Nouns: the object's names, its parts with their places ("the left arm", "its top"), and walls and blocks."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+from physagent_jax.agents.grammar.chunks import PHRASES, begins_longer_phrase
+from physagent_jax.agents.grammar.mentions import MOTIONS, Mention, MentionKind, Reader
+from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
+from physagent_jax.agents.grammar.tokens import FORMS, tokenise
+from physagent_jax.agents.intent import Solid
+from physagent_jax.agents.lexicon import Effect, Names, Place
+from physagent_jax.agents.schema import SceneBrief
+
+_REACH = 12  # words before "the right one" in which the part is named
+
+
+def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
+    """The words of ``sentence`` that name the object: its name and kind, or a noun for its kind, singular and plural.
+
+    A noun that the lexicon has another meaning for is none, nor is one beside the object's own name, unless both are
+    one name ("the teddy bear", "the loaf of bread"): then it is a part, or another thing.
+    """
+    own = set(_add_plurals(_split(f"{brief.object_name} {brief.object_kind}")))
+    nouns = {w for w in _add_plurals(brief.object_nouns) if not _has_other_meaning(w)}
+    tokens = tokenise(sentence)
+    texts = [token.text for token in tokens]
+    places = [at for at, text in enumerate(texts) if text in own]
+    if not places:
+        return frozenset(own | {t for at, t in enumerate(texts) if t in nouns})
+    beside = set()
+    for at in places:
+        beside.update(texts[max(at - 1, 0) : at])
+        if texts[at - 1 : at] == ["of"]:
+            beside.update(texts[max(at - 2, 0) : at - 1])
+        if not tokens[at].possessive:
+            beside.update(texts[at + 1 : at + 2])
+        if texts[at + 1 : at + 2] == ["of"]:
+            beside.update(texts[at + 2 : at + 3])
+    return frozenset(own | (beside & nouns))
+
+
+def is_telling(name: str) -> bool:
+    """Return whether a name says what the object is; a noun that is not its own is then hardly the object."""
+    return any(len(word) > 2 and word not in get_set("names_of_files") for word in _split(name))
+
+
+def _split(name: str) -> list[str]:
+    return re.findall(r"[^\W\d_]+", name.lower())
+
+
+def _add_plurals(words) -> list[str]:
+    return [form for word in words for form in (word, word + "s", word + "es")]
+
+
+def _has_other_meaning(word: str) -> bool:
+    return word in LEXICON.words or word in LEXICON.parts or word in FORMS
+
+
+def read_part(reader: Reader, at: int) -> Mention | None:
+    """Reads parts, and directions that share words with them: "the left arm", "the top", "from the front"."""
+    for size in (2, 1):
+        phrase = " ".join(token.text for token in reader.tokens[at : at + size])
+        names = LEXICON.part_adjectives.get(phrase)
+        if names is not None and (mention := _read_side(reader, at, size, phrase, names)):
+            return mention
+    return None
+
+
+def _read_side(reader: Reader, at: int, size: int, phrase: str, names: Names) -> Mention | None:
+    """Reads a side with the noun behind it, or alone where it is an end as well."""
+    noun = reader.get_text(at + size)
+    plural = noun not in ("sides", "faces") and FORMS.get(noun) is None  # "from the left tips it over"
+    part = noun.removesuffix("s") if plural else noun
+    used = list(range(at, at + size + 1))
+    towards = reader.get_preposition(at) in get_set("before_ways")
+    parted = any(mention.kind is MentionKind.PLACE for mention in reader.mentions[-_REACH:])
+    if noun == "one" and parted:  # "its left arm goes up, the right one down"
+        return reader.make_mention(MentionKind.PLACE, Place(names, 2 / 3), f"{phrase} side", used)
+    if part in LEXICON.part_nouns:
+        if towards:
+            return _make_direction(reader, names, phrase, used)
+        return reader.make_mention(
+            MentionKind.PLACE, Place(names, LEXICON.part_nouns[part]), f"{phrase} {part}", used
+        )
+    if _is_part_with_name(reader, at, noun):
+        place = Place(names, 0.5 if names in (("up",), ("down",)) else 2 / 3)
+        return reader.make_mention(MentionKind.PLACE, place, f"{phrase} part", used)
+    struck = reader.get_preposition(at) in ("on", "at") and reader.is_after_determiner(at)
+    if struck and phrase in ("left", "right") and reader.is_striking():
+        return reader.make_mention(MentionKind.PLACE, Place(names, 2 / 3), f"{phrase} side", [at])
+    if phrase not in LEXICON.ends or begins_longer_phrase(reader, at):
+        return None
+    if towards or reader.get_text(at - 1) in ("a", "an") and noun in LEXICON.motions:  # "a front flip"
+        return _make_direction(reader, names, phrase, [at])
+    if phrase != "back" or at > 0 and reader.tokens[at - 1].possessive or reader.is_after_determiner(at):
+        return reader.make_mention(MentionKind.PLACE, Place(names, 2 / 3), phrase, [at])
+    if noun in ("to", "toward", "towards") and _is_way(reader, at + 2):
+        return reader.make_mention(MentionKind.FUNCTION, None, phrase, [at])  # "back to the left"
+    return reader.make_mention(MentionKind.DIRECTION, names, phrase, [at])
+
+
+def _is_way(reader: Reader, at: int) -> bool:
+    """Return whether a way is told within two words."""
+    told = LEXICON.directions.keys() | LEXICON.ends.keys() | get_set("speakers")
+    return any(reader.get_text(i) in told for i in (at, at + 1))
+
+
+def _make_direction(reader: Reader, names: Names, phrase: str, used: list[int]) -> Mention:
+    kind = MentionKind.FROM if reader.get_preposition(used[0]) == "from" else MentionKind.DIRECTION
+    return reader.make_mention(kind, names, phrase, used)
+
+
+def _is_part_with_name(reader: Reader, at: int, noun: str) -> bool:
+    """Return whether a side stands before a noun that the lexicon lacks: "the upper shelves", "its left sleeve"."""
+    side = reader.get_text(at) in get_set("sides_of_parts")
+    owners = get_set("pronouns_of_owners") if side else get_set("owners_of_parts")
+    if reader.get_text(at - 1) not in owners or not noun.isalpha() or noun in reader.names:
+        return False
+    known = noun in PHRASES or FORMS.get(noun, noun) in PHRASES or noun in LEXICON.words - {"body"}
+    return not known and reader.get_preposition(at) not in get_set("before_ways") | {
+        "on",
+        "onto",
+        "at",
+        "in",
+    }
+
+
+_SIDE = "left|right|front|back|rear"
+_NOUN = "|".join(sorted(LEXICON.obstacles, key=len, reverse=True))
+_OF_IT = r"(?: (?:of )?(?:it|him|her|(?:the )(?P<owner>\S+)))?"
+_PLACES = "|".join(read_sections()["places_of_walls"])
+_WALL = re.compile(
+    rf"(?:(?P<side>{_SIDE}) )?(?:(?:{_NOUN}) )?(?P<noun>{_NOUN})(?P<where> (?:(?P<place>{_PLACES}|in front){_OF_IT}"
+    rf"|(?P<to>on|at|to) (?:the |its |his |our )?(?P<beside>{_SIDE})(?: side| hand)?"
+    r"(?P<of> of (?:it|him|her|the \S+))?))?(?= )"
+)
+_PAIR = re.compile(
+    r"walls (?:(?:on )?(?:the |its )?left and (?:on )?(?:the |its )?right|on (?:both|either) (?:its )?sides?)"
+    r"(?: of (?:it|the \S+))?(?= )"
+)
+
+
+def read_solid(reader: Reader, at: int) -> Mention | None:
+    """A wall or block with its place: "the wall on the right", "into the left wall"; what "hits" it only goes there."""
+    if (pair := reader.words.match(_PAIR, at)) is not None:
+        solid = Solid(sides=("left",), opposite=("right",))
+        return reader.make_span(MentionKind.SOLID, solid, "solid", at, reader.words.find_behind(at, pair))
+    if reader.get_text(at) not in get_set("plates") | get_set("sides_of_parts") | LEXICON.obstacles.keys():
+        return None
+    before = at - 1
+    while reader.get_text(before) in get_set("before_walls"):
+        before -= 1
+    way = reader.get_text(before)
+    if way == "between" and reader.get_text(at) in get_set("plates"):
+        return reader.make_mention(MentionKind.FUNCTION, None, "plates", [at])
+    match = reader.words.match(_WALL, at)
+    if match is None or match["noun"] in reader.names:
+        return None
+    kind = LEXICON.obstacles[match["noun"]]
+    if (kind == "block" or match["noun"] == "ceiling") and way not in get_set("against"):
+        return None
+    _convert_collision(reader)
+    side, behind = _find_where(reader, at, match)
+    if not side:
+        side = (
+            "up"
+            if match["noun"] == "ceiling"
+            else "down"
+            if kind == "block" and way in ("on", "onto")
+            else ""
+        )
+    solid = Solid.model_validate({"kind": kind, "sides": (side,) if side else ()})
+    return reader.make_span(MentionKind.SOLID, solid, "solid", at, behind)
+
+
+def _find_where(reader: Reader, at: int, match: re.Match[str]) -> tuple[str, int]:
+    """The side of a wall, and the index behind; "against the wall to the left" tells the way instead."""
+    places = {**read_sections()["places_of_walls"], "in front": "toward"}
+    name = match["place"] and places[match["place"]]
+    beside = None if match["to"] == "to" and not match["of"] else match["beside"]
+    name = name or {"front": "toward", "back": "away", "rear": "away"}.get(
+        beside or match["side"] or "", beside or match["side"]
+    )
+    whole = reader.words.find_behind(at, match)
+    told = bool(match["place"] or beside)
+    length = whole if told else whole - (match["where"] or "").count(" ")
+    return name or "", length
+
+
+def _convert_collision(reader: Reader) -> None:
+    """Makes "hits a wall", "bounces off the wall" the way there: no blow."""
+    index = next(
+        (
+            i
+            for i in reversed(range(len(reader.mentions)))
+            if reader.mentions[i].kind is not MentionKind.FUNCTION
+        ),
+        -1,
+    )
+    verb = reader.mentions[index].motion if index >= 0 else None
+    if verb is None or verb.gravity or verb.effect not in (Effect.STRIKE, Effect.FALL):
+        return
+    between = {mention.phrase for mention in reader.mentions[index + 1 :]}
+    if verb.effect is Effect.FALL and between & (reader.names | {"it", "him", "her"}) and "off" in between:
+        motion = "hit"  # "bounce it off the wall"
+    elif between & (get_set("against") | reader.names):
+        return
+    elif any(mention.kind in MOTIONS for mention in reader.mentions[:index]):
+        reader.mentions[index] = replace(reader.mentions[index], kind=MentionKind.FUNCTION, value=None)
+        return
+    else:
+        motion = "move"
+    reader.mentions[index] = replace(reader.mentions[index], value=LEXICON.motions[motion], phrase=motion)

@@ -1,0 +1,89 @@
+"""Patterns of the documented language: a form, example sentences, and what each means."""
+
+from __future__ import annotations
+
+import difflib
+import functools
+from dataclasses import dataclass
+from importlib import resources
+
+import yaml
+
+from physagent_jax.agents.grammar.tables import LEXICON
+from physagent_jax.agents.grammar.tokens import FORMS, tokenise
+
+_NEAREST, _ALIKE, _SHOWN = 3, 0.6, 2
+_TABLE = "<!-- patterns -->"
+_PAGE = "page.md"  # what stands around the table of patterns in the documentation
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """A form of sentence that the grammar promises to read.
+
+    Attributes:
+        name: A short name.
+        group: Heading under which the documentation shows it.
+        form: Words in small letters stand as they are, those in capitals for others of a kind; ``|`` separates choices,
+            brackets hold what may be left out.
+        examples: Sentences about ``object``.
+        reading: Their meaning, in the notation of the corpus of sentences.
+        object: Name of the object.
+    """
+
+    name: str
+    group: str
+    form: str
+    examples: tuple[str, ...]
+    reading: str
+    object: str = "robot"
+
+
+@functools.cache
+def read_patterns() -> tuple[Pattern, ...]:
+    """All patterns, in their order."""
+    file = resources.files("physagent_jax.agents.grammar") / "patterns.yaml"
+    groups = yaml.load(file.read_text(encoding="utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    return tuple(
+        Pattern(**{**row, "group": group, "examples": tuple(row["examples"])})
+        for group, rows in groups.items()
+        for row in rows
+    )
+
+
+def suggest_patterns(sentence: str) -> list[Pattern]:
+    """The documented patterns whose words are most like those of a sentence."""
+    words = {
+        token.lemma
+        for token in tokenise(sentence[:1000])
+        if token.is_word and token.text not in ("the", "a", "it")
+    }
+
+    def count(pattern: Pattern) -> int:
+        own = {token.lemma for example in (*pattern.examples, pattern.form) for token in tokenise(example)}
+        return len(words & own)
+
+    return sorted(read_patterns(), key=count, reverse=True)[:_SHOWN]
+
+
+def suggest_motions(word: str) -> list[str]:
+    """The known motions that are spelled most like a word."""
+    known = [phrase for phrase in (*LEXICON.motions, *LEXICON.causes) if "~" not in phrase]
+    return difflib.get_close_matches(FORMS.get(word, word), known, _NEAREST, _ALIKE) if word else []
+
+
+def describe_patterns() -> str:
+    """The page of the documented language, in Markdown."""
+    head, _, tail = (
+        (resources.files("physagent_jax.agents.grammar") / _PAGE)
+        .read_text(encoding="utf-8")
+        .partition(_TABLE)
+    )
+    lines, group = [head.rstrip()], ""
+    for pattern in read_patterns():
+        if pattern.group != group:
+            group = pattern.group
+            lines.append(f"\n## {group}\n\n| form | for example |\n|---|---|")
+        form = pattern.form.replace("|", "\\|")
+        lines.append(f"| {form} | {'; '.join(pattern.examples)} |")
+    return "\n".join([*lines, tail])

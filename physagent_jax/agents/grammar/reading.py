@@ -1,0 +1,179 @@
+"""A sentence as a list of mentions in the order of the words.
+
+At each word the first of `_READERS` that finds something there wins: those that look farthest stand first. Then passes
+over the whole list give words their scope.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from physagent_jax.agents.grammar.asides import PASSES
+from physagent_jax.agents.grammar.chunks import read_phrase, read_word
+from physagent_jax.agents.grammar.measures import (
+    match_count,
+    match_number,
+    match_quantity,
+    match_time,
+)
+from physagent_jax.agents.grammar.mentions import Mention, MentionKind, Reader, get_last_motion
+from physagent_jax.agents.grammar.nouns import read_part, read_solid
+from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
+from physagent_jax.agents.lexicon import Effect, Join, Repeat
+
+_MOST_STROKES = 1000  # a count beyond any clip's frames means nothing more than "very often"
+
+
+def read_mentions(sentence: str, names: frozenset[str]) -> list[Mention]:
+    """The mentions of ``sentence``; ``names`` are words for the object and never verbs after "the"."""
+    reader = Reader(sentence, names)
+    for at in range(len(reader.tokens)):
+        if at not in reader.used:
+            reader.mentions.append(_read_at(reader, at))
+    mentions = reader.mentions
+    for change in PASSES:
+        mentions = change(mentions, names)
+    return mentions
+
+
+def _read_at(reader: Reader, at: int) -> Mention:
+    token = reader.tokens[at]
+    if not token.is_word:
+        join = {",": Join.COMMA, ":": Join.RESULT}.get(token.text, Join.THEN)
+        return reader.make_mention(MentionKind.JOIN, join, token.text, [at])
+    if token.text in reader.names and (token.lemma not in LEXICON.motions or reader.is_after_determiner(at)):
+        return reader.make_mention(MentionKind.FUNCTION, None, token.text, [at])
+    found = (read(reader, at) for read in _READERS)
+    return next((mention for mention in found if mention is not None), None) or read_word(reader, at)
+
+
+def _read_once(reader: Reader, at: int) -> Mention | None:
+    """Reads "once it has landed", a time and no count, and "..., so it goes right", what comes of it."""
+    join = {"once": Join.AFTER, "so": Join.RESULT}.get(reader.get_text(at))
+    subject = get_set("pronouns") | reader.names | {"the"}
+    if join is None or reader.get_text(at + 1) not in subject:
+        return None
+    return reader.make_mention(MentionKind.JOIN, join, reader.get_text(at), [at])
+
+
+def _read_prevention(reader: Reader, at: int) -> Mention | None:
+    """Reads "keep it from falling": it does not fall."""
+    after = reader.tokens[at + 1] if at + 1 < len(reader.tokens) else None
+    prevented = reader.get_text(at) == "from" and any(m.form in get_set("prevents") for m in reader.mentions)
+    if not prevented or after is None or after.lemma not in LEXICON.motions or not after.text.endswith("ing"):
+        return None
+    return reader.make_mention(MentionKind.NOT, None, "from", [at])
+
+
+def _read_state(reader: Reader, at: int) -> Mention | None:
+    """An adjective that says what was before: "the fallen robot"; "the floating robot" is weightless."""
+    token = reader.tokens[at]
+    if not reader.is_after_determiner(at) or reader.get_text(at + 1) not in reader.names:
+        return None
+    verb = LEXICON.motions.get(token.lemma)
+    if verb is not None and verb.floats and token.text.endswith("ing"):
+        return reader.make_mention(MentionKind.GRAVITY, "none", token.text, [at])
+    done = token.text != token.lemma and not token.text.endswith(("ing", "s"))
+    if verb is None or verb.effect is Effect.HOLD or not done:
+        return None  # what holds it ("the tied robot") holds it yet
+    return reader.make_mention(MentionKind.FUNCTION, None, "state", [at])
+
+
+def _read_manner(reader: Reader, at: int) -> Mention | None:
+    """The noun in "with great force", "at high speed": its adjective says how it is done."""
+    if reader.get_text(at) not in LEXICON.manners or get_last_motion(reader.mentions) is None:
+        return None
+    before = at - 1
+    while reader.get_text(before) in LEXICON.intensities or reader.get_text(before) in LEXICON.degrees:
+        before -= 1
+    if reader.get_text(before) not in ("with", "at", ","):
+        return None
+    return reader.make_mention(MentionKind.FUNCTION, None, "manner", [at])
+
+
+def _read_quantity(reader: Reader, at: int) -> Mention | None:
+    """Reads "90 degrees", "half a body length", "twice as strong"."""
+    found = match_quantity(reader.words, at)
+    if found is None:
+        return None
+    quantity, behind = found
+    if quantity.dimension == "strength":
+        return reader.make_span(MentionKind.COMPARATIVE, quantity.value, "as strong", at, behind)
+    return reader.make_span(MentionKind.QUANTITY, quantity, "quantity", at, behind)
+
+
+def _read_ordinal(reader: Reader, at: int) -> Mention | None:
+    """Reads "the second time", "the second harder": one of several strokes."""
+    order = read_sections()["ordinals"].get(reader.get_text(at))
+    if order is None or reader.get_text(at - 1) != "the":
+        return None
+    after = reader.get_text(at + 1)
+    counted = after in ("time", "one") and reader.get_text(at - 2) != "for"
+    if counted or after in LEXICON.comparatives or after in LEXICON.intensities or after == "more":
+        return reader.make_mention(MentionKind.ORDINAL, int(order), "ordinal", [at, at + 1][: 1 + counted])
+    return None
+
+
+def _read_time(reader: Reader, at: int) -> Mention | None:
+    """Reads "for two seconds", "in the first half"."""
+    found = match_time(reader.words, at, lambda: _is_measured(reader, at))
+    if found is None:
+        return None
+    return reader.make_span(MentionKind.TIME, found[0], "time", at, found[1])
+
+
+def _is_measured(reader: Reader, at: int) -> bool:
+    """Return whether it was said how much: "by half its length in a second"; "in a second push it" tells a start.
+
+    Behind a colon the measure may follow: "hit it: in a second it goes by half its length".
+    """
+    for mention in reversed(reader.mentions):
+        if mention.kind is MentionKind.QUANTITY:
+            return True
+        if mention.kind is MentionKind.JOIN and not mention.words.isalpha() and mention.words != ",":
+            break
+    if reader.get_text(at - 1) != ":" or reader.get_text(at) not in ("in", "over"):
+        return False
+    return any(match_quantity(reader.words, i) for i in range(at, min(at + 20, len(reader.tokens))))
+
+
+def _read_count(reader: Reader, at: int) -> Mention | None:
+    """Reads "three times", and the number in "three gusts", "two small jumps"."""
+    if counted := match_count(reader.words, at):
+        repeat = Repeat(int(min(max(counted[0], 1), _MOST_STROKES)))
+        return reader.make_span(MentionKind.REPEAT, repeat, "times", at, counted[1])
+    counted = match_number(reader.words, at)
+    if (
+        counted is None
+        or counted[0] <= 1
+        or counted[0] != int(counted[0])
+        or counted[1] >= len(reader.tokens)
+    ):
+        return None
+    behind = counted[1] + (reader.get_text(counted[1]) in LEXICON.intensities)
+    thing = reader.tokens[min(behind, len(reader.tokens) - 1)]
+    several = thing.text.endswith("s") and thing.text != thing.lemma  # "3.2 Compress it" is a heading
+    if (
+        several
+        and thing.lemma in LEXICON.motions
+        or thing.text.endswith("s")
+        and thing.text in LEXICON.causes
+    ):
+        repeat = Repeat(int(min(counted[0], _MOST_STROKES)))
+        return reader.make_span(MentionKind.REPEAT, repeat, "times", at, counted[1])
+    return None
+
+
+_READERS: tuple[Callable[[Reader, int], Mention | None], ...] = (
+    read_solid,
+    _read_once,
+    _read_prevention,
+    _read_state,
+    _read_manner,
+    _read_quantity,
+    _read_ordinal,
+    read_part,
+    _read_time,
+    _read_count,
+    read_phrase,
+)

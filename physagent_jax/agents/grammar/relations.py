@@ -1,0 +1,269 @@
+"""Relations between clauses: what repeats the verb before it, what comes of what, and the order in time."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from physagent_jax.agents.grammar.clauses import TURNING, WHERE, Clause, get_verb, group_mentions, is_turn
+from physagent_jax.agents.grammar.mentions import WAYS, Mention, MentionKind
+from physagent_jax.agents.grammar.tables import LEXICON
+from physagent_jax.agents.grammar.tokens import is_participle
+from physagent_jax.agents.intent import Quantity
+from physagent_jax.agents.lexicon import Effect, Join, Motion, Repeat
+
+_MOVING = (
+    *WAYS,
+    MentionKind.SENSE,
+    MentionKind.QUANTITY,
+    MentionKind.REPEAT,
+    MentionKind.INTENSITY,
+    MentionKind.COMPARATIVE,
+)
+# What an object does by itself beside its motion; a push or a blow brings about what follows.
+_FORMS = (Effect.TURN, Effect.SWAY, Effect.JUMP, Effect.ROLL, Effect.SCALE, Effect.SWELL, Effect.LEAN)
+_SEPARATE = (Effect.FALL, Effect.TOPPLE, Effect.STILL, Effect.RELEASE, Effect.HOLD)
+
+
+def read_clauses(mentions: list[Mention]) -> list[Clause]:
+    """The clauses of a sentence in the order in which they happen."""
+    clauses = group_mentions(mentions)
+    for index, clause in enumerate(clauses):
+        _inherit(clauses, index)
+        blown = clause.head is not None and get_verb(clause.head).wind and clause.select(MentionKind.FROM)
+        if blown:  # "a wind from the right blows it away": off, wherever that is
+            clause.modifiers = [m for m in clause.modifiers if m.phrase != "away"]
+    untils = [m.first for m in mentions if m.kind is MentionKind.JOIN and m.phrase == "until"]
+    return _sort_clauses(_merge_results(_turn_untils(clauses, untils)))
+
+
+def _turn_untils(clauses: list[Clause], untils: list[int]) -> list[Clause]:
+    """Puts what does not happen until something else does behind that: "it does not fall until it is pushed"."""
+    turned = list(clauses)
+    for at, (late, early) in enumerate(zip(clauses, clauses[1:])):
+        if late.verb is None or early.verb is None or not late.negated or get_verb(late.verb).generic:
+            continue
+        if any(late.verb.first < until < early.verb.first for until in untils):
+            late.negated, late.join, early.join = False, Join.THEN, late.join
+            turned[at : at + 2] = [early, late]
+    return turned
+
+
+def _inherit(clauses: list[Clause], index: int) -> None:
+    """Gives a clause without verb the verb before it: "push it to the left, then to the right"."""
+    clause = clauses[index]
+    held = clause.select(MentionKind.ANCHOR) and not clause.select(*_MOVING)  # "while its feet are stuck"
+    if clause.head is not None or not clause.modifiers or held:
+        return
+    before = next((c for c in reversed(clauses[:index]) if c.head is not None), None)
+    own = _find_own_motion(clause, before)
+    if own is not None:
+        clause.verb = replace(own[0], kind=MentionKind.VERB, value=own[1], phrase=own[2])
+    elif before is not None and not before.has(Effect.STILL, Effect.RELEASE, Effect.HOLD):
+        clause.verb, clause.cause, clause.inherited = before.verb, before.cause, True
+        _take_over(clause, before)
+
+
+def _find_own_motion(clause: Clause, before: Clause | None) -> tuple[Mention, Motion, str] | None:
+    """The mention that tells by itself what is done, the motion and its phrase."""
+    for mention in clause.select(MentionKind.QUANTITY):
+        size = mention.value
+        assert isinstance(size, Quantity)
+        if size.relation == "is" and size.dimension != "far":  # "make it twice as tall"
+            motion = "stretch" if size.value >= 1 else "squeeze"
+            return mention, LEXICON.motions[motion], motion
+        turn = is_turn(mention)
+        idle = before is None or before.has(Effect.STILL, Effect.RELEASE, Effect.HOLD)
+        if size.unit == "degrees" and idle or turn and not (before and before.has(*TURNING)):  # "a full turn"
+            return mention, LEXICON.motions["turn"], "turn"
+    for mention in clause.select(MentionKind.GRAVITY):
+        if mention.value == "down" and not clause.select(MentionKind.FROM):  # "then let gravity act"
+            return mention, LEXICON.motions["fall"], "fall"
+    if before is not None and before.negated and before.verb is None:
+        for mention in clause.select(MentionKind.DIRECTION):  # "no rotation, just up"
+            return mention, LEXICON.motions["push"], "push"
+    return None
+
+
+def _take_over(clause: Clause, before: Clause) -> None:
+    """Gives a clause with the verb before it also where that was done, if it tells nothing else."""
+    ordinals = clause.select(MentionKind.ORDINAL)
+    if ordinals:  # "twice, the second time harder": one stroke less before
+        for index, mention in enumerate(before.modifiers):
+            if isinstance(mention.value, Repeat) and (mention.value.count or 0) > 1:
+                count = (mention.value.count or 2) - 1
+                before.modifiers[index] = replace(mention, value=replace(mention.value, count=count))
+    if not clause.select(*WHERE):  # "..., then harder": the same again
+        again = [m for m in before.select(*WHERE) if not (ordinals and m.kind is MentionKind.REPEAT)]
+        clause.modifiers = [*again, *clause.modifiers]
+    elif clause.select(MentionKind.SENSE) and not clause.select(MentionKind.AXIS, MentionKind.VIEW):
+        clause.modifiers += before.select(MentionKind.AXIS, MentionKind.VIEW)  # about the same axis
+
+
+def _merge_results(clauses: list[Clause]) -> list[Clause]:
+    """Makes one clause of cause and effect ("pushes it so that it bends"): the effect's verb, all modifiers."""
+    merged: list[Clause] = []
+    for index, clause in enumerate(clauses):
+        before = merged[-1] if merged else None
+        acts = before is not None and before.head is not None and clause.verb is not None
+        if before is None or not acts or clause.negated or before.negated or before.has(Effect.HOLD):
+            merged.append(clause)
+            continue
+        if clause.join is Join.COMMA:
+            clause.join = _find_comma(merged, clause)
+        if clause.join is Join.RESULT and before.has(Effect.STILL):
+            clause.join = Join.THEN  # "nothing happens until it is hit"
+        if clause.join is Join.RESULT and _is_first_of_steps(clause, clauses[index + 1 :]):
+            clause.join = Join.THEN
+        if clause.stays and not clause.modifiers and before.has(get_verb(clause.verb).effect):
+            before.stays = True  # "compress it and keep it compressed"
+        elif _is_saying_size_again(before, clause):
+            _absorb(before, clause)
+        elif _is_falling_over(before, clause):
+            _absorb(before, clause)
+        elif (
+            clause.join is Join.RESULT or _is_carried_off(before, clause) or _is_moved_by_wind(before, clause)
+        ):
+            merged += _relate(before, clause)
+        else:
+            if clause.join is Join.AND and before.has(Effect.STRIKE) and clause.has(Effect.TOPPLE):
+                told = before.select(*WHERE)  # "a kick topples it to the right"
+                before.modifiers += [] if told else clause.select(*WAYS)
+            if clause.join is Join.AND and before.has(Effect.STRIKE) and clause.has(Effect.PUSH):
+                clause.join = Join.THEN  # "it is thrown to the left and slides down"
+            merged.append(clause)
+    return merged
+
+
+def _is_saying_size_again(before: Clause, clause: Clause) -> bool:
+    """Return whether a second verb only measures the change of size: "it deflates and shrinks to half its size"."""
+    first, second = get_verb(before.head), get_verb(clause.verb)
+    alike = first.effect is second.effect in (Effect.SCALE, Effect.SWELL) and first.sign == second.sign
+    measured = bool(clause.select(MentionKind.QUANTITY)) and not before.modifiers
+    return alike and measured and clause.join is Join.AND and before.verb is not clause.verb
+
+
+def _is_first_of_steps(clause: Clause, behind: list[Clause]) -> bool:
+    """Return whether what follows repeats its verb: "it sways: its top goes left, then right, and back"."""
+    repeated = bool(behind) and behind[0].inherited and behind[0].verb is clause.verb
+    return repeated and get_verb(clause.verb).generic
+
+
+def _find_comma(merged: list[Clause], clause: Clause) -> Join:
+    """The meaning of a comma before a verb: another motion at the same time, what comes of it, or the next one."""
+    before = merged[-1]
+    verb, head = clause.verb, before.head
+    assert verb is not None and head is not None
+    participle, other = is_participle(verb.form), is_participle(head.form)
+    if participle and not other:
+        return Join.WHILE if _is_moving_beside(before, clause) else Join.RESULT
+    leads = before.verb is not None and other and not participle and len(merged) == 1
+    if leads and before.join is not Join.AFTER and not before.has(Effect.STILL, Effect.RELEASE):
+        return Join.WHILE  # "spinning, it rises"
+    alone = before.verb is None and clause.cause is None and not before.select(MentionKind.TIME)
+    return Join.RESULT if alone else Join.COMMA  # "with great force, it is thrown"
+
+
+def _is_moving_beside(before: Clause, clause: Clause) -> bool:
+    """Return whether a participle tells a motion of its own: "it falls, spinning", "push it right, spinning it"."""
+    if before.cause is not None:
+        return False
+    first, second = get_verb(before.head), get_verb(clause.verb)
+    ways = before.select(*WAYS) or first.direction is not None
+    if second.effect is Effect.PUSH:
+        return first.effect is not Effect.STRIKE and (second.bound or bool(clause.select(*WAYS)))
+    itself = first.effect in (Effect.FALL, *_FORMS) or first.effect is Effect.PUSH and bool(ways)
+    return itself and second.effect in _FORMS and second.effect is not first.effect
+
+
+def _relate(cause: Clause, effect: Clause) -> list[Clause]:
+    """Merges an effect with its cause; returns it where it stays a clause of its own."""
+    first, second = get_verb(cause.head), get_verb(effect.verb)
+    another = second.effect is Effect.TURN and first.gravity  # "toss it so that it flips"
+    another = (
+        another
+        or {first.effect, second.effect} <= {Effect.TURN, Effect.SCALE, Effect.SWAY}
+        and (
+            second.effect is not first.effect  # "twist it until it tears"
+        )
+    )
+    if first.wrings and second.effect is Effect.TURN:  # "wring it: its upper end turns against its lower end"
+        effect.modifiers = [m for m in effect.modifiers if m.kind is not MentionKind.PLACE]
+        _absorb(cause, effect)
+        return []
+    if first.effect is Effect.STRIKE and second.effect is Effect.PUSH:  # "hit it: it rises"
+        if second.direction and effect.verb is not None and not effect.select(*WAYS):
+            effect.modifiers.append(
+                replace(effect.verb, kind=MentionKind.DIRECTION, value=(second.direction,))
+            )
+        _absorb(cause, effect)
+        return []
+    if second.effect in _SEPARATE or another:
+        effect.join = Join.THEN if second.effect in (Effect.STILL, Effect.RELEASE) else Join.WHILE
+        return [effect]
+    _absorb(cause, effect, second.generic)
+    return []
+
+
+def _absorb(cause: Clause, effect: Clause, generic: bool = True) -> None:
+    """Adds what is told of the effect to the cause."""
+    if not generic:
+        cause.cause, cause.verb = cause.cause or cause.verb, effect.verb
+    told = [m for m in effect.modifiers if m.phrase != "away" or not cause.select(*WAYS)]
+    cause.modifiers += [
+        m for m in told if not (generic and cause.has(Effect.TOPPLE) and m.value == ("down",))
+    ]
+    cause.mentions += effect.mentions
+
+
+def _is_carried_off(before: Clause, clause: Clause) -> bool:
+    """Return whether a travel is the work of a blow or a push: "kicked from the left and flies away"."""
+    verb = get_verb(clause.verb)
+    if clause.join not in (Join.AND, Join.COMMA) or not (verb.generic and verb.effect is Effect.PUSH):
+        return False
+    pushed = (
+        before.has(Effect.PUSH)
+        and not get_verb(before.head).generic
+        and get_verb(before.head).direction is None
+    )
+    driven = pushed and not before.select(*WHERE) and bool(clause.select(*WAYS))
+    elsewhere = before.select(MentionKind.DIRECTION) and clause.select(MentionKind.DIRECTION)
+    return before.has(Effect.STRIKE) and not elsewhere or driven
+
+
+def _is_moved_by_wind(wind: Clause, clause: Clause) -> bool:
+    """Return whether a swaying is the wind's work and goes its way: "wind blows from the left and the plant sways"."""
+    if not get_verb(wind.head).wind or clause.join is Join.THEN:
+        return False
+    return clause.has(Effect.LEAN) or clause.has(Effect.SWAY) and not clause.select(*WAYS)
+
+
+def _is_falling_over(topple: Clause, clause: Clause) -> bool:
+    """Return whether a fall ends a toppling: "it tips over to the right and falls"."""
+    ways = [m for m in clause.select(*WAYS) if m.value != ("down",)]
+    told = bool(topple.select(*WHERE))
+    return topple.has(Effect.TOPPLE) and clause.has(Effect.FALL) and not (ways and told)
+
+
+def _sort_clauses(clauses: list[Clause]) -> list[Clause]:
+    """Puts "B after A" and "before B, A" in the order of time; a list is a sequence to its last "and"."""
+    ordered: list[Clause] = []
+    held_back: Clause | None = None
+    for index, clause in enumerate(clauses):
+        if clause.join is Join.BEFORE and index == 0 and len(clauses) > 1:
+            held_back = clause
+            continue
+        if index == 1 and clauses[0].join is Join.WHILE and clause.join is Join.COMMA:
+            clause.join = Join.WHILE  # "while it falls, it rotates"
+        if clause.join is Join.AFTER and ordered:
+            ordered.insert(len(ordered) - 1, clause)
+            clause.join, ordered[-1].join = ordered[-1].join, Join.THEN
+        else:
+            ordered.append(clause)
+        if held_back is not None:
+            held_back.join = Join.THEN
+            ordered.append(held_back)
+            held_back = None
+    for before, clause in zip(ordered, ordered[1:]):
+        if clause.join is Join.AND and before.join is Join.COMMA and before is not ordered[0]:
+            clause.join = Join.COMMA
+    return ordered

@@ -1,0 +1,141 @@
+"""The offline semantic agent: a grammar of everyday English reads the sentence, the compiler does the rest."""
+
+from __future__ import annotations
+
+import unicodedata
+from dataclasses import replace
+
+from physagent_jax.agents.compiler import compile_forces, compile_intent
+from physagent_jax.agents.context import AgentContext
+from physagent_jax.agents.grammar.asides import OTHER
+from physagent_jax.agents.grammar.clauses import Clause, mark_displacements
+from physagent_jax.agents.grammar.coverage import Coverage, ignore_captions, is_mostly_unknown, sort_words
+from physagent_jax.agents.grammar.intent import make_intent
+from physagent_jax.agents.grammar.mentions import WAYS, Mention, MentionKind
+from physagent_jax.agents.grammar.nouns import collect_names
+from physagent_jax.agents.grammar.patterns import suggest_motions, suggest_patterns
+from physagent_jax.agents.grammar.reading import read_mentions
+from physagent_jax.agents.grammar.relations import read_clauses
+from physagent_jax.agents.grammar.tables import LEXICON
+from physagent_jax.agents.grammar.tokens import correct_spelling, describe_corrections, tokenise
+from physagent_jax.agents.intent import Intent
+from physagent_jax.agents.materials import find_materials, mask_materials
+from physagent_jax.agents.protocols import SemanticAgent
+from physagent_jax.agents.schema import SceneBrief, SemanticReply
+from physagent_jax.agents.trace import Reply
+from physagent_jax.core.errors import UserError
+
+EXAMPLES = (
+    '"push the robot to the left", "a gentle wind sways the plant", "drop the guitar", "twist the loaf"'
+)
+MOST_CHARACTERS = 100_000  # read within seconds
+
+
+class GrammarSemanticAgent(SemanticAgent):
+    """Reads by a grammar: no model, no network, the same words give the same field."""
+
+    def compile(self, context: AgentContext) -> Reply[SemanticReply]:
+        """Read the sentence and compile what it says; see `protocols.SemanticAgent`."""
+        return Reply(compile_intent(read_intent(context.prompt, context.brief), context.brief))
+
+
+def read_sentence(prompt: str, brief: SceneBrief) -> SemanticReply:
+    """Read a sentence into the paper's four skills, all of them body forces.
+
+    Raises:
+        UserError: Nothing in it, or too little of it, can be understood.
+    """
+    return compile_forces(read_intent(prompt, brief), brief)
+
+
+def read_intent(prompt: str, brief: SceneBrief) -> Intent:
+    """The intent of a sentence.
+
+    Raises:
+        UserError: It is no text, too little of it is understood, or it names no motion of the object.
+    """
+    _check_text(prompt)
+    materials = find_materials(prompt, brief)
+    names, text = collect_names(prompt, brief), mask_materials(prompt, materials)
+    mentions = ignore_captions(read_mentions(text, names))
+    coverage = sort_words(mentions, names, brief)
+    if is_mostly_unknown(mentions, coverage):
+        raise UserError(
+            "Most words of the prompt are not understood",
+            got=_quote(prompt),
+            do=f"Say in English what should happen to the {brief.object_name}, for example {EXAMPLES}",
+        )
+    clauses = read_clauses(mentions)
+    others = [mention.words for mention in mentions if mention.phrase == OTHER]
+    if not coverage.doubtful and not others:
+        clauses = _assume_push(clauses)
+    notes = (
+        [f"'{' '.join(coverage.taken)}' is taken to be the object ({brief.object_name})."]
+        if coverage.taken
+        else []
+    )
+    mark_displacements(clauses, [token.text for token in correct_spelling(tokenise(text), names)])
+    intent = make_intent(clauses, mentions, coverage, notes + describe_corrections(text, names))
+    if not (intent.clauses or intent.held or intent.surroundings.gravity):
+        raise _refuse(prompt, brief, coverage, others)
+    return intent.model_copy(update={"materials": tuple(each.word for each in materials)})
+
+
+def _assume_push(clauses: list[Clause]) -> list[Clause]:
+    """A bare "to the left" is a push."""
+    if any(clause.head for clause in clauses):
+        return clauses
+    for clause in clauses:
+        for way in clause.select(*WAYS)[:1]:
+            clause.verb = replace(way, kind=MentionKind.VERB, value=LEXICON.motions["push"], phrase="push")
+    return clauses
+
+
+def _refuse(prompt: str, brief: SceneBrief, coverage: Coverage, others: list[str]) -> UserError:
+    """The error for a sentence without a motion of the object: the word, the nearest known ones, two patterns."""
+    patterns = " or ".join(
+        f'"{pattern.form}" ({pattern.examples[0]})' for pattern in suggest_patterns(prompt)
+    )
+    if others:
+        what = f"'{others[0]}' is said of something else than the {brief.object_name}"
+        return UserError(
+            what, got=_quote(prompt), do=f"Say what the {brief.object_name} does, as in {patterns}"
+        )
+    word = coverage.doubtful[0] if coverage.doubtful else ""
+    what = (
+        f"No motion is known in the prompt: '{word}' is not understood"
+        if word
+        else "The prompt names no motion that is understood"
+    )
+    near = suggest_motions(word)
+    nearest = f"; the nearest known motions are {', '.join(near)}" if near else ""
+    do = f"Say in English what should happen to the {brief.object_name}, as in {patterns}{nearest}"
+    return UserError(what, got=_quote(prompt), do=do)
+
+
+def _quote(prompt: str) -> str:
+    text = " ".join(prompt.split())
+    return repr(text if len(text) <= 80 else text[:77] + "...")
+
+
+def _check_text(prompt: str) -> None:
+    """Refuse what is no sentence at all, before any of it is read."""
+    if not prompt.strip():
+        raise UserError("The prompt is empty", do=f"Say what should happen, for example {EXAMPLES}")
+    if len(prompt) > MOST_CHARACTERS:
+        raise UserError(
+            f"The prompt is longer than {MOST_CHARACTERS:,} characters",
+            got=f"{len(prompt):,}",
+            do=f"Say in a sentence or two what should happen, for example {EXAMPLES}",
+        )
+    # Line breaks and tabs are spaces to a reader; other control characters and halves of characters are no text.
+    strange = next((c for c in prompt if unicodedata.category(c) in ("Cc", "Cs") and not c.isspace()), None)
+    if strange is not None:
+        raise UserError(
+            "The prompt holds a character that is no text",
+            got=ascii(strange),
+            do=f"Type the sentence anew, for example {EXAMPLES}",
+        )
+
+
+__all__ = ["EXAMPLES", "MOST_CHARACTERS", "GrammarSemanticAgent", "Mention", "read_intent", "read_sentence"]

@@ -1,0 +1,55 @@
+"""Tables of words that only the grammar uses: measures, expressions, looks and scenery.
+
+They are the lexicon's YAML files as well; here a section is a set of words, or a table from words to values.
+"""
+
+from __future__ import annotations
+
+import functools
+from importlib import resources
+from typing import Any
+
+import yaml
+
+from physagent_jax.agents.lexicon import read_lexicon
+
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_FOLDER = resources.files("physagent_jax.agents.lexicon")
+FILES = ("measures", "expressions", "scenery")
+
+
+@functools.cache
+def read_sections(files: tuple[str, ...] = FILES) -> dict[str, dict]:
+    """The sections of files; a set of words is a table whose values are None."""
+    sections: dict[str, dict] = {}
+    for name in files:
+        for section, rows in yaml.load(
+            (_FOLDER / f"{name}.yaml").read_text(encoding="utf-8"), _LOADER
+        ).items():
+            rows = rows if isinstance(rows, dict) else {None: rows}
+            sections[section] = {
+                word.strip(): value for value, words in rows.items() for word in str(words).split(",")
+            }
+    return sections
+
+
+def read_rows(name: str) -> list[dict[str, Any]]:
+    """The rows of a file that is one list."""
+    return yaml.load((_FOLDER / f"{name}.yaml").read_text(encoding="utf-8"), _LOADER)
+
+
+@functools.cache
+def get_set(section: str) -> frozenset[str]:
+    """A section as a set of words."""
+    return frozenset(read_sections()[section])
+
+
+LEXICON = read_lexicon()
+NUMBERS: dict[str, float] = {
+    **LEXICON.numbers,
+    **{
+        word: float(value)
+        for part in ("tens", "teens", "multiples")
+        for word, value in read_sections()[part].items()
+    },
+}

@@ -1,0 +1,129 @@
+"""Tokens of a sentence: words, numbers and punctuation, with the verb that each is a form of."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+
+from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set, read_sections
+from physagent_jax.agents.lexicon import read_forms
+
+# A word with its contraction, a number, or a mark of punctuation that can end a clause.
+_TOKEN = re.compile(
+    r"(?<!\w)(?:i\.e|e\.g)\.?(?!\w)|(?<!\w)[-\u2212](?=\d)|(?<=\s)-(?=\s)|\d{1,9}(?:\.\d{1,9})?|[^\W\d_]+(?:'[^\W\d_]+)?|[,;.!?:\n\u2014\u2013%\u00b0/]"
+)
+_SIGNS = {"%": "percent", "\u00b0": "degrees", "/": "per", "-": "minus", "\u2212": "minus"}
+_LEAST, _LEAST_NAME, _LONG_NAME = 3, 6, 8  # letters of words, and of names, in which slips are undone
+
+
+@dataclass(frozen=True)
+class Token:
+    """One word, number or punctuation mark.
+
+    Attributes:
+        text: Lower case.
+        lemma: The verb that it is a form of, else the text itself.
+        start, end: Place in the sentence.
+        possessive: Whether it ends in "'s": what follows belongs to it.
+    """
+
+    text: str
+    lemma: str
+    start: int
+    end: int
+    possessive: bool = False
+
+    @property
+    def is_word(self) -> bool:
+        """Return whether it is a word or number rather than punctuation."""
+        return self.text[0].isalnum()
+
+
+def tokenise(sentence: str) -> list[Token]:
+    """Tokens of ``sentence``; hyphens separate words, "doesn't" becomes "does", "not", "it's" becomes "it"."""
+    # One character may have several in lower case; those are kept, so that places stay valid.
+    text = "".join(c.lower() if len(c.lower()) == 1 else c for c in sentence)
+    text = text.replace("\u2019", "'").replace("\u2018", "'")
+    tokens: list[Token] = []
+    for match in _TOKEN.finditer(text):
+        if match.group() == "." and tokens and tokens[-1].text in get_set("abbreviations"):
+            continue  # "approx. 20 %"
+        word, _, suffix = match.group().partition("'")
+        word = word.replace(".", "") if word[0].isalpha() else word  # "i.e."
+        negated = suffix == "t" and word.endswith("n")
+        word = word[:-1] if negated else word
+        dash = word in ("-", "\u2013", "\u2014") and not text[match.end() : match.end() + 1].isdigit()
+        word = {"ca": "can", "wo": "will"}.get(word, word) if negated else _SIGNS.get(word, word)
+        word = "," if dash else word  # "push it left - gently"
+        tokens.append(Token(word, FORMS.get(word, word), match.start(), match.end(), suffix == "s"))
+        if negated:
+            tokens.append(Token("not", "not", match.start(), match.end()))
+    return [token for token in tokens if token.text]
+
+
+FORMS = read_forms()
+
+
+def is_participle(form: str) -> bool:
+    """Return whether a form of a verb is its present participle: "swinging", but not "swing"."""
+    return form.endswith("ing") and FORMS.get(form) != form
+
+
+def _collect_known() -> frozenset[str]:
+    """Every word of the lexicon and of the grammar's tables."""
+    lexicon = (entry for table in vars(LEXICON).values() for entry in table)
+    tables = (entry for table in read_sections().values() for entry in table)
+    words = (word for phrases in (lexicon, tables) for phrase in phrases for word in str(phrase).split())
+    return frozenset(words) | frozenset(FORMS) | frozenset(NUMBERS)
+
+
+KNOWN = _collect_known()
+
+
+def correct_spelling(tokens: list[Token], names: frozenset[str]) -> list[Token]:
+    """The tokens with slips of the keyboard undone: letters doubled or the wrong way round, a name nearly right.
+
+    Only words that mean nothing as they stand are read as others; places in the sentence are kept. ``names`` are words
+    for the object.
+    """
+    known = KNOWN | names
+    meant = {text: _find_meant(text, known, names) for text in {token.text for token in tokens}}
+    return [
+        token
+        if (word := meant[token.text]) is None
+        else replace(token, text=word, lemma=FORMS.get(word, word))
+        for token in tokens
+    ]
+
+
+def describe_corrections(sentence: str, names: frozenset[str]) -> list[str]:
+    """Corrected spellings, in plain sentences."""
+    tokens = tokenise(sentence)
+    pairs = zip(tokens, correct_spelling(tokens, names))
+    return [f"'{said.text}' is read as '{meant.text}'." for said, meant in pairs if said.text != meant.text]
+
+
+def _find_meant(text: str, known: frozenset[str], names: frozenset[str]) -> str | None:
+    """The word that is meant by one that means nothing; None if it stands, or if nothing is near."""
+    if not text.isalpha() or len(text) < _LEAST or text in known or text.removesuffix("s") in known:
+        return None
+    near = [text[:i] + text[i + 1] + text[i] + text[i + 2 :] for i in range(len(text) - 1)]
+    near += [text[:i] + text[i + 1 :] for i in range(1, len(text)) if text[i] == text[i - 1]]
+    near += [text[:i] + text[i] + text[i:] for i in range(1, len(text) - 1)]  # "midle"
+    found = {word for word in near if word != text and word in known}
+    if len(found) == 1:
+        return found.pop()
+    meant = [
+        w for w in names if len(w) >= _LEAST_NAME and _count_slips(text, w) <= 1 + (len(w) >= _LONG_NAME)
+    ]
+    return min(meant, key=lambda w: _count_slips(text, w)) if meant and text[0] == meant[0][0] else None
+
+
+def _count_slips(first: str, second: str) -> int:
+    """Letters to add, leave out or change to make one word of the other (Levenshtein)."""
+    row = list(range(len(second) + 1))
+    for i, a in enumerate(first, 1):
+        above, row[0] = row[0], i
+        for j, b in enumerate(second, 1):
+            above, row[j] = row[j], min(row[j] + 1, row[j - 1] + 1, above + (a != b))
+    return row[-1]

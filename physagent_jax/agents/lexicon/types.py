@@ -1,0 +1,203 @@
+"""Types of the lexicon: what its words mean."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from typing import Literal
+
+Names = tuple[str, ...]
+"""Names of directions (`agents.schema.DirectionTable`); several are added as vectors."""
+
+
+class Effect(enum.Enum):
+    """The ways in which a motion acts on the object; the compiler has one function for each."""
+
+    PUSH = "push"  # steady force along a direction
+    LEAN = "lean"  # the upper end goes along a direction
+    SWAY = "sway"  # to and fro
+    SCALE = "scale"  # stretch or squeeze along one axis
+    SWELL = "swell"  # stretch or squeeze along all axes
+    STRIKE = "strike"  # sudden velocity along a direction
+    BURST = "burst"  # sudden outward force
+    TURN = "turn"  # rotation about an axis
+    ROLL = "roll"  # rotation with travel
+    FALL = "fall"  # gravity
+    TOPPLE = "topple"  # gravity and a lean
+    JUMP = "jump"  # a leap against gravity
+    HOLD = "hold"  # something is held fixed
+    RELEASE = "release"  # what acted before stops, the object comes back
+    STILL = "still"  # nothing moves
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The meaning of a verb, or of a noun that names a cause.
+
+    Attributes:
+        effect: The way in which it acts.
+        strength: Factor on the magnitude that the word itself carries ("tap" is weak, "smash" is not).
+        direction: The direction (or axis) assumed if the sentence names none; None = left, the most
+            visible one, with a note.
+        sign: +1 stretches, -1 squeezes.
+        pulls: Whether the cause stands where the object goes: "pulled from the left" moves left.
+        hauls: Whether what it takes a told way leaves its place, as what slides or is carried does.
+        gravity: Whether gravity acts with it (a thrown thing comes down).
+        strokes: Number of blows, unless the sentence counts.
+        cycles: Number of swings there and back, unless the sentence counts.
+        brief: Whether the cause lasts only a part of its time ("gust").
+        generic: Whether it adds nothing to a more telling verb beside it: "a kick *sends* it *flying*",
+            "squash it *flat*", "*stands* swaying".
+        wind: Whether it is a cause that pushes whatever verb it "does" ("the wind hits the plant").
+        wrings: Whether one end turns against the other, unless the sentence names a part.
+        holds: The end that a HOLD verb or adjective fixes unless the sentence names one.
+        bound: Whether ``direction`` is part of what it means: nothing is lifted downwards.
+        angle: Angle by which it turns, unless the sentence says [degrees]; 0 = no certain one.
+        tumbles: Whether a direction is where the top of a turn goes.
+        picture: Whether a turn's clockwise is meant in the picture plane, not as seen from above.
+        lands: Whether it is how a fall ends: told after a fall, it tells of the same one.
+        floats: Whether it is at rest where there is no gravity.
+        bounces: Whether it comes up again.
+        coasts: Whether it goes on by itself unless a way is told.
+        droops: Whether only what is limp does it.
+        lets_go: Whether what was held falls, if nothing else was done to it.
+        skill: Name of the skill that it stands for; None = what its effect is compiled to.
+    """
+
+    effect: Effect
+    strength: float = 1.0
+    direction: str | None = None
+    sign: int = 1
+    pulls: bool = False
+    hauls: bool = False
+    gravity: bool = False
+    cycles: int = 2
+    strokes: int = 1
+    brief: bool = False
+    generic: bool = False
+    wind: bool = False
+    wrings: bool = False
+    holds: Literal["base", "top"] = "base"
+    bound: bool = False
+    angle: float = 0.0
+    tumbles: bool = False
+    picture: bool = False
+    lands: bool = False
+    floats: bool = False
+    bounces: bool = False
+    coasts: bool = False
+    droops: bool = False
+    lets_go: bool = False
+    skill: str | None = None
+
+
+class Join(enum.Enum):
+    """The relation of a clause to the one before it."""
+
+    THEN = "then"  # follows in time
+    COMMA = "comma"  # follows if a verb comes, else continues the clause
+    AND = "and"  # at the same time
+    WHILE = "while"  # at the same time, whatever stands between
+    RESULT = "result"  # says what the clause before brings about
+    BUT = "but"  # contrasts with a negated clause
+    BEFORE = "before"
+    AFTER = "after"
+
+
+@dataclass(frozen=True)
+class Repeat:
+    """The number of repetitions, and whether the direction alternates.
+
+    Attributes:
+        count: Number of cycles or repetitions; None leaves the motion's own.
+        alternate: Whether it goes to and fro instead of again and again.
+        names: The direction of the first swing, if the phrase names it.
+        vague: Whether it says "often", not how often.
+    """
+
+    count: int | None = None
+    alternate: bool = False
+    names: Names = ()
+    vague: bool = False
+
+
+@dataclass(frozen=True)
+class Place:
+    """A part of the object.
+
+    Attributes:
+        names: The direction in which it lies from the middle; empty = the middle band.
+        start: Fraction of the extent along that direction at which it begins.
+    """
+
+    names: Names = ()
+    start: float = 0.5
+
+
+@dataclass(frozen=True)
+class Moment:
+    """A fixed phrase of time, in fractions of the clip; None leaves it to the sequence.
+
+    Attributes:
+        starts: Its beginning.
+        lasts: Its length.
+    """
+
+    starts: float | None = None
+    lasts: float | None = None
+
+
+@dataclass(frozen=True)
+class Lexicon:
+    """All tables of words, by phrase; each is a section of a YAML file, whose comments say what its words are.
+
+    Motions are verbs (with adjectives of results), causes are nouns. Ways are names of directions; the senses of a
+    rotation are -1 (clockwise) and +1; strengths are factors on the magnitude; the start of a part is a fraction of
+    the extent.
+    """
+
+    motions: dict[str, Motion]
+    causes: dict[str, Motion]
+    irregular: dict[str, str]
+    nouns: frozenset[str]
+    directions: dict[str, Names]
+    ends: dict[str, Names]
+    axes: dict[str, Names]
+    planes: dict[str, Names]
+    sides: dict[str, Literal["both", "all"]]
+    senses: dict[str, int]
+    views: dict[str, Names]
+    reversals: dict[str, Literal["other", "same"]]
+    addressees: frozenset[str]
+    locations: frozenset[str]
+    intensities: dict[str, float]
+    degrees: dict[str, float]
+    comparatives: dict[str, float]
+    manners: frozenset[str]
+    even: frozenset[str]
+    numbers: dict[str, float]
+    fractions: dict[str, float]
+    repeats: dict[str, Repeat]
+    moments: dict[str, Moment]
+    units: dict[str, Literal["second", "millisecond", "frame"]]
+    clip_parts: dict[str, float]
+    parts: dict[str, Place]
+    part_nouns: dict[str, float]
+    part_adjectives: dict[str, Names]
+    fronts: frozenset[str]
+    one_of_many: frozenset[str]
+    unplaced: frozenset[str]
+    wheeled: frozenset[str]
+    gravity: dict[str, Literal["down", "up", "none"]]
+    anchors: dict[str, Literal["base", "top", "none"]]
+    obstacles: dict[str, Literal["wall", "block"]]
+    ground: frozenset[str]
+    scene_nouns: frozenset[str]
+    joins: dict[str, Join]
+    negations: frozenset[str]
+    exceptions: frozenset[str]
+    whole: frozenset[str]
+    agents: frozenset[str]
+    moods: frozenset[str]
+    phrases: frozenset[str]
+    words: frozenset[str]

@@ -1,0 +1,271 @@
+"""Materials that a sentence names: "made of jelly", "a metal robot", "turns to sand", "wobbles like jelly".
+
+The words are data (`lexicon/materials.yaml`). A word counts only where it is said of the object: not the sand that it
+falls onto, the rubber band that pulls it, or the water in "the water bottle".
+"""
+
+from __future__ import annotations
+
+import functools
+import re
+from collections.abc import Collection, Iterable, Iterator
+from dataclasses import dataclass
+from importlib import resources
+
+import yaml
+
+from physagent_jax.agents.lexicon import read_lexicon
+from physagent_jax.agents.schema import SceneBrief
+
+_UNKNOWN_KIND = "object"
+_LONGEST = 3  # words of the longest name of a material
+_TOKEN = re.compile(r"[^\W\d_]+(?:'[^\W\d_]+)?|\d+|[^\w\s]")
+
+
+@dataclass(frozen=True)
+class MaterialWord:
+    """The meaning of a word for a material.
+
+    Attributes:
+        preset: Kind or library entry that stands for it.
+        near: Whether that is only the nearest there is.
+    """
+
+    preset: str
+    near: bool = False
+
+
+@dataclass(frozen=True)
+class MaterialMention:
+    """A material that a sentence names of its object.
+
+    Attributes:
+        word: The word for it, in lower case; one that is not in the lexicon too ("chocolate").
+        phrase: The words in the sentence that say it: "made of jelly".
+        turns: Whether the object becomes it in the course of the clip.
+        named: Whether the word is a part of the object's own name ("the rubber duck" of a rubber duck).
+        span: The phrase's first character in the sentence and the one after its last; None = it is not there.
+        masked: The same of what tells nothing but the material: "like jelly" in "wobbles like jelly".
+    """
+
+    word: str
+    phrase: str
+    turns: bool = False
+    named: bool = False
+    span: tuple[int, int] | None = None
+    masked: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True)
+class MaterialLexicon:
+    """The lexicon of materials.
+
+    Attributes:
+        words: Every word with its meaning.
+        adjectives: The forms that tell a material before a noun.
+        compounds: Names in which such a word tells none.
+        around: The words that stand around them, by section of the file, which says what they are.
+    """
+
+    words: dict[str, MaterialWord]
+    adjectives: frozenset[str]
+    compounds: frozenset[str]
+    around: dict[str, frozenset[str]]
+
+
+@functools.cache
+def read_material_words() -> MaterialLexicon:
+    """The lexicon of the package."""
+    file = resources.files("physagent_jax.agents") / "lexicon" / "materials.yaml"
+    content = yaml.safe_load(file.read_text(encoding="utf-8"))
+    words: dict[str, MaterialWord] = {}
+    adjectives: set[str] = set()
+    for row in content.pop("materials"):
+        forms, meaning = (
+            _split(row.get("adjectives", "")),
+            MaterialWord(row["preset"], row.get("near", False)),
+        )
+        words |= dict.fromkeys([*_split(row["words"]), *forms], meaning)
+        adjectives |= set(forms)
+    compounds = frozenset(_split(content.pop("compounds")))
+    around = {section: frozenset(listed.split()) for section, listed in content.items()}
+    return MaterialLexicon(words, frozenset(adjectives), compounds, around)
+
+
+def find_meaning(word: str) -> MaterialWord | None:
+    """The meaning of a word for a material; None if the lexicon does not have it."""
+    return read_material_words().words.get(" ".join(word.lower().replace("-", " ").split()))
+
+
+def find_materials(text: str, brief: SceneBrief) -> tuple[MaterialMention, ...]:
+    """Find the materials that a sentence says its object (known by name and nouns) is made of, becomes, or is like."""
+    return tuple(_Finder(text, brief).find())
+
+
+def mask_materials(text: str, mentions: Iterable[MaterialMention]) -> str:
+    """A sentence with blanks for what tells nothing but a material, so that motions can be read without it.
+
+    Materials of the object's own name stay.
+    """
+    for mention in mentions:
+        if mention.masked is not None and not mention.named:
+            start, end = mention.masked
+            text = text[:start] + " " * (end - start) + text[end:]
+    return text
+
+
+def _split(words: str) -> list[str]:
+    return [each.strip() for each in words.split(",") if each.strip()]
+
+
+class _Finder:
+    """A search for material words by the words that stand before and after them."""
+
+    def __init__(self, text: str, brief: SceneBrief):
+        self.text, self.lexicon = text, read_material_words()
+        self.around = self.lexicon.around
+        self.before = self.around["determiners"] | self.around["qualifiers"]
+        self.within = self.before - {"of"}
+        self.described = self.around["qualifiers"] - {"of"}
+        self.unnamed = self.before - {"the"}
+        self.no_material = self.before | self.around["of"] | self.around["function_words"]
+        found = list(_TOKEN.finditer(text.replace("-", " ").replace("\u2019", "'")))
+        self.tokens = [match.group().lower() for match in found]
+        self.spans = [match.span() for match in found]
+        self.own = set(re.findall(r"[^\W\d_]+", brief.object_name.lower()))
+        nouns = set(brief.object_nouns) | {f"{noun}s" for noun in brief.object_nouns}
+        sure = nouns if brief.object_kind != _UNKNOWN_KIND else set()
+        self.names = (self.own | sure) - set(self.lexicon.words)
+        self.nouns = self.names | self.around["generic"] | nouns
+
+    def find(self) -> Iterator[MaterialMention]:
+        """Every mention, the longest words first at each place, each material once."""
+        words, adjectives, compounds = self.lexicon.words, self.lexicon.adjectives, self.lexicon.compounds
+        told, at = set(), 0
+        while at < len(self.tokens):
+            most = min(_LONGEST, len(self.tokens) - at)
+            length = next((n for n in range(most, 0, -1) if " ".join(self.tokens[at : at + n]) in words), 0)
+            word = " ".join(self.tokens[at : at + length])
+            found = None
+            if " ".join(self.tokens[at : at + length + 1]) in compounds:
+                length += 1
+            elif length:
+                found = self._read(at, at + length, word in adjectives)
+            elif self._is_noun(at) and (begin := self._find_made(at)) is not None:
+                found = (begin, at + 1, False)
+                word = self.tokens[at]
+            if found is not None and word not in told and not self._is_negated(found[0]):
+                told.add(word)
+                first, last, turns = found
+                start, end = self.spans[first][0], self.spans[last - 1][1]
+                named = first == at and word in self.own
+                masked = (self.spans[self._find_masked(first, at)][0], self.spans[at + max(length, 1) - 1][1])
+                yield MaterialMention(word, self.text[start:end], turns, named, (start, end), masked)
+            at += max(length, 1)
+
+    def _find_masked(self, first: int, at: int) -> int:
+        """The first token that tells nothing but the material: a motion or a noun before it stays."""
+        telling = self.tokens[first] in self.around["changing"] | self.around["made"] | self.around["being"]
+        return first if telling or first == at else first + 1
+
+    def _read(self, begin: int, end: int, adjective: bool) -> tuple[int, int, bool] | None:
+        """The phrase of tokens in which a material is said of the object, and whether the object turns to it."""
+        looks = [self._find_made, self._find_of]
+        if self._ends(end):
+            looks += [self._find_turn, self._find_likeness, *([self._find_predicate] if adjective else [])]
+        for look in looks:
+            if (first := look(begin)) is not None:
+                return first, end, look == self._find_turn
+        last = self._find_noun(begin, end) if adjective else None
+        return None if last is None else (begin, last, False)
+
+    def _get(self, at: int) -> str:
+        return self.tokens[at] if 0 <= at < len(self.tokens) else ""
+
+    def _is_noun(self, at: int) -> bool:
+        """Return whether a word may be a noun for a material that the lexicon does not have."""
+        word = self.tokens[at]
+        return word.isalpha() and word not in self.no_material and word not in self.names
+
+    def _ends(self, end: int) -> bool:
+        """Return whether the noun phrase ends here: "like water", not "like water balloons"."""
+        after = self._get(end)
+        return not after.isalpha() or after in self.around["function_words"] or after.endswith("ly")
+
+    def _back(self, at: int, over: Collection[str], most: int = 4) -> int:
+        """The first place before ``at`` whose token is none of ``over``."""
+        place = at - 1
+        while place >= 0 and at - place <= most and self.tokens[place] in over:
+            place -= 1
+        return place
+
+    def _find_made(self, at: int) -> int | None:
+        """The beginning of "made of" before this token, if it is said of the object; None = there is none."""
+        link = self._back(at, self.within)
+        place = self._back(link, self.around["of"])
+        if self._get(link) not in ("of", "from") or self._get(place) not in self.around["made"]:
+            return None
+        owner = self._back(place, self.around["fillers"] | {",", "it", "itself"}, 6)
+        alone = not self._get(owner).isalpha() or self._get(owner) == "like"
+        between = {*self.tokens[owner + 1 : place]}
+        told = {"if", "though", "it"} & between or "," in between and not self._is_other_noun(owner)
+        return place if alone or told or self._is_object(owner) else None
+
+    def _is_other_noun(self, at: int) -> bool:
+        """Return whether a word with an article is a thing and no way: "a table", but not "away" or "the left"."""
+        ways = read_lexicon().directions
+        return self._get(at) not in ways and self._get(at - 1) in self.around["determiners"]
+
+    def _is_object(self, at: int) -> bool:
+        """Return whether a noun is the object: by its name, or as one that may name it and is no place of anything."""
+        noun = self._get(at)
+        return noun in self.names or (noun in self.nouns and not self._is_placed(at))
+
+    def _is_placed(self, at: int) -> bool:
+        """Return whether a preposition stands before a noun: it is the place of something."""
+        return self._get(self._back(at, self.before)) in self.around["prepositions"]
+
+    def _find_of(self, at: int) -> int | None:
+        """The beginning of "bear of sand"."""
+        place = self._back(at, self.unnamed - {"of"})
+        no_owners = self.around["containers"] | {"it", "one", "itself"}
+        said = self._get(place) == "of" and self._get(place - 1) not in no_owners
+        return place - 1 if said and self._is_object(place - 1) else None
+
+    def _find_turn(self, at: int) -> int | None:
+        """The beginning of "turns to"; scenery has an article ("collapses into the sand")."""
+        place = self._back(at, self.unnamed)
+        if self._get(place) in ("into", "to", "in"):
+            place -= 1
+        elif self._get(place) not in self.around["becoming"]:
+            return None
+        return place if self._get(place) in self.around["turns"] else None
+
+    def _find_likeness(self, at: int) -> int | None:
+        """The beginning of "wobbles like" or "soft as": a likeness in deforming, and no other."""
+        before = self._back(at - 1, self.around["adverbs"] | {"it", "as", "itself"}, 5)
+        word = self._get(before)
+        deforms = word.startswith(tuple(self.around["deforms"])) or word in self.around["acts"]
+        return before if deforms and self._get(at - 1) in ("like", "as") else None
+
+    def _find_noun(self, begin: int, end: int) -> int | None:
+        """The end of "metal robot": the adjective stands before the object's noun, maybe with others between."""
+        place = end
+        if self._get(place) == "like":
+            place += 1
+        while place - end < 3 and self._get(place) in self.described:
+            place += 1
+        noun = self._get(place)
+        if noun not in self.nouns or noun in ("it", "itself") or self._get(place + 1) in self.around["parts"]:
+            return None
+        elsewhere = self._is_placed(begin) or self._get(place + 1) in self.around["contacts"]
+        return place + 1 if noun in self.names or not elsewhere else None
+
+    def _find_predicate(self, begin: int) -> int | None:
+        """The beginning of "is metal", said of the object."""
+        place = self._back(begin, self.around["qualifiers"] | {"now"})
+        subject = self._get(place - 1)
+        return place if self._get(place) in self.around["being"] and subject in self.nouns else None
+
+    def _is_negated(self, first: int) -> bool:
+        return any(self._get(place) in self.around["negations"] for place in (first - 1, first - 2))

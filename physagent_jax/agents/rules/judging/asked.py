@@ -1,0 +1,170 @@
+"""One expected motion in the view of the pictures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from physagent_jax.agents.matching import agrees, find_causes, share_time
+from physagent_jax.agents.rules import tolerances
+from physagent_jax.agents.rules.judging.seen import ALONG_END, SAME_LINE, Course, View
+from physagent_jax.agents.schema import ExpectedMotion, MotionKind, ObstacleRequest
+from physagent_jax.agents.vectors import cosine, dot, norm, normalise, reject, scale, subtract
+from physagent_jax.core.strict import Vector
+from physagent_jax.perception.schema import PartMotion
+
+_IN_THE_WAY = 0.7  # cosine
+_BOTH = 0.5  # cosine: directions more than 60 degrees apart can be told apart
+_FIGURES = {
+    MotionKind.STRETCH: ("stretch", tolerances.VISIBLE_STRAIN),
+    MotionKind.SQUEEZE: ("stretch", tolerances.VISIBLE_STRAIN),
+    MotionKind.ROTATE: ("rotation", tolerances.VISIBLE_DEGREES),
+}
+"""The report's figure in which a kind of motion shows, and the least of it that is seen."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """An expected motion with what is seen of it.
+
+    Attributes:
+        index: Its place among the expectations.
+        motion: What is asked.
+        view: What is seen.
+    """
+
+    index: int
+    motion: ExpectedMotion
+    view: View
+
+    @property
+    def kind(self) -> MotionKind:
+        """The kind of motion."""
+        return self.motion.kind
+
+    @property
+    def direction(self) -> Vector | None:
+        """The direction or axis that is asked for."""
+        return self.motion.direction
+
+    @property
+    def sign(self) -> float:
+        """-1 for a squeeze, which is a strain below zero."""
+        return -1.0 if self.kind is MotionKind.SQUEEZE else 1.0
+
+    @cached_property
+    def figure(self) -> str:
+        """The report's figure in which the motion shows."""
+        return _FIGURES.get(self.kind, ("displacement", 0.0))[0]
+
+    @cached_property
+    def visible(self) -> float:
+        """The least of the motion that is seen."""
+        return _FIGURES.get(self.kind, ("displacement", tolerances.VISIBLE))[1]
+
+    @property
+    def sigma(self) -> float:
+        """Standard deviation of the figure in which the motion shows."""
+        return self.view.sigma(self.figure)
+
+    @cached_property
+    def span(self) -> tuple[int, int]:
+        """First and last frame in which the motion should be seen."""
+        return self.view.span(self.motion)
+
+    @cached_property
+    def until(self) -> int:
+        """The end of the motion's visible consequences: the next motion's beginning, or the clip's end."""
+        first, last = self.span
+        later = [e for e in self.view.expectations if e.window[0] > self.motion.window[0] + 0.5]
+        begins = [self.view.span(e)[0] for e in later]
+        after = [begin for begin in begins if begin >= last - 1]
+        if after:
+            return max(last, min(after))
+        return last if any(begin > first for begin in begins) else self.view.last
+
+    @cached_property
+    def end(self) -> PartMotion | None:
+        """The end that is asked about; None for the whole, or if the report does not tell it apart."""
+        part = self.motion.part
+        if part is None:
+            return None
+        return self.view.find_end(scale(part, -1.0) if self.motion.excludes_part else part)
+
+    @property
+    def hidden(self) -> str:
+        """The reason that the end that is asked about cannot be seen; empty if it can."""
+        lost = self.motion.part is not None and self.end is None
+        return "the ends of the object are not told apart" if lost else ""
+
+    @cached_property
+    def together(self) -> list[ExpectedMotion]:
+        """The motions that are asked for at the same time."""
+        return [e for e in self.view.expectations if e is not self.motion and share_time(e, self.motion)]
+
+    @cached_property
+    def obstacle(self) -> ObstacleRequest | None:
+        """The obstacle that the sentence puts in this motion's way."""
+        way = self.direction
+        met = (each for each in self.view.obstacles if way and cosine(each.direction, way) > _IN_THE_WAY)
+        return next(met, None)
+
+    @cached_property
+    def causes(self) -> str:
+        """Names of the entries that should cause it, for remedies."""
+        return ", ".join(cause.name for cause in find_causes(self.motion, self.view.force_field))
+
+    @cached_property
+    def driven(self) -> bool:
+        """Return whether something in the force field drives it the way that the sentence says."""
+        return any(agrees(cause, self.motion) for cause in find_causes(self.motion, self.view.force_field))
+
+    def course(self, first: int, last: int) -> Course:
+        """Displacements of what is asked about."""
+        return self.view.course(first, last, self.end)
+
+    def turns(self, first: int, last: int) -> Course:
+        """Rotation vectors; of one end that is to turn against the other, half of their difference.
+
+        That difference is what is asked, and what both ends seem to do alike, as leaning does, is not in it.
+        """
+        turns, opposed = self.view.turns(first, last, self.end), self._find_opposed()
+        against = self.view.find_end(opposed) if opposed and self.end else None
+        if against is None:
+            return turns
+        back = dict(self.view.turns(first, last, against))
+        return [(t, scale(subtract(v, back[t]), 0.5)) for t, v in turns if t in back]
+
+    def _find_opposed(self) -> Vector | None:
+        """The other end, if it is to turn the other way at the same time."""
+        part, axis = self.motion.part, self.direction
+        if self.kind is not MotionKind.ROTATE or self.motion.excludes_part or not part or not axis:
+            return None
+        for other in self.together:
+            if other.kind is MotionKind.ROTATE and other.part and other.direction:
+                if cosine(part, other.part) < -ALONG_END and cosine(axis, other.direction) < -SAME_LINE:
+                    return other.part
+        return None
+
+    def clear_of_others(self, course: Course, drift: Vector) -> Course:
+        """A course without what gravity, other motions at the same time and an earlier speed add across it."""
+        direction = self.direction
+        if direction is None or not course:
+            return course
+        up, down = self.view.brief.directions.up, self.view.brief.directions.down
+        others = [up, down] if self.view.gravity and abs(dot(direction, up)) < _BOTH else []
+        moves = (MotionKind.MOVE, MotionKind.SWAY)
+        others += [e.direction for e in self.together if e.kind in moves and e.direction]
+        others += [down for e in self.together if e.kind is MotionKind.FALL]
+        across = [unit for o in others if abs(dot(o, direction)) < _BOTH and (unit := normalise(o))]
+        gone_on = normalise(drift)
+        if gone_on and abs(dot(gone_on, direction)) >= 0.7:
+            gone_on = None
+        cleared: Course = []
+        for t, p in course:
+            for other in across:
+                p = reject(p, other, low=0.0)
+            if gone_on:
+                p = reject(p, gone_on, 0.0, norm(drift) * (t - course[0][0]))
+            cleared.append((t, p))
+        return cleared

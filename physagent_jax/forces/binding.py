@@ -1,0 +1,313 @@
+"""Entries of a force field bound to particles and seconds: what skills make their terms of.
+
+The numbers of an entry may be traced (`forces.parameters`): what is made of them is then a function that JAX
+differentiates. What is known is computed on the host in double precision, traced or not the same law.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax.core import Tracer
+
+from physagent_jax.core.arrays import to_device
+from physagent_jax.core.errors import UserError
+from physagent_jax.forces.opposition import find_friction, find_rubbing
+from physagent_jax.forces.parameters import ActionParameters, Array
+from physagent_jax.forces.regions import make_region_mask
+from physagent_jax.forces.schema import Action, Opposition, SkillScaling, VelocityConstraint
+from physagent_jax.forces.sections import find_stress_concentration
+from physagent_jax.forces.terms import PushCompensation, TurnCompensation
+from physagent_jax.mpm.boundaries import HalfSpace
+from physagent_jax.mpm.constraints import MovingPlate, PrescribedMotion
+
+PLATE_FRICTION = (
+    0.4  # Coulomb's coefficient of a `moving_plate`: the material may spread under it, but not slip away
+)
+AFTER = (
+    1e-3  # [frames] by which a `particle_impulse` comes after what ends then, whatever the clock's round-off
+)
+_TINY = float(np.finfo(np.float32).tiny)
+
+
+@dataclasses.dataclass(frozen=True)
+class Stroke:
+    """One of several pushes along a line that follow each other (`forces.swinging`).
+
+    Attributes:
+        k: Acceleration for M = 1 [m/s^2].
+        speed: That the pushes before have left the object with, along this one's own way [m/s].
+        swings: Whether it is one of a train to and fro.
+    """
+
+    k: Array | float
+    speed: Array | float
+    swings: bool
+
+
+@dataclasses.dataclass(frozen=True)
+class Circumstances:
+    """Circumstances of an entry, besides its own numbers.
+
+    Attributes:
+        scaling: What M = 1 means.
+        frame_dt: Seconds per frame [s].
+        frame_count: Frames of the clip.
+        stroke: Its part in a series of pushes; None = it is a push of its own.
+        turned: Whether something turns the object at the same time.
+    """
+
+    scaling: SkillScaling
+    frame_dt: float
+    frame_count: int
+    stroke: Stroke | None = None
+    turned: bool = False
+
+
+@dataclasses.dataclass(frozen=True)
+class FreeEntry:
+    """An entry on the path of a free body (`forces.free_path`).
+
+    Attributes:
+        values: Its numbers.
+        whole: Whether it acts on the whole object.
+        scaling: What M = 1 means.
+        frame_dt: Seconds per frame [s].
+        begin: Frame at which each interval begins, shape (frames - 1,).
+        stroke: Its part in a series of pushes.
+    """
+
+    values: ActionParameters
+    whole: bool
+    scaling: SkillScaling
+    frame_dt: float
+    begin: np.ndarray
+    stroke: Stroke | None = None
+
+    @property
+    def frames(self) -> np.ndarray:
+        """The part of each interval that lies in the window [frames], shape (frames - 1,)."""
+        first, last = self.values.window
+        return np.maximum(0.0, np.minimum(self.begin + 1, last) - np.maximum(self.begin, first))
+
+    def direct(self, k: float | Array) -> Array:
+        """K M v, shape (3,)."""
+        return _direct(k, self.values)
+
+
+class Binding:
+    """An action or constraint, with its numbers, bound to particles and seconds.
+
+    Attributes:
+        values: Its numbers; the vector is a unit vector.
+        scaling: What M = 1 means.
+        stroke: Its part in a series of pushes.
+        window: Start and end [s], scalars.
+        instant: The moment of what acts at once: just after its window begins [s].
+        weight: 1 inside the region, 0 outside, shape (n,); None = everywhere.
+        whole: Whether it acts on the whole object.
+    """
+
+    def __init__(
+        self,
+        timed: Action | VelocityConstraint,
+        values: ActionParameters,
+        place: str,
+        rest: np.ndarray,
+        volume: np.ndarray,
+        about: Circumstances,
+    ):
+        """Bind an entry.
+
+        Args:
+            timed: The entry.
+            values: Its numbers, traced or not.
+            place: Its place in the force field, for messages.
+            rest: Rest positions of the particles [m], shape (n, 3).
+            volume: Rest volumes [m^3], shape (n,).
+            about: Everything else.
+
+        Raises:
+            UserError: A region selects nothing, a window lies outside the clip, or an object id is unknown.
+        """
+        if timed.object is not None:
+            raise UserError(
+                f"`{place}.object` names an object, but the scene holds a single one",
+                got=repr(timed.object),
+                do="Leave `object` out",
+            )
+        self.values = values = _normalise(jax.tree.map(_check_known, values))
+        if not _is_traced(values.window) and values.window[0] >= about.frame_count - 1:
+            raise UserError(
+                f"`{place}.active_time` begins after the clip's last frame {about.frame_count - 1}",
+                got=values.window.tolist(),
+                do="Give frames inside the clip",
+            )
+        self.scaling, self.stroke, self._turned = about.scaling, about.stroke, about.turned
+        self._dtype, self._rest, self._volume, frame_dt = rest.dtype, rest, volume, about.frame_dt
+        self._mask = np.ones(len(rest), bool)
+        if timed.region is not None:
+            self._mask = make_region_mask(timed.region, rest, f"{place}.region")
+        first, last = values.window
+        self.window = self.leaf(first * frame_dt), self.leaf(last * frame_dt)
+        self.instant = self.leaf((first + AFTER) * frame_dt)
+        hold_end = getattr(timed, "held_until", None)
+        self._held_until = None if hold_end is None else self.leaf(hold_end * frame_dt)
+        self.whole = timed.region is None
+        self.weight = None if self.whole else self.leaf(self._mask)
+
+    def leaf(self, value) -> jax.Array:
+        """``value`` as an array of the particles' dtype."""
+        return value.astype(self._dtype) if _is_traced(value) else to_device(value, self._dtype)
+
+    @property
+    def opposition(self) -> Opposition | None:
+        """The opposition that is made up for; None for a part, which moves against the rest of the object."""
+        return self.scaling.opposition if self.whole else None
+
+    @property
+    def directed(self) -> tuple[Array, Array]:
+        """Magnitude and vector."""
+        return self.values.magnitude, self.values.vector
+
+    def along(self, size: float | Array) -> jax.Array:
+        """``size`` times the vector, shape (3,)."""
+        return self.leaf(size * self.values.vector)
+
+    def vector(self, k: float | Array) -> jax.Array:
+        """k M v, shape (3,)."""
+        return self.leaf(_direct(k, self.values))
+
+    def stress_concentration(self) -> Array | float:
+        """The strain of a `scale` in the weakest section over that in a uniform bar's middle; at least 1."""
+        inside = self._mask
+        return find_stress_concentration(
+            self._rest[inside], self._volume[inside], self.values.vector, np.ptp(self._rest, axis=0).max()
+        )
+
+    def overcome_friction(
+        self, k: float | Array, before: Array | float | None = None, *, pulse: bool = False
+    ) -> list:
+        """The force that overcomes friction for a push of the whole object.
+
+        Args:
+            k: The push for M = 1; the mean over its window where it rises and falls [m/s^2].
+            before: Speed that it begins with [m/s].
+            pulse: Whether it rises and falls as 1 - cos over its window.
+        """
+        opposition = self.opposition
+        if opposition is None or not opposition.friction:
+            return []
+        size, way = self._split()
+        push, start = self.leaf(k * size), self.leaf(np.zeros(()) if before is None else before)
+        friction = self.leaf(find_friction(opposition, way))
+        lever = self.leaf(0.0 if self._turned else opposition.lever)
+        drag = self.leaf(opposition.damping_rate)
+        return [
+            PushCompensation(self.leaf(way), friction, push, start, lever, drag, *self.window, pulse=pulse)
+        ]
+
+    def overcome_rubbing(self, k: float | Array) -> list:
+        """The force that overcomes the friction of a turn of the whole object with k."""
+        opposition = self.opposition
+        if opposition is None or not opposition.turning:
+            return []
+        size, way = self._split()
+        friction, turn = self.leaf(find_rubbing(opposition, way)), self.leaf(k * size)
+        return [
+            TurnCompensation(self.leaf(way), friction, turn, self.leaf(opposition.damping_rate), *self.window)
+        ]
+
+    def _split(self) -> tuple[Array, Array]:
+        """abs(M), and the vector with its sign."""
+        xp = jnp if _is_traced(self.values.magnitude) else np
+        return xp.abs(self.values.magnitude), xp.sign(self.values.magnitude) * self.values.vector
+
+    @property
+    def extent(self) -> float:
+        """The object's longest extent [m]."""
+        return float(np.ptp(self._rest, axis=0).max())
+
+    @property
+    def centre(self) -> np.ndarray:
+        """The centre of the particles at rest [m], shape (3,)."""
+        return np.average(self._rest[self._mask].astype(float), axis=0, weights=self._volume[self._mask])
+
+    def average_turn(self, profile: Callable[[Array], Array]) -> Array:
+        """Angular acceleration of a rigid body to which a field gives its profile of them around the axis.
+
+        Args:
+            profile: Function from squared distances to the axis [m^2], shape (n,), to angular accelerations there.
+        """
+        axis, arm = self.values.vector, self._rest[self._mask].astype(float) - self.centre
+        xp = jnp if _is_traced(axis) else np
+        squared = (arm**2).sum(1) - (arm @ axis) ** 2
+        inertia = self._volume[self._mask] * xp.maximum(squared, 0.0)
+        total = inertia.sum()  # 0 where all lie on the axis: nothing turns there
+        whole = xp.maximum(total, _TINY)
+        return xp.where(total > _TINY, (inertia * profile(squared)).sum() / whole, 1.0)
+
+    def width(self) -> Array:
+        """The object's extent along the vector, over its longest [1]."""
+        axis = self.values.vector
+        xp = jnp if _is_traced(axis) else np
+        extent = np.ptp(self._rest, axis=0).max()
+        if extent == 0:  # all particles in one place
+            return np.asarray(1.0)
+        return xp.ptp(self._rest.astype(xp.result_type(float)) @ (axis / xp.linalg.norm(axis))) / extent
+
+    def hold(self, velocity: jax.Array, angular_velocity: jax.Array) -> list[PrescribedMotion]:
+        """The particles move so during the window, about their own centre, and then stay if they are to be held."""
+        with jax.ensure_compile_time_eval():  # places are known, also where numbers are traced
+            particles = to_device(np.flatnonzero(self._mask), np.int32)
+        still = self.leaf(np.zeros(3))
+        motions = [PrescribedMotion(particles, velocity, angular_velocity, None, *self.window)]
+        if self._held_until is not None:
+            motions.append(PrescribedMotion(particles, still, still, still, self.window[1], self._held_until))
+        return motions
+
+    def press(self, k: float | Array) -> list[MovingPlate]:
+        """A plate that starts at the object's side, moves with k M v, and then stays if it is to be held."""
+        velocity, (start, end) = self.vector(k), self.window
+        normal = velocity / jnp.linalg.norm(velocity)
+        behind = (self.leaf(self._rest) @ normal).min()
+        middle = self.leaf(self._rest.mean(0))
+        point = middle + (behind - middle @ normal) * normal
+        friction = self.leaf(PLATE_FRICTION)
+        plates = [MovingPlate(HalfSpace(point, normal, friction, start, end, velocity=velocity))]
+        if self._held_until is not None:
+            stop = point + velocity * (end - start)
+            plates.append(MovingPlate(HalfSpace(stop, normal, friction, end, self._held_until)))
+        return plates
+
+
+def _normalise(values: ActionParameters) -> ActionParameters:
+    """The vector's length as a part of the magnitude: what is made up for goes by directions.
+
+    A direction of the schema has unit length but for round-off, which is left as it is: it may decide on which side of
+    the middle a particle lies.
+    """
+    squared = values.vector @ values.vector
+    if not _is_traced(squared) and abs(squared - 1) < 1e-12:
+        return values
+    xp = jnp if _is_traced(squared) else np
+    size = xp.sqrt(xp.maximum(squared, 1e-30))
+    return dataclasses.replace(values, vector=values.vector / size, magnitude=size * values.magnitude)
+
+
+def _is_traced(value) -> bool:
+    return isinstance(value, Tracer)
+
+
+def _check_known(value) -> Array:
+    """``value`` in double precision on the host, unless it is traced."""
+    return value if _is_traced(value) else np.asarray(value, np.float64)
+
+
+def _direct(k: float | Array, values: ActionParameters) -> Array:
+    """K M v, shape (3,)."""
+    return k * values.magnitude * values.vector

@@ -1,0 +1,45 @@
+"""The skill `enforce_particle_translation`: particles move at a prescribed velocity."""
+
+from __future__ import annotations
+
+from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL
+from physagent_jax.forces.skills.base import Skill
+
+
+class ParticleTranslation(Skill):
+    """The velocity k M v of its particles, with k = s L / T and s = `PRESCRIBED_TRAVEL`.
+
+    For a part, W takes the place of L: the object's extent along v. Two opposed ends then change it by 2 s M t / T of
+    it during a time t, however thin the object is there.
+    """
+
+    name = "enforce_particle_translation"
+    group = "constraints"
+    meaning = (
+        "holds the region's particles at a velocity along `vector` while it acts; a "
+        "stretch or squeeze is exactly two of them, on opposite ends and opposed"
+    )
+    one_means = f"{PRESCRIBED_TRAVEL:g} body lengths per clip"
+    quantity, unit = "velocity", "m/s"
+    effect = "keeps moving {direction}"
+    causes = ("move", "sway", "fall", "stretch", "squeeze")
+    deforms = "ends"
+
+    def make_constraints(self, bound):
+        """The particles' prescribed motion."""
+        import numpy as np
+
+        k = bound.scaling.velocity * (1.0 if bound.whole else bound.width())
+        return bound.hold(bound.vector(k), bound.leaf(np.zeros(3)))
+
+    def accelerate(self, gained, entry):
+        """The velocity of the whole becomes the prescribed one inside the window, and stays it."""
+        import numpy as np
+
+        if not entry.whole:
+            return gained
+        first, last = entry.values.window
+        speed = np.cumsum(gained, axis=0)
+        inside = (entry.begin + 1 > first) & (entry.begin < last)
+        speed[inside] = entry.direct(entry.scaling.velocity)
+        return np.diff(speed, axis=0, prepend=0)

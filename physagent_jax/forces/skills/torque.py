@@ -1,0 +1,42 @@
+"""The skill `torque`: a steady turn of a rigid body."""
+
+from __future__ import annotations
+
+import math
+
+from physagent_jax.forces.calibration import TURN
+from physagent_jax.forces.skills.base import Skill
+from physagent_jax.forces.skills.icons import draw_turn
+
+
+class Torque(Skill):
+    """The acceleration a = k M (v x r), r = x - x_c, with k = 2 theta / T^2 and theta = `TURN`.
+
+    x_c is the present mass centre. Friction and what holds it upright are made up for (`forces.opposition`).
+    """
+
+    name = "torque"
+    meaning = (
+        "a steady turn about the axis `vector` (right-hand rule) through the mass centre; at "
+        "magnitude 1, over the whole clip and unopposed, it is a quarter turn"
+    )
+    one_means = f"unopposed, {math.degrees(TURN):g} degrees by the clip's end"
+    quantity, unit = "torque", "rad/s\u00b2"
+    effect = "turns {turn}"
+    causes = ("rotate",)
+    is_axis = True
+    prescribed_by = "enforce_particle_rotation"
+
+    def make_forces(self, bound):
+        """The turn, and the force that overcomes friction."""
+        from physagent_jax.forces import terms
+        from physagent_jax.forces.opposition import oppose_turn
+
+        k = self.find_k(bound.scaling, bound.values.vector)
+        turn = bound.leaf(oppose_turn(bound.opposition, k, *bound.directed))
+        axis = bound.leaf(bound.values.vector)
+        return [terms.Torque(axis, turn, *bound.window, bound.weight), *bound.overcome_rubbing(k)]
+
+    def draw_icon(self, reverse):
+        """A turning arrow about the axis."""
+        return draw_turn()

@@ -1,0 +1,163 @@
+"""Material words of a sentence: what is said of the object, and what belongs to something else."""
+
+import pytest
+
+from physagent_jax.agents.materials import find_materials, find_meaning, mask_materials, read_material_words
+from physagent_jax.scene.materials import LIBRARY
+from physagent_jax.scene.priors import PRIORS, list_nouns
+from tests.agents.scenes import brief
+
+
+def called(name: str, kind: str):
+    return brief(object_name=name, object_kind=kind, object_nouns=list_nouns(kind))
+
+
+ROBOT = called("robot", "robot")
+THING = called("scan 12", "object")
+
+
+def found(sentence, scene=ROBOT):
+    return [(mention.word, mention.phrase) for mention in find_materials(sentence, scene)]
+
+
+@pytest.mark.parametrize(
+    ("sentence", "word", "phrase"),
+    [
+        ("a robot made of jelly falls over", "jelly", "made of jelly"),
+        ("push it to the left, made of jelly", "jelly", "made of jelly"),
+        ("it falls, made entirely of rubber", "rubber", "made entirely of rubber"),
+        ("Made entirely of soft rubber, the robot bounces", "rubber", "Made entirely of soft rubber"),
+        ("the robot, which is made out of wood, tips over", "wood", "made out of wood"),
+        ("it moves as if it were made of rubber", "rubber", "made of rubber"),
+        ("a robot carved from stone", "stone", "carved from stone"),
+        ("a robot of cast iron falls", "cast iron", "robot of cast iron"),
+        ("push the metal robot to the left", "metal", "metal robot"),
+        ("a rubbery little robot hops", "rubbery", "rubbery little robot"),
+        ("the jelly-like robot wobbles", "jelly", "jelly-like robot"),
+        ("the robot is metal", "metal", "is metal"),
+        ("it wobbles like jelly", "jelly", "wobbles like jelly"),
+        ("it bounces back like rubber and stops", "rubber", "bounces back like rubber"),
+        ("soft as jelly, the robot sags", "jelly", "soft as jelly"),
+        ("the robot turns to sand", "sand", "turns to sand"),
+        ("it collapses into a pile of wet sand", "wet sand", "collapses into a pile of wet sand"),
+        ("it becomes liquid", "liquid", "becomes liquid"),
+        ("the robot, made of chocolate, tips over", "chocolate", "made of chocolate"),
+    ],
+)
+def test_a_material_that_is_said_of_the_object(sentence, word, phrase):
+    assert found(sentence) == [(word, phrase)]
+    (mention,) = find_materials(sentence, ROBOT)
+    assert sentence[slice(*mention.span)] == phrase
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "the robot falls onto the sand",
+        "drop it into the water",
+        "it lands on a table made of wood",
+        "it lands on a table, made of wood",
+        "a rubber band pulls the robot",
+        "a metal rod hits the robot",
+        "a metal ball hits it",
+        "bend the robot's metal arm",
+        "pull it with a steel rope",
+        "the robot drops like a stone",  # no deformation
+        "it falls like sand",
+        "it wobbles like water balloons",
+        "the robot is not made of metal",
+        "this is not a metal robot",
+        "it melts into the ground",
+        "it collapses into the sand",
+        "the ground is metal",
+        "rock the robot",
+        "iron the robot",
+        "the robot is made to fall",
+        "",
+        "\u0130\u0130\u0130 jelly",  # letters whose lower case is longer
+    ],
+)
+def test_what_is_not_said_of_the_object(sentence):
+    assert found(sentence) == []
+
+
+def test_a_thing_of_unknown_kind_is_not_any_thing_that_is_named():
+    assert found("a metal ball hits the object", THING) == []
+    assert found("the object falls on a wooden chair", THING) == []
+    assert found("the object falls on a chair made of wood", THING) == []
+    assert found("a cup of water falls", THING) == []
+    assert found("a metal ball falls", THING) == [("metal", "metal ball")]
+    assert found("a bear of sand collapses", THING) == [("sand", "bear of sand")]
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"), [("sand bear", "animal"), ("sandbear", "object"), ("bear", "animal")]
+)
+def test_a_compound_of_material_and_noun(name, kind):
+    (mention,) = find_materials("a sand bear collapses", called(name, kind))
+    assert (mention.word, mention.phrase) == ("sand", "sand bear")
+    assert mention.named == (name == "sand bear")
+
+
+@pytest.mark.parametrize(
+    ("name", "kind", "sentence"),
+    [
+        ("water bottle", "vessel", "the water bottle falls"),
+        ("ice cream cone", "object", "turn the ice cream upside down"),
+        ("sand", "sand", "the sand collapses"),
+        ("glass", "vessel", "the glass falls"),
+        ("jelly", "jelly", "the jelly wobbles"),
+    ],
+)
+def test_names_that_tell_no_material_beyond_the_kind(name, kind, sentence):
+    assert found(sentence, called(name, kind)) == []
+
+
+def test_becoming_something_is_told_apart():
+    (turned,) = find_materials("the robot turns to stone", ROBOT)
+    (made,) = find_materials("a robot made of stone", ROBOT)
+    assert turned.turns and not made.turns
+
+
+@pytest.mark.parametrize(
+    ("sentence", "left"),
+    [
+        ("a robot made of soft jelly falls", "a robot falls"),
+        ("push the metal robot left", "push the robot left"),
+        ("it wobbles like jelly and stops", "it wobbles and stops"),
+        ("the robot turns to sand and falls", "the robot and falls"),
+        ("the robot collapses into a pile of sand", "the robot collapses"),
+        ("a robot of steel falls", "a robot falls"),
+        ("push the robot onto the sand", "push the robot onto the sand"),
+    ],
+)
+def test_what_is_left_to_read_without_the_material(sentence, left):
+    masked = mask_materials(sentence, find_materials(sentence, ROBOT))
+    assert " ".join(masked.split()) == left and len(masked) == len(sentence)
+
+
+def test_the_objects_own_name_stays_to_be_read():
+    scene = called("rubber duck", "animal")
+    assert mask_materials("push the rubber duck", find_materials("push the rubber duck", scene)) == (
+        "push the rubber duck"
+    )
+
+
+def test_several_materials_are_all_found_and_each_once():
+    assert [word for word, _ in found("a metal robot, made of metal, that wobbles like jelly")] == [
+        "metal",
+        "jelly",
+    ]
+
+
+def test_every_word_stands_for_a_preset_that_there_is():
+    lexicon = read_material_words()
+    assert {meaning.preset for meaning in lexicon.words.values()} <= {*PRIORS, *LIBRARY}
+    assert lexicon.adjectives <= set(lexicon.words) and len(lexicon.words) > 100
+    assert find_meaning("Wet-Sand").preset == "wet_sand" and find_meaning("chocolate") is None
+    assert find_meaning("gold").near and not find_meaning("steel").near
+
+
+def test_long_sentences_are_read_in_time():
+    """Every word is looked at with a few around it: ten thousand of them are no matter of seconds."""
+    assert len(find_materials("made of " * 20_000 + "jelly", ROBOT)) <= 1
