@@ -25,7 +25,7 @@ _STRENGTHS = {
 }
 _SENSES = {1: "counterclockwise", -1: "clockwise"}
 _CHOSEN = (MentionKind.VERB, MentionKind.DIRECTION, MentionKind.FROM, MentionKind.SENSE)
-_MOST_CLAUSES, _MOST_WORDS = 100, 1000  # limits of the intent
+_MOST_CLAUSES = 100  # no clip has time for more; the rest is a doubt
 _LONGEST, _MOST_TIMES = 200, 1_000_000
 
 
@@ -41,10 +41,10 @@ def make_intent(
         clauses=tuple(_make_clause(clause, clauses) for clause in told[:_MOST_CLAUSES]),
         held=_find_held(clauses),
         surroundings=_describe_surroundings(clauses, mentions),
-        ignored=tuple(map(_cut, coverage.ignored[:_MOST_WORDS])),
-        unknown=tuple(map(_cut, coverage.doubtful[:_MOST_WORDS])),
-        doubts=tuple(doubts[:_MOST_CLAUSES]),
-        notes=tuple(notes[:_MOST_CLAUSES]),
+        ignored=tuple(map(_cut, coverage.ignored)),
+        unknown=tuple(map(_cut, coverage.doubtful)),
+        doubts=tuple(doubts),
+        notes=tuple(notes),
     )
 
 
