@@ -15,10 +15,11 @@ from baselines.simulation import Pictures
 from physagent_jax.agents.context import AgentContext, KeyFrame, Observation, Round
 from physagent_jax.agents.protocols import Agents
 from physagent_jax.agents.registry import make_agents
-from physagent_jax.agents.schema import DirectionTable, SceneBrief, SemanticReply, Verdict
+from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.agents.trace import Reply
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.schema import DirectionTable, SceneBrief, Verdict
 from physagent_jax.output.video import encode_png
 from physagent_jax.perception.measure import perceive
 from physagent_jax.run.key_frames import spread_evenly

@@ -17,12 +17,12 @@ from baselines.tasks import Task
 from physagent_jax.agents.context import AgentContext, KeyFrame, Observation
 from physagent_jax.agents.protocols import Agents, PlannerAgent
 from physagent_jax.agents.registry import make_agents
-from physagent_jax.agents.schema import Check, ExpectedMotion, Judgement, MotionKind, Verdict
 from physagent_jax.agents.trace import Reply
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.metrics import report_true_motion
 from physagent_jax.metrics.targets import Clause, Target
 from physagent_jax.metrics.task_judge import ClauseJudgement, judge
+from physagent_jax.motion.schema import Check, ExpectedMotion, Judgement, MotionKind, Verdict
 
 _KINDS = {
     "direction": (MotionKind.MOVE, MotionKind.FALL),

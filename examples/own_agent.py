@@ -9,8 +9,9 @@ from pathlib import Path
 import physagent_jax as pa
 from physagent_jax.agents.protocols import Agents, ExecutorAgent, PlannerAgent
 from physagent_jax.agents.registry import make_agents
-from physagent_jax.agents.schema import Judgement, Rewrite, Verdict
+from physagent_jax.agents.schema import Rewrite
 from physagent_jax.agents.trace import Reply
+from physagent_jax.motion.schema import Judgement, Verdict
 
 ROBOT = Path(__file__).parent / "assets" / "robot.ply"
 

@@ -5,13 +5,14 @@ import typing
 
 import pytest
 
-from physagent_jax.agents.schema import Judgement, SemanticReply, Verdict
+from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.cli import join_options
 from physagent_jax.cli.console import ConsoleObserver
 from physagent_jax.cli.options import OPTIONS, to_spec
 from physagent_jax.cli.run import Run
 from physagent_jax.cli.simulate import Simulate
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.schema import Judgement, Verdict
 from physagent_jax.output.splats import WRITERS, SplatFormat
 from physagent_jax.run.spec import SaveChoice
 from tests.run.specs import small

@@ -16,10 +16,10 @@ from benchmarks.agents.replies import KEY, Draw, Kind
 from benchmarks.agents.roles import Role
 from benchmarks.agents.server import ScriptedServer
 from benchmarks.harness import Row
-from physagent_jax.agents.llm.openai_client import OWN_KEY, OpenAIModel
-from physagent_jax.agents.llm.replay import Recorder
 from physagent_jax.agents.llm.semantic import NoMotion
 from physagent_jax.agents.trace import AgentError, Trace
+from physagent_jax.chat.openai_client import OWN_KEY, OpenAIModel
+from physagent_jax.chat.replay import Recorder
 
 SEED = 40
 TIMEOUT, SHORT_TIMEOUT = 20.0, 0.5  # of an attempt, and of one that is to run into it [s]

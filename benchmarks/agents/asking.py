@@ -7,8 +7,8 @@ import functools
 from pathlib import Path
 from typing import Any
 
-from physagent_jax.agents.llm.base import ChatModel
-from physagent_jax.agents.llm.registry import make_model
+from physagent_jax.chat.base import ChatModel
+from physagent_jax.chat.registry import make_model
 from physagent_jax.core.errors import UserError
 from physagent_jax.run.spec import Implementation
 

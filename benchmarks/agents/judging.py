@@ -22,10 +22,10 @@ from physagent_jax.agents.context import AgentContext, Observation
 from physagent_jax.agents.llm.planner import judge_with_model
 from physagent_jax.agents.llm.structured import BadAnswers
 from physagent_jax.agents.registry import make_agents
-from physagent_jax.agents.schema import Verdict
 from physagent_jax.agents.trace import Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_skills
+from physagent_jax.motion.schema import Verdict
 
 PART = "judging"
 CHUNK = 4  # clips of a job

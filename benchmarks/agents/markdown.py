@@ -62,6 +62,6 @@ PAGE = Page(
     "agents",
     "python -m benchmarks.agents",
     write_tables,
-    ("physagent_jax/agents/llm", "benchmarks/agents"),
+    ("physagent_jax/agents/llm", "physagent_jax/chat", "benchmarks/agents"),
     condense=condense,
 )

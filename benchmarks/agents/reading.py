@@ -22,10 +22,11 @@ from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.llm.semantic import FORMS, Form, NoMotion, find_disagreements, read_with_model
 from physagent_jax.agents.llm.structured import BadAnswers
 from physagent_jax.agents.registry import make_agents
-from physagent_jax.agents.schema import SceneBrief, SemanticReply
+from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.agents.trace import Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_skills
+from physagent_jax.motion.schema import SceneBrief
 
 CHUNK = 4  # sentences of a job
 PART = "reading"

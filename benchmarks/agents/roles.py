@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from physagent_jax.agents.context import AgentContext, Observation, Round
-from physagent_jax.agents.llm.base import ChatModel
 from physagent_jax.agents.registry import make_agents
-from physagent_jax.agents.schema import DirectionTable, Judgement, SceneBrief, Verdict
 from physagent_jax.agents.trace import Reply
+from physagent_jax.chat.base import ChatModel
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.metrics import report_true_motion
+from physagent_jax.motion.schema import DirectionTable, Judgement, SceneBrief, Verdict
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.scene.camera import find_viewer_directions
 from physagent_jax.scene.config import CameraConfig

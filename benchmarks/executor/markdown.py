@@ -83,5 +83,8 @@ def _write_kinds(rows: Sequence[Mapping]) -> str:
 
 
 PAGE = Page(
-    "executor", "python -m benchmarks.executor", write_tables, ("physagent_jax/agents", "physagent_jax/mpm")
+    "executor",
+    "python -m benchmarks.executor",
+    write_tables,
+    ("physagent_jax/agents", "physagent_jax/motion", "physagent_jax/mpm"),
 )

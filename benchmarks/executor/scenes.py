@@ -14,12 +14,13 @@ import numpy as np
 from physagent_jax.agents.context import AgentContext, Observation, Round
 from physagent_jax.agents.rules.executor import RuleExecutor
 from physagent_jax.agents.rules.planner import RulePlanner
-from physagent_jax.agents.schema import ExpectedMotion, Rewrite, SceneBrief, SemanticReply
+from physagent_jax.agents.schema import Rewrite, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.gaussians.formats.ply import write_ply
 from physagent_jax.metrics.true_report import report_true_motion
+from physagent_jax.motion.schema import ExpectedMotion, SceneBrief
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.render.camera import Camera
 from physagent_jax.run.brief import make_brief

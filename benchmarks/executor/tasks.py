@@ -6,12 +6,12 @@ import dataclasses
 import math
 from collections.abc import Callable
 
-from physagent_jax.agents.schema import ExpectedMotion, SceneBrief
-from physagent_jax.agents.vectors import add, cross, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import Action, ActionType, ForceField
 from physagent_jax.forces.skills import get_skill
+from physagent_jax.motion.schema import ExpectedMotion, SceneBrief
+from physagent_jax.motion.vectors import add, cross, scale
 
 FRAMES = 50
 LAST = float(FRAMES - 1)

@@ -18,10 +18,10 @@ from benchmarks.first_results.viewing import hash_video
 from benchmarks.harness import Row
 from physagent_jax.agents.context import AgentContext, Observation
 from physagent_jax.agents.registry import make_agents
-from physagent_jax.agents.schema import Judgement
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.metrics import report_true_motion
 from physagent_jax.metrics.motion import compare
+from physagent_jax.motion.schema import Judgement
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.finished import FinishedRun, open_run
 from physagent_jax.run.key_frames import VideoKeyFrames

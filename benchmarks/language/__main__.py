@@ -22,9 +22,10 @@ from benchmarks.language.score import get_answer, make_scene, score
 from benchmarks.language.totals import count_outcomes, describe_shares, is_met
 from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent
-from physagent_jax.agents.schema import SceneBrief, SemanticReply
+from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_skills
+from physagent_jax.motion.schema import SceneBrief
 
 
 @dataclasses.dataclass(frozen=True)

@@ -133,6 +133,7 @@ PAGE = Page(
     write_tables,
     (
         "physagent_jax/agents",
+        "physagent_jax/motion",
         *(f"benchmarks/language/{name}" for name in ("corpus", "notation.py", "score.py", "totals.py")),
     ),
     condense,

@@ -7,14 +7,9 @@ import math
 from collections.abc import Iterator
 
 from benchmarks.language.notation import Clause, Reading, Sentence
-from physagent_jax.agents.schema import (
-    DirectionTable,
-    ExpectedMotion,
-    MotionKind,
-    SceneBrief,
-    SemanticReply,
-)
-from physagent_jax.agents.vectors import add, cosine, cross, normalise
+from physagent_jax.agents.schema import SemanticReply
+from physagent_jax.motion.schema import DirectionTable, ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.vectors import add, cosine, cross, normalise
 from physagent_jax.scene.priors import guess_kind, list_nouns
 
 Fields = list[tuple[str, bool]]

@@ -18,11 +18,12 @@ from benchmarks.verdicts.things import THINGS
 from physagent_jax import metrics, perception
 from physagent_jax.agents.context import AgentContext, Observation
 from physagent_jax.agents.registry import make_agents
-from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, Judgement, SceneBrief, SemanticReply
+from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.metrics import report_true_motion
+from physagent_jax.motion.schema import DirectionTable, ExpectedMotion, Judgement, SceneBrief
 from physagent_jax.perception.measure import perceive
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.scene.camera import find_viewer_directions

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
-from physagent_jax.agents.schema import ExpectedMotion, Judgement, SceneBrief, SemanticReply
+from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.forces.description import SkillDescription
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.schema import ExpectedMotion, Judgement, SceneBrief
 from physagent_jax.perception.schema import MotionReport
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from physagent_jax.agents.schema import SceneBrief
 from physagent_jax.forces import calibration
+from physagent_jax.motion.schema import SceneBrief
 
 
 def find_reference_seconds(brief: SceneBrief) -> float:

@@ -17,15 +17,15 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from physagent_jax.agents.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, overlaps
-from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.agents.stacking import find_room, fits, has_room
-from physagent_jax.agents.vectors import add, clamp, cosine, norm, normalise, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces import schema as forces
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import ForceField, is_too_short
 from physagent_jax.forces.skills import Skill, find_skill
+from physagent_jax.motion.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, overlaps
+from physagent_jax.motion.schema import DirectionTable, ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.vectors import add, clamp, cosine, norm, normalise, scale
 
 LONGEST_IMPULSE = 2.0  # frames
 _GROUPS = {

@@ -12,11 +12,12 @@ import enum
 from dataclasses import dataclass
 from typing import Literal
 
-from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SemanticReply
-from physagent_jax.agents.vectors import cosine
+from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.skills import get_skill
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind
+from physagent_jax.motion.vectors import cosine
 
 _UPWARD = 0.5  # cosine to the vertical from which on a way leads up
 _LEVEL = 0.7  # cosine to the vertical below which an axis is level

@@ -15,7 +15,7 @@ from importlib import resources
 import yaml
 
 from physagent_jax.agents.lexicon import read_lexicon
-from physagent_jax.agents.schema import SceneBrief
+from physagent_jax.motion.schema import SceneBrief
 
 _UNKNOWN_KIND = "object"
 _LONGEST = 3  # words of the longest name of a material

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from physagent_jax.agents.schema import Judgement, Verdict
+from physagent_jax.motion.schema import Judgement, Verdict
 
 PATIENCE = 2
 """Rounds in a row without an improvement after which a run ends."""

@@ -12,8 +12,9 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from physagent_jax.agents.context import AgentContext, Observation, Round
-from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
+from physagent_jax.agents.schema import Rewrite, SemanticReply
 from physagent_jax.agents.trace import Reply
+from physagent_jax.motion.schema import Judgement
 
 
 class Agent(Protocol):

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from physagent_jax.agents.vectors import add, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, Region
+from physagent_jax.motion.vectors import add, scale
 
 _ALONG = 0.999  # cosine
 

@@ -9,7 +9,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.registry import Choice, Registry
 
 if TYPE_CHECKING:
-    from physagent_jax.agents.llm.base import ChatModel
+    from physagent_jax.chat.base import ChatModel
 
 SEMANTIC = Registry(
     "`agents.semantic`",

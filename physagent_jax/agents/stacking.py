@@ -5,10 +5,10 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 
-from physagent_jax.agents.matching import Cause
-from physagent_jax.agents.vectors import cosine, dot
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, Region
+from physagent_jax.motion.matching import Cause
+from physagent_jax.motion.vectors import cosine, dot
 
 _PARALLEL = 0.9
 _SAMPLES = [i / 8 for i in range(9)]

@@ -79,8 +79,9 @@ class Schema:
 
     def __call__(self) -> int:
         """Run the command; return the exit code."""
-        from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
+        from physagent_jax.agents.schema import Rewrite, SemanticReply
         from physagent_jax.forces.schema import ForceField
+        from physagent_jax.motion.schema import Judgement
         from physagent_jax.perception.schema import MotionReport
         from physagent_jax.run.manifest import Manifest
         from physagent_jax.run.spec import RunSpec

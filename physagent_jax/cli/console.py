@@ -5,9 +5,10 @@ from __future__ import annotations
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-from physagent_jax.agents.schema import Judgement, SemanticReply, Verdict
+from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.cli import stopping
 from physagent_jax.cli.options import describe_unknown, name_options
+from physagent_jax.motion.schema import Judgement, Verdict
 from physagent_jax.run.observer import Observer
 
 stderr = Console(stderr=True, highlight=False, soft_wrap=True)

@@ -16,7 +16,8 @@ from physagent_jax.scene.config import SignedAxis, SplatEncoding
 from physagent_jax.scene.presets import PresetName
 
 if TYPE_CHECKING:
-    from physagent_jax.agents.schema import SceneBrief, SemanticReply
+    from physagent_jax.agents.schema import SemanticReply
+    from physagent_jax.motion.schema import SceneBrief
 
 
 @dataclasses.dataclass(frozen=True)

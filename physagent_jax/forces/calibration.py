@@ -51,7 +51,7 @@ HELD_TIME = 0.7
 field of four tenths of gravity does to a plant of 1 m (2 L / T^2)."""
 
 # --- what M = 1 usually shows of what is held; a quantity in the sentence sets M in proportion ------------------------
-# What viewers expect does not follow from these numbers: see `agents.rules.tolerances`.
+# What viewers expect does not follow from these numbers: see `motion.tolerances`.
 
 EXPECTED_HELD_SHIFT = 0.17
 """[L] by which the centre of something held moves when it is pushed."""

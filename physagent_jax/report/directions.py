@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from physagent_jax.agents.schema import DirectionTable
+from physagent_jax.motion.schema import DirectionTable
 from physagent_jax.scene.camera import find_viewer_directions
 from physagent_jax.scene.config import CameraConfig
 

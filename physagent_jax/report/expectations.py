@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from physagent_jax.agents.schema import Amount, DirectionTable, ExpectedMotion, MotionKind
+from physagent_jax.motion.schema import Amount, DirectionTable, ExpectedMotion, MotionKind
 from physagent_jax.report.directions import describe_axis, describe_direction, describe_turn
 from physagent_jax.report.formats import format_fixed, format_plural, format_window
 

@@ -6,13 +6,13 @@ import dataclasses
 from collections.abc import Callable
 from typing import Any
 
-from physagent_jax.agents.schema import DirectionTable
 from physagent_jax.forces.binding import Stroke
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.schema import Action, ForceField, SkillScaling, VelocityConstraint
 from physagent_jax.forces.skills import get_skill
 from physagent_jax.forces.swinging import find_strokes
+from physagent_jax.motion.schema import DirectionTable
 from physagent_jax.report.directions import (
     describe_axis,
     describe_direction,

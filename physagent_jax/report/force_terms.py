@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from physagent_jax.agents.schema import DirectionTable
 from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, Region
+from physagent_jax.motion.schema import DirectionTable
 from physagent_jax.report.directions import describe_direction
 from physagent_jax.report.formats import format_number, format_quantity, format_seconds, format_vector
 from physagent_jax.scene.config import (

@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from physagent_jax.agents.schema import DirectionTable
 from physagent_jax.forces.skills import Skill
 from physagent_jax.forces.skills.icons import Mark
+from physagent_jax.motion.schema import DirectionTable
 from physagent_jax.report.directions import find_components
 from physagent_jax.report.markup import Markup, tag
 

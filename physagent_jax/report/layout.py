@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 
 from pydantic import BaseModel
 
-from physagent_jax.agents.schema import Verdict
+from physagent_jax.motion.schema import Verdict
 from physagent_jax.report.markup import Child, Markup, div, span, tag
 
 

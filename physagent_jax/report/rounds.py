@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from physagent_jax.agents.schema import Check, Judgement, Rewrite, Stage, StageVerdict
+from physagent_jax.agents.schema import Rewrite
+from physagent_jax.motion.schema import Check, Judgement, Stage, StageVerdict
 from physagent_jax.perception.schema import MotionReport, Oscillation, WindowMotion
 from physagent_jax.report.agent_traces import show_agent_traces
 from physagent_jax.report.charts import draw_motion_charts, draw_physics_charts

@@ -6,7 +6,8 @@ import dataclasses
 import re
 from collections.abc import Sequence
 
-from physagent_jax.agents.schema import Evidence, ExpectedMotion, SemanticReply
+from physagent_jax.agents.schema import Evidence, SemanticReply
+from physagent_jax.motion.schema import ExpectedMotion
 from physagent_jax.report.expectations import describe_motion, list_details
 from physagent_jax.report.force_cards import Setting, make_force_cards
 from physagent_jax.report.layout import make_list, make_table

@@ -8,8 +8,8 @@ from typing import Literal
 
 import numpy as np
 
-from physagent_jax.agents.schema import Judgement
 from physagent_jax.core.files import link_or_copy, replace_file, write_text
+from physagent_jax.motion.schema import Judgement
 from physagent_jax.output.motion_file import Motion, read_motion, write_motion
 from physagent_jax.output.splats import SplatFormat, make_splat_names, write_splat_frames
 from physagent_jax.output.video import make_frame_names, write_frames, write_picture, write_video

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from physagent_jax.agents.schema import DirectionTable, SceneBrief
+from physagent_jax.motion.schema import DirectionTable, SceneBrief
 from physagent_jax.scene.broad_side import find_long_axis
 from physagent_jax.scene.camera import find_viewer_directions
 from physagent_jax.scene.fuse import SceneTemplate

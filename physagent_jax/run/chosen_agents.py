@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from physagent_jax.agents.llm.registry import make_model
 from physagent_jax.agents.protocols import Agents
 from physagent_jax.agents.registry import make_agents
+from physagent_jax.chat.registry import make_model
 from physagent_jax.core.errors import UserError
 from physagent_jax.run.spec import RunSpec
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from physagent_jax.agents.hold import Hold, HoldOrigin, describe_yielding, refuse_impossible
-from physagent_jax.agents.schema import AnchorRequest, SemanticReply
+from physagent_jax.agents.schema import SemanticReply
+from physagent_jax.motion.schema import AnchorRequest
 from physagent_jax.run.spec import AnchorChoice
 from physagent_jax.scene.anchor import select_anchored
 from physagent_jax.scene.body import Body

@@ -21,11 +21,12 @@ from typing import NoReturn
 from physagent_jax.agents.context import AgentContext, Observation, Round
 from physagent_jax.agents.progress import find_best_round, has_stalled
 from physagent_jax.agents.protocols import Agents
-from physagent_jax.agents.schema import Judgement, Rewrite, SceneBrief, SemanticReply, Verdict
+from physagent_jax.agents.schema import Rewrite, SemanticReply
 from physagent_jax.agents.trace import AgentError, FailedCall, Reply, Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.schema import Judgement, SceneBrief, Verdict
 from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.measure import perceive
 from physagent_jax.perception.protocols import PerceptionBackends, SegmentPrompt

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from physagent_jax.agents.schema import Judgement, SemanticReply
+from physagent_jax.agents.schema import SemanticReply
+from physagent_jax.motion.schema import Judgement
 
 
 class Observer:

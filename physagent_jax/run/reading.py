@@ -7,10 +7,11 @@ from collections.abc import Callable
 
 from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.hold import HoldOrigin, describe_release, find_leaving
-from physagent_jax.agents.schema import AnchorRequest, ExpectedMotion, SceneBrief, SemanticReply
+from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.agents.trace import Reply
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, SceneBrief
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.holding import UP
 from physagent_jax.run.resolve import LET_GO, ResolvedRun

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from physagent_jax.agents.materials import MaterialMention, find_materials, find_meaning
-from physagent_jax.agents.schema import Evidence, SceneBrief, SemanticReply
+from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.names import find_nearest
+from physagent_jax.motion.schema import SceneBrief
 from physagent_jax.run.spec import MaterialChoice
 from physagent_jax.scene.materials import LIBRARY, find_material
 from physagent_jax.scene.priors import PRIORS

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, JsonValue, ValidationError, field_validator, model_validator
 
 from physagent_jax.agents import registry as agents
-from physagent_jax.agents.llm.registry import MODELS
+from physagent_jax.chat.registry import MODELS
 from physagent_jax.core.reading import YAML_SUFFIXES, format_validation_error, read_json, read_yaml
 from physagent_jax.core.strict import Seed, Strict
 from physagent_jax.perception import backends

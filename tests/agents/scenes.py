@@ -13,10 +13,11 @@ from physagent_jax.agents.context import AgentContext, Observation, Round
 from physagent_jax.agents.grammar.semantic import read_sentence
 from physagent_jax.agents.rules.executor import RuleExecutor
 from physagent_jax.agents.rules.planner import RulePlanner
-from physagent_jax.agents.rules.tolerances import list_windows
-from physagent_jax.agents.schema import DirectionTable, ExpectedMotion, Rewrite, SceneBrief, SemanticReply
+from physagent_jax.agents.schema import Rewrite, SemanticReply
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import BoxRegion, ForceField
+from physagent_jax.motion.schema import DirectionTable, ExpectedMotion, SceneBrief
+from physagent_jax.motion.tolerances import list_windows
 from physagent_jax.perception.schema import (
     Box,
     Matrix,

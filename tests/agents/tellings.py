@@ -1,6 +1,6 @@
 """A reply in a few words, to be compared with what a person reads."""
 
-from physagent_jax.agents.schema import ExpectedMotion
+from physagent_jax.motion.schema import ExpectedMotion
 from tests.agents.scenes import brief, read
 
 NAMES: dict[tuple[int, ...], str] = {

@@ -23,9 +23,10 @@ from physagent_jax.agents.intent import (
     Way,
 )
 from physagent_jax.agents.lexicon import read_lexicon
-from physagent_jax.agents.schema import DirectionTable, MotionKind, SceneBrief, SemanticReply
+from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ActionType
+from physagent_jax.motion.schema import DirectionTable, MotionKind, SceneBrief
 
 TABLE = DirectionTable(
     right=(1, 0, 0), left=(-1, 0, 0), up=(0, 0, 1), down=(0, 0, -1), toward=(0, -1, 0), away=(0, 1, 0)

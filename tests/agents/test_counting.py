@@ -5,12 +5,12 @@ import random
 
 import pytest
 
-from physagent_jax.agents.rules.judging.counting import (
+from physagent_jax.core.turning import find_turning_points
+from physagent_jax.motion.judging.counting import (
     estimate_crossing,
     estimate_jitter,
     find_count_confidence,
 )
-from physagent_jax.core.turning import find_turning_points
 
 
 def swing(noise=0.0, amplitude=0.2, frames=60, periods=3, seed=0):

@@ -3,9 +3,9 @@
 import pytest
 
 from physagent_jax.agents.hard_rules import apply_hard_rules
-from physagent_jax.agents.matching import list_causes
-from physagent_jax.agents.schema import Verdict
 from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField
+from physagent_jax.motion.matching import list_causes
+from physagent_jax.motion.schema import Verdict
 from tests.agents.scenes import brief, judge, make_report, read, rewrite, seen_in
 from tests.agents.sentences import SENTENCES
 from tests.agents.toy_world import ToyWorld, loop

@@ -7,10 +7,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from physagent_jax.agents.hard_rules import RULES, apply_hard_rules, base_directions
-from physagent_jax.agents.schema import ExpectedMotion, MotionKind
-from physagent_jax.agents.vectors import cosine
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind
+from physagent_jax.motion.vectors import cosine
 from tests.agents.scenes import brief, read, table
 from tests.agents.sentences import SENTENCES
 

@@ -18,10 +18,11 @@ from physagent_jax.agents.hold import (
     find_leaving,
     refuse_impossible,
 )
-from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SemanticReply
+from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.agents.trace import Reply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import Action, ActionType, ForceField
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind
 from physagent_jax.run.holding import UP, find_hold
 from physagent_jax.run.reading import read_let_go
 from physagent_jax.run.spec import AnchorChoice

@@ -6,11 +6,11 @@ import pytest
 
 from physagent_jax.agents.compiler.schedule import LONGEST, STEP
 from physagent_jax.agents.rules.kinds import choose_kinds
-from physagent_jax.agents.schema import MotionKind
-from physagent_jax.agents.vectors import cosine
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces import calibration
 from physagent_jax.forces.schema import ConstraintType
+from physagent_jax.motion.schema import MotionKind
+from physagent_jax.motion.vectors import cosine
 from tests.agents.scenes import read
 from tests.agents.sentences import load_table
 from tests.agents.tellings import NAMES, ground

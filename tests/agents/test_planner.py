@@ -5,21 +5,21 @@ import math
 import numpy as np
 import pytest
 
-from physagent_jax.agents.rules import tolerances
-from physagent_jax.agents.rules.judging.collateral import find_eigenvalues
 from physagent_jax.agents.rules.planner import RulePlanner
-from physagent_jax.agents.rules.tolerances import list_windows
-from physagent_jax.agents.schema import (
+from physagent_jax.agents.schema import SemanticReply
+from physagent_jax.core.turning import find_turning_points
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion import tolerances
+from physagent_jax.motion.judging.collateral import find_eigenvalues
+from physagent_jax.motion.schema import (
     Amount,
     ExpectedMotion,
     MotionKind,
     ObstacleRequest,
-    SemanticReply,
     Verdict,
     WorldRequest,
 )
-from physagent_jax.core.turning import find_turning_points
-from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.tolerances import list_windows
 from physagent_jax.perception.schema import Extent, PartMotion, Uncertainty
 from tests.agents.scenes import (
     IDENTITY,

@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.language.score import make_scene
 from physagent_jax.agents.grammar.semantic import read_sentence
-from physagent_jax.agents.schema import ExpectedMotion
+from physagent_jax.motion.schema import ExpectedMotion
 from tests.agents.sentences import load_table
 
 TABLE = load_table("public.yaml")

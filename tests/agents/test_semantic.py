@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from physagent_jax.agents.compiler.builder import MAX_ACTIONS
 from physagent_jax.agents.grammar.patterns import read_patterns
 from physagent_jax.agents.lexicon import read_lexicon
-from physagent_jax.agents.schema import MotionKind
-from physagent_jax.agents.vectors import cosine
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ActionType
+from physagent_jax.motion.schema import MotionKind
+from physagent_jax.motion.vectors import cosine
 from tests.agents.scenes import brief, described, read, table
 from tests.agents.sentences import SENTENCES
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from physagent_jax.agents.schema import Verdict
+from physagent_jax.motion.schema import Verdict
 from physagent_jax.perception.reasons import FILLING, GONE
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.perception.unobservable import report_nothing

@@ -10,14 +10,15 @@ from __future__ import annotations
 import math
 
 from physagent_jax.agents.context import Round
-from physagent_jax.agents.rules.tolerances import list_windows
-from physagent_jax.agents.schema import ExpectedMotion, Judgement, SceneBrief, SemanticReply, Verdict
-from physagent_jax.agents.vectors import add, scale
+from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.forces import calibration
 from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField, HalfSpaceRegion
 from physagent_jax.forces.swinging import find_strokes
+from physagent_jax.motion.schema import ExpectedMotion, Judgement, SceneBrief, Verdict
+from physagent_jax.motion.tolerances import list_windows
+from physagent_jax.motion.vectors import add, scale
 from physagent_jax.perception.schema import MotionReport, PartMotion
 from tests.agents.scenes import judge, make_report, rewrite
 

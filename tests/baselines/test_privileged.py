@@ -7,9 +7,9 @@ import pytest
 from baselines.methods import make_method
 from baselines.privileged import TrueSight, find_expectation, make_check
 from baselines.protocol import Budget
-from physagent_jax.agents.schema import ExpectedMotion, MotionKind, Verdict
 from physagent_jax.metrics.targets import Distance, Integrity, Stretch, Turn
 from physagent_jax.metrics.task_judge import ClauseJudgement
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind, Verdict
 from tests.baselines.tiny import act, play
 
 LEFT = ExpectedMotion(kind=MotionKind.MOVE, direction=(-1, 0, 0), window=(0, 12))

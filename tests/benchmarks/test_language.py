@@ -18,15 +18,9 @@ from benchmarks.language.notation import (
 )
 from benchmarks.language.score import get_answer, make_scene, score
 from benchmarks.language.totals import REQUIRED, describe_shares, find_outcome, is_met
-from physagent_jax.agents.schema import (
-    Amount,
-    ExpectedMotion,
-    MotionKind,
-    ObstacleRequest,
-    SemanticReply,
-    WorldRequest,
-)
+from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.forces.schema import Action, ActionType, ForceField
+from physagent_jax.motion.schema import Amount, ExpectedMotion, MotionKind, ObstacleRequest, WorldRequest
 
 ROBOT = make_scene("robot")
 LEFT, RIGHT, UP, DOWN = (-1.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)

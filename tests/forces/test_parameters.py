@@ -8,8 +8,6 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from physagent_jax.agents.rules.tolerances import expect_move, expect_rotation, expect_strain
-from physagent_jax.agents.schema import ExpectedMotion, MotionKind
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces import calibration
 from physagent_jax.forces.compilation import compile_force_field
@@ -18,6 +16,8 @@ from physagent_jax.forces.parameters import ActionParameters, ForceFieldParamete
 from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.forces.skills import find_skill, list_skills
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind
+from physagent_jax.motion.tolerances import expect_move, expect_rotation, expect_strain
 
 pytestmark = pytest.mark.usefixtures(
     "least_optimised"

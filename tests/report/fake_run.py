@@ -9,17 +9,7 @@ import imageio.v3 as iio
 import numpy as np
 from pydantic import BaseModel
 
-from physagent_jax.agents.schema import (
-    AnchorRequest,
-    Check,
-    Evidence,
-    ExpectedMotion,
-    Judgement,
-    MotionKind,
-    Rewrite,
-    SemanticReply,
-    Verdict,
-)
+from physagent_jax.agents.schema import Evidence, Rewrite, SemanticReply
 from physagent_jax.agents.trace import Message, Trace
 from physagent_jax.forces.schema import (
     Action,
@@ -31,6 +21,7 @@ from physagent_jax.forces.schema import (
     VelocityConstraint,
 )
 from physagent_jax.metrics.motion import TrueMotion
+from physagent_jax.motion.schema import AnchorRequest, Check, ExpectedMotion, Judgement, MotionKind, Verdict
 from physagent_jax.output.video import write_video
 from physagent_jax.perception.schema import MotionReport, Oscillation, Quality, WindowMotion
 from physagent_jax.run.manifest import AgentCost, Manifest, Stages

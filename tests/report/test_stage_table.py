@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from physagent_jax.agents.schema import Judgement, Stage
+from physagent_jax.motion.schema import Judgement, Stage
 from physagent_jax.report.html import write_report
 from tests.report.fake_run import build_run
 from tests.report.test_html import Page

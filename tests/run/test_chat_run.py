@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from physagent_jax.agents.llm.replay import Recorder
+from physagent_jax.chat.replay import Recorder
 from physagent_jax.cli import main
 from physagent_jax.run import chosen_agents
 from physagent_jax.run.manifest import Manifest
@@ -176,7 +176,7 @@ def test_a_spec_names_a_model_if_and_only_if_somebody_asks_it(robot_path, tmp_pa
 
 
 def test_a_model_that_is_away_leaves_what_was_tried(tmp_path, robot_path, models, capsys):
-    from physagent_jax.agents.llm.base import ModelError
+    from physagent_jax.chat.base import ModelError
 
     models[0].append(ScriptedModel(ModelError("the server does not answer", do="Start it")))
     out = tmp_path / "run"

@@ -6,11 +6,11 @@ import math
 import numpy as np
 import pytest
 
-from physagent_jax.agents.schema import Judgement
 from physagent_jax.cli import main
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.gaussians.formats.ply import write_ply
+from physagent_jax.motion.schema import Judgement
 from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.protocols import Masks, Segmenter, SegmentPrompt
 from physagent_jax.perception.schema import MotionReport

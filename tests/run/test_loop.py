@@ -9,12 +9,13 @@ import pytest
 import trimesh
 
 from physagent_jax.agents.protocols import ExecutorAgent, PlannerAgent
-from physagent_jax.agents.schema import Check, Judgement, Rewrite, SemanticReply, Verdict
+from physagent_jax.agents.schema import Rewrite, SemanticReply
 from physagent_jax.agents.trace import Reply
 from physagent_jax.cli import main
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import link_or_copy
 from physagent_jax.forces.schema import Action, ForceField
+from physagent_jax.motion.schema import Check, Judgement, Verdict
 from physagent_jax.output.motion_file import read_motion
 from physagent_jax.output.video import read_video
 from physagent_jax.perception.backends import make_backends

@@ -10,10 +10,11 @@ import pytest
 from physagent_jax.agents.progress import find_best_round
 from physagent_jax.agents.protocols import Agents, ExecutorAgent, PlannerAgent, SemanticAgent
 from physagent_jax.agents.registry import make_agents
-from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply, Verdict
+from physagent_jax.agents.schema import Rewrite, SemanticReply
 from physagent_jax.agents.trace import AgentError, FailedCall, Message, Reply, Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.schema import Judgement, Verdict
 from physagent_jax.report.html import write_report
 from physagent_jax.run.manifest import Manifest
 from physagent_jax.run.refused import RefusedReadings

@@ -12,10 +12,11 @@ import physagent_jax as pa
 from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.protocols import SemanticAgent
 from physagent_jax.agents.registry import make_agents
-from physagent_jax.agents.schema import AnchorRequest, SemanticReply
+from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.agents.trace import Message, Reply, Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.schema import AnchorRequest
 from physagent_jax.run.reading import read_for_scene
 from physagent_jax.run.resolve import resolve
 from physagent_jax.scene.body import Body, make_body

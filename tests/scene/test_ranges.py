@@ -8,9 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import BaseModel, ValidationError
 
-from physagent_jax.agents.schema import Judgement, Rewrite, SceneBrief, SemanticReply
+from physagent_jax.agents.schema import Rewrite, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField, SkillScaling
+from physagent_jax.motion.schema import Judgement, SceneBrief
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.run.spec import PerceptionChoice
 from physagent_jax.scene import config as c

@@ -6,9 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from physagent_jax.agents.schema import ObstacleRequest, SemanticReply, WorldRequest
+from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.forces.calibration import DROP_HEIGHT, FRICTION, GRAVITY, REFERENCE_TIME, SWEEP, TRAVEL
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.schema import ObstacleRequest, WorldRequest
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.resolve import resolve
 from physagent_jax.run.spec import RunSpec

@@ -10,13 +10,13 @@ from typing import NamedTuple
 
 from physagent_jax.agents.intent import Quantity
 from physagent_jax.agents.lexicon import Effect, Motion, Names
-from physagent_jax.agents.rules.tolerances import MOVE, TURN, pick_band
-from physagent_jax.agents.schema import Amount, SceneBrief
-from physagent_jax.agents.vectors import clamp
 from physagent_jax.forces import calibration
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.motion.schema import Amount, SceneBrief
+from physagent_jax.motion.tolerances import MOVE, TURN, pick_band
+from physagent_jax.motion.vectors import clamp
 
-MOST = 1e5  # of any unit, as in `agents.schema.Amount`: more is no target
+MOST = 1e5  # of any unit, as in `motion.schema.Amount`: more is no target
 _LEAST = 1e-6  # of any unit
 _AXES: dict[str, Names] = {"height": ("up",), "width": ("right",), "depth": ("toward",)}
 _TRAVELS = (Effect.PUSH, Effect.STRIKE, Effect.ROLL, Effect.SWAY, Effect.LEAN, Effect.JUMP)

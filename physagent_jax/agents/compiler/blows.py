@@ -16,11 +16,11 @@ from physagent_jax.agents.compiler.steady import (
 )
 from physagent_jax.agents.dosing import find_reference_seconds
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.schema import MotionKind
-from physagent_jax.agents.vectors import add, dot, normalise, scale
 from physagent_jax.agents.windows import divide
 from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY, MAGNITUDE_MAX
 from physagent_jax.forces.schema import ActionType
+from physagent_jax.motion.schema import MotionKind
+from physagent_jax.motion.vectors import add, dot, normalise, scale
 
 _RAISING = (Effect.STRIKE, Effect.JUMP)
 _UPRIGHT = 0.7  # cosine

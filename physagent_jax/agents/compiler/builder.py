@@ -6,12 +6,13 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.schema import Evidence, ExpectedMotion, MotionKind, ObstacleRequest, SceneBrief
-from physagent_jax.agents.vectors import clamp
+from physagent_jax.agents.schema import Evidence
 from physagent_jax.agents.windows import Window
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import Action, VelocityConstraint, is_too_short
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind, ObstacleRequest, SceneBrief
+from physagent_jax.motion.vectors import clamp
 
 MAX_ACTIONS = 60  # more would only slow the simulation; no sentence for a clip of a few seconds needs them
 

@@ -16,15 +16,10 @@ from physagent_jax.agents.compiler.words import look_up, suggest_motions
 from physagent_jax.agents.intent import Intent
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
-from physagent_jax.agents.schema import (
-    Evidence,
-    MotionKind,
-    SceneBrief,
-    SemanticReply,
-    WorldRequest,
-)
+from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.schema import MotionKind, SceneBrief, WorldRequest
 
 EXAMPLES = (
     '"push the robot to the left", "a gentle wind sways the plant", "drop the guitar", "twist the loaf"'

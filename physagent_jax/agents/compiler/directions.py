@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueSource, WayKind
 from physagent_jax.agents.lexicon import Effect, Names, read_lexicon
-from physagent_jax.agents.schema import SceneBrief
-from physagent_jax.agents.vectors import add, cosine, cross, dot, normalise, scale
 from physagent_jax.core.strict import Vector
+from physagent_jax.motion.schema import SceneBrief
+from physagent_jax.motion.vectors import add, cosine, cross, dot, normalise, scale
 
 ASSUMED = "left"
 TOWARDS = (Effect.PUSH, Effect.STRIKE, Effect.SCALE, Effect.LEAN, Effect.ROLL, Effect.JUMP, Effect.TOPPLE)

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 from physagent_jax.agents.intent import Clause, Timing
 from physagent_jax.agents.lexicon import Effect, Motion, Names, Place, Repeat
-from physagent_jax.agents.schema import Amount, ObstacleRequest
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import Region
+from physagent_jax.motion.schema import Amount, ObstacleRequest
 
 BY_DEFAULT = "by default"
 

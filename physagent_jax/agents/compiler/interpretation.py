@@ -11,10 +11,10 @@ from physagent_jax.agents.compiler.directions import TOWARDS, sum_directions, ta
 from physagent_jax.agents.compiler.events import WAYS, Event, ValueSource, WayKind
 from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
 from physagent_jax.agents.regions import make_end_region, make_middle_region
-from physagent_jax.agents.schema import Amount, ObstacleRequest, SceneBrief
-from physagent_jax.agents.vectors import clamp, normalise, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.motion.schema import Amount, ObstacleRequest, SceneBrief
+from physagent_jax.motion.vectors import clamp, normalise, scale
 
 # What each kind of way means nothing for; nor does a part for what all of the object does.
 _NO_WAYS = (Effect.SWELL, Effect.BURST, Effect.STILL)

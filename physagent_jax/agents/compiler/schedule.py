@@ -13,10 +13,10 @@ from physagent_jax.agents.compiler.amounts import find_effort, find_span, find_w
 from physagent_jax.agents.compiler.events import Event
 from physagent_jax.agents.intent import Duration
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.schema import SceneBrief
-from physagent_jax.agents.vectors import clamp, dot
 from physagent_jax.agents.windows import Window
 from physagent_jax.core.strict import Vector
+from physagent_jax.motion.schema import SceneBrief
+from physagent_jax.motion.vectors import clamp, dot
 
 _MOTIONS = (Effect.PUSH, Effect.STRIKE, Effect.JUMP, Effect.ROLL)
 _STILL_SHARE = 0.5  # stillness at the end needs less of the clip than what comes before it
@@ -26,7 +26,7 @@ _STROKE = 0.75  # [s] that each of several strokes or swings takes at least
 _SWING = 4.0  # [s] in which what is held swings until it is still: 1 Hz with a damping ratio of 0.2
 _REST = 0.5  # [s] after a motion by a quantity, in which it is seen to be reached
 LONGEST = 10.0  # [s] of a clip that a sentence can ask for
-_MOST_FRAMES = 10_000  # of any clip (`agents.schema`)
+_MOST_FRAMES = 10_000  # of any clip (`motion.schema`)
 
 
 @dataclass

@@ -10,8 +10,8 @@ from physagent_jax.agents.compiler.interpretation import interpret, resolve_obst
 from physagent_jax.agents.compiler.schedule import follows
 from physagent_jax.agents.intent import Held, Timing
 from physagent_jax.agents.lexicon import Effect, read_lexicon
-from physagent_jax.agents.schema import AnchorRequest
-from physagent_jax.agents.vectors import dot
+from physagent_jax.motion.schema import AnchorRequest
+from physagent_jax.motion.vectors import dot
 
 _AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
 _RESTING = (Effect.STILL, Effect.RELEASE)

@@ -15,7 +15,7 @@ from physagent_jax.agents.grammar.mentions import MOTIONS, Mention, MentionKind,
 from physagent_jax.agents.grammar.nouns import is_telling
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.lexicon import Effect, Motion
-from physagent_jax.agents.schema import SceneBrief
+from physagent_jax.motion.schema import SceneBrief
 
 _LEAST_WORDS, _MOST_UNKNOWN = 3, 0.5
 _REACH = 40  # words to either side that tell the place of a word: keeps long texts linear

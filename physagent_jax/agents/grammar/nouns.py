@@ -11,7 +11,7 @@ from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.grammar.tokens import FORMS, tokenise
 from physagent_jax.agents.intent import Solid
 from physagent_jax.agents.lexicon import Effect, Names, Place
-from physagent_jax.agents.schema import SceneBrief
+from physagent_jax.motion.schema import SceneBrief
 
 _REACH = 12  # words before "the right one" in which the part is named
 

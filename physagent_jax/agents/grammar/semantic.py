@@ -21,9 +21,10 @@ from physagent_jax.agents.grammar.tokens import correct_spelling, describe_corre
 from physagent_jax.agents.intent import Intent
 from physagent_jax.agents.materials import find_materials, mask_materials
 from physagent_jax.agents.protocols import SemanticAgent
-from physagent_jax.agents.schema import SceneBrief, SemanticReply
+from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.agents.trace import Reply
 from physagent_jax.core.errors import UserError
+from physagent_jax.motion.schema import SceneBrief
 
 EXAMPLES = (
     '"push the robot to the left", "a gentle wind sways the plant", "drop the guitar", "twist the loaf"'

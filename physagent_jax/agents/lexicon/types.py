@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 Names = tuple[str, ...]
-"""Names of directions (`agents.schema.DirectionTable`); several are added as vectors."""
+"""Names of directions (`motion.schema.DirectionTable`); several are added as vectors."""
 
 
 class Effect(enum.Enum):

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from physagent_jax.agents.context import AgentContext, Round
 from physagent_jax.agents.hard_rules import RULES
-from physagent_jax.agents.llm.base import ChatModel
 from physagent_jax.agents.llm.fields import RewriteForm, build_field
 from physagent_jax.agents.llm.prompt import list_rows, quote, write_field, write_messages
 from physagent_jax.agents.llm.structured import BadAnswers, add_repairs, ask
 from physagent_jax.agents.rules.executor import RuleExecutor
 from physagent_jax.agents.schema import Rewrite
 from physagent_jax.agents.trace import Reply
+from physagent_jax.chat.base import ChatModel
 
 
 class ModelExecutor(RuleExecutor):

@@ -9,11 +9,11 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetPydanticSc
 from pydantic_core import PydanticCustomError, core_schema
 
 from physagent_jax.agents.hard_rules import Repair, apply_hard_rules
-from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.agents.vectors import scale
 from physagent_jax.core.strict import Number, Numbers
 from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField
 from physagent_jax.forces.skills import get_skill
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.vectors import scale
 
 
 def one_of(list_words: Callable[[], Iterable[str]]) -> GetPydanticSchema:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from physagent_jax.agents.context import AgentContext, Observation
-from physagent_jax.agents.llm.base import ChatModel
 from physagent_jax.agents.llm.fields import Sentences
 from physagent_jax.agents.llm.prompt import write_field, write_messages
 from physagent_jax.agents.llm.structured import BadAnswers, add_repairs, ask
 from physagent_jax.agents.rules.planner import RulePlanner
-from physagent_jax.agents.schema import Judgement, Verdict
 from physagent_jax.agents.trace import Reply
+from physagent_jax.chat.base import ChatModel
 from physagent_jax.core.strict import Strict
+from physagent_jax.motion.schema import Judgement, Verdict
 
 MOST_PICTURES = 6
 _HIGHEST_FAILURE = 0.99

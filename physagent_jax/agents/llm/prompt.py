@@ -8,12 +8,12 @@ from collections.abc import Mapping, Sequence
 from importlib import resources
 
 from physagent_jax.agents.context import AgentContext, Round
-from physagent_jax.agents.llm.base import ChatMessage
 from physagent_jax.agents.llm.forms import SETTINGS, list_motions
-from physagent_jax.agents.schema import ExpectedMotion, SceneBrief
-from physagent_jax.agents.vectors import cosine
+from physagent_jax.chat.base import ChatMessage
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.schema import ExpectedMotion, SceneBrief
+from physagent_jax.motion.vectors import cosine
 
 _PLACE = re.compile(r"\{\{(\w+)\}\}")
 _ALONG = 0.9  # cosine from which a direction is called by a viewer's word

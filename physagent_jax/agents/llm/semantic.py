@@ -8,16 +8,17 @@ from physagent_jax.agents.compiler import compile_intent
 from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent
 from physagent_jax.agents.intent import Intent
-from physagent_jax.agents.llm.base import ChatModel
 from physagent_jax.agents.llm.fields import PaperForm, build_field, expect_motions
 from physagent_jax.agents.llm.forms import ClauseForm, SentenceForm, check_words, join_clauses, make_intent
 from physagent_jax.agents.llm.prompt import describe_direction, describe_motion, quote, write_messages
 from physagent_jax.agents.llm.splitting import split_clauses
 from physagent_jax.agents.llm.structured import BadAnswers, add_repairs, ask
-from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief, SemanticReply
+from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.agents.trace import AgentError, Reply, Trace
-from physagent_jax.agents.vectors import cosine
+from physagent_jax.chat.base import ChatModel
 from physagent_jax.core.errors import UserError
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.vectors import cosine
 
 Form = Literal["clauses", "by-clause", "paper"]
 FORMS: tuple[Form, ...] = get_args(Form)

@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from physagent_jax.agents.llm.base import ChatMessage, ChatModel, Generation, ModelError
 from physagent_jax.agents.trace import AgentError, Message, Reply, Trace
+from physagent_jax.chat.base import ChatMessage, ChatModel, Generation, ModelError
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import decode_json, shorten
 

@@ -6,10 +6,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from physagent_jax.agents.matching import AXIAL, Cause, find_action_type
-from physagent_jax.agents.rules.tolerances import round_window
-from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.agents.vectors import add, clamp, cosine, dot, norm, normalise, reject, scale
 from physagent_jax.agents.windows import divide_swings
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
@@ -19,6 +15,10 @@ from physagent_jax.forces.calibration import (
     find_reference_time,
 )
 from physagent_jax.forces.schema import Action, ForceField, HalfSpaceRegion
+from physagent_jax.motion.matching import AXIAL, Cause, find_action_type
+from physagent_jax.motion.schema import Check, ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.tolerances import round_window
+from physagent_jax.motion.vectors import add, clamp, cosine, dot, norm, normalise, reject, scale
 from physagent_jax.perception.schema import MotionReport
 
 _BRIEF = 0.15  # of the clip: "briefly", as the lexicon has it

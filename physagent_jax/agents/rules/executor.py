@@ -11,9 +11,10 @@ from physagent_jax.agents.protocols import ExecutorAgent
 from physagent_jax.agents.rules.edits import Case, Change
 from physagent_jax.agents.rules.remedies import list_remedies
 from physagent_jax.agents.rules.sparing import find_kept
-from physagent_jax.agents.schema import Check, Judgement, Rewrite
+from physagent_jax.agents.schema import Rewrite
 from physagent_jax.agents.trace import Reply
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.schema import Check, Judgement
 from physagent_jax.perception.schema import MotionReport
 
 _LOST = 0.2  # share of tracks kept, below which the object cannot have stayed in one piece

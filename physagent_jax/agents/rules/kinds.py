@@ -13,17 +13,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from physagent_jax.agents.dosing import find_magnitude
-from physagent_jax.agents.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, share_time
 from physagent_jax.agents.regions import make_box, make_end_region
 from physagent_jax.agents.rules.edits import Wish, replace_items
-from physagent_jax.agents.rules.tolerances import (
-    expect_move,
-    expect_quantity,
-    expect_rotation,
-    expect_strain,
-)
-from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.agents.vectors import clamp, cosine, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
     MAGNITUDE_MAX,
@@ -34,6 +25,15 @@ from physagent_jax.forces.calibration import (
 )
 from physagent_jax.forces.schema import BoxRegion, ConstraintType, ForceField, Region, VelocityConstraint
 from physagent_jax.forces.skills import list_skills
+from physagent_jax.motion.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, share_time
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.tolerances import (
+    expect_move,
+    expect_quantity,
+    expect_rotation,
+    expect_strain,
+)
+from physagent_jax.motion.vectors import clamp, cosine, scale
 
 SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinner one tears off what tapers
 MOVING = 0.6  # share of its window in which an end or a plate moves; in the rest it is held

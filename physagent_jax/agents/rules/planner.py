@@ -6,16 +6,16 @@ from collections.abc import Callable, Sequence
 
 from physagent_jax.agents.context import AgentContext, Observation
 from physagent_jax.agents.protocols import PlannerAgent
-from physagent_jax.agents.rules.judging.asked import Asked
-from physagent_jax.agents.rules.judging.changing import check_rotation, check_still, check_strain
-from physagent_jax.agents.rules.judging.collateral import check_collateral
-from physagent_jax.agents.rules.judging.following import check_following
-from physagent_jax.agents.rules.judging.moving import check_fall, check_move, check_sway
-from physagent_jax.agents.rules.judging.seen import View
-from physagent_jax.agents.rules.judging.stages import find_stage, judge_stages
-from physagent_jax.agents.rules.tolerances import list_windows
-from physagent_jax.agents.schema import Check, Judgement, MotionKind, Stage, Verdict
 from physagent_jax.agents.trace import Reply
+from physagent_jax.motion.judging.asked import Asked
+from physagent_jax.motion.judging.changing import check_rotation, check_still, check_strain
+from physagent_jax.motion.judging.collateral import check_collateral
+from physagent_jax.motion.judging.following import check_following
+from physagent_jax.motion.judging.moving import check_fall, check_move, check_sway
+from physagent_jax.motion.judging.seen import View
+from physagent_jax.motion.judging.stages import find_stage, judge_stages
+from physagent_jax.motion.schema import Check, Judgement, MotionKind, Stage, Verdict
+from physagent_jax.motion.tolerances import list_windows
 
 _HIGHEST_FAILURE = 0.99
 _UNASKED = ("collateral", "integrity")

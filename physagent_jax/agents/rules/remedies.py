@@ -9,7 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from physagent_jax.agents.matching import (
+from physagent_jax.agents.rules import edits, kinds
+from physagent_jax.agents.rules.edits import Case, Change
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, TRAVEL
+from physagent_jax.forces.schema import Action, ForceField
+from physagent_jax.motion.matching import (
     AXIAL,
     Cause,
     agrees,
@@ -19,13 +23,9 @@ from physagent_jax.agents.matching import (
     find_strays,
     list_causes,
 )
-from physagent_jax.agents.rules import edits, kinds
-from physagent_jax.agents.rules.edits import Case, Change
-from physagent_jax.agents.rules.tolerances import round_window
-from physagent_jax.agents.schema import MotionKind
-from physagent_jax.agents.vectors import clamp, cosine, norm, scale
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, TRAVEL
-from physagent_jax.forces.schema import Action, ForceField
+from physagent_jax.motion.schema import MotionKind
+from physagent_jax.motion.tolerances import round_window
+from physagent_jax.motion.vectors import clamp, cosine, norm, scale
 
 _PUSH_BACK = 1.6  # how much harder to try if the motion is contrary although the force is right
 _GENTLER = 0.6  # the factor where too much came of it and nothing says by how much

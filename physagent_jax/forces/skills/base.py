@@ -28,7 +28,7 @@ class Skill:
         unit: Unit of k.
         effect: Effect of one entry in words, with {direction}, {turn} or {axis}.
         reverse_effect: The same for a negative magnitude; None = the vector's sign says it.
-        causes: Motion kinds that it can bring about, as `agents.schema.MotionKind` names them.
+        causes: Motion kinds that it can bring about, as `motion.schema.MotionKind` names them.
         nouns: Names of the cause by which a sentence reaches it ("gust"), beside what the lexicon says of them.
         verbs: Verbs by which a sentence reaches it; "~" stands for up to four words.
         towards: The viewer's word for the direction or axis of a sentence that names none.

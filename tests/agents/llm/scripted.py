@@ -3,10 +3,10 @@
 import json
 
 from physagent_jax.agents.context import AgentContext, KeyFrame, Observation, Round
-from physagent_jax.agents.llm.base import ChatMessage, Generation, ModelError, Usage
-from physagent_jax.agents.schema import Judgement
+from physagent_jax.chat.base import ChatMessage, Generation, ModelError, Usage
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.schema import Judgement
 from physagent_jax.perception.schema import MotionReport
 from tests.agents.scenes import brief, make_report
 

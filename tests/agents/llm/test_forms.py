@@ -23,9 +23,10 @@ from physagent_jax.agents.llm.forms import (
     make_intent,
 )
 from physagent_jax.agents.llm.splitting import split_clauses
-from physagent_jax.agents.schema import MotionKind, SemanticReply
+from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.forces.skills import register_skill, unregister_skill
 from physagent_jax.forces.skills.impulse import Impulse
+from physagent_jax.motion.schema import MotionKind
 from tests.agents.scenes import brief
 
 ROBOT = brief(world="ground", frames_fixed=False)

@@ -3,9 +3,9 @@
 import pytest
 
 from physagent_jax.agents.hard_rules import RULES
-from physagent_jax.agents.llm.base import ModelError
 from physagent_jax.agents.llm.executor import ModelExecutor, list_ledger
 from physagent_jax.agents.trace import AgentError
+from physagent_jax.chat.base import ModelError
 from tests.agents.llm.scripted import ScriptedModel, failed, field, make_context, observe, push
 from tests.agents.scenes import judge, read
 

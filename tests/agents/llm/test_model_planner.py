@@ -2,11 +2,11 @@
 
 import pytest
 
-from physagent_jax.agents.llm.base import ModelError
 from physagent_jax.agents.llm.planner import BothPlanners, ModelPlanner
 from physagent_jax.agents.rules.planner import RulePlanner
-from physagent_jax.agents.schema import Verdict
 from physagent_jax.agents.trace import AgentError
+from physagent_jax.chat.base import ModelError
+from physagent_jax.motion.schema import Verdict
 from tests.agents.llm.scripted import ScriptedModel, failed, make_context, observe
 from tests.agents.scenes import read
 

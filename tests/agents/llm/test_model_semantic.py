@@ -3,13 +3,13 @@
 import pytest
 
 from physagent_jax.agents.hard_rules import RULES
-from physagent_jax.agents.llm.base import ModelError
 from physagent_jax.agents.llm.forms import MOTIONS
 from physagent_jax.agents.llm.semantic import FORMS, BothReaders, ModelSemanticAgent
 from physagent_jax.agents.registry import make_agents
-from physagent_jax.agents.schema import MotionKind
 from physagent_jax.agents.trace import AgentError
+from physagent_jax.chat.base import ModelError
 from physagent_jax.core.errors import UserError
+from physagent_jax.motion.schema import MotionKind
 from tests.agents.llm.scripted import ScriptedModel, make_context, push
 
 SENTENCE = "push the robot to the left, then spin it clockwise"

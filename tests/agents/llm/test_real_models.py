@@ -7,9 +7,9 @@ pytest.importorskip("openai", reason="the extra `llm` is not installed")
 
 from benchmarks.agents.models import MODELS
 from benchmarks.agents.roles import make_context
-from physagent_jax.agents.llm.llama_client import LlamaModel
-from physagent_jax.agents.llm.openai_client import OWN_KEY, OpenAIModel
 from physagent_jax.agents.registry import make_agents
+from physagent_jax.chat.llama_client import LlamaModel
+from physagent_jax.chat.openai_client import OWN_KEY, OpenAIModel
 
 pytestmark = pytest.mark.slow
 

@@ -5,9 +5,9 @@ from typing import Literal
 
 import pytest
 
-from physagent_jax.agents.llm.base import ChatMessage, Generation, ModelError, Usage
 from physagent_jax.agents.llm.structured import LONGEST_ANSWER, ask, extract_object
 from physagent_jax.agents.trace import AgentError, Trace
+from physagent_jax.chat.base import ChatMessage, Generation, ModelError, Usage
 from physagent_jax.core.strict import Strict
 
 PROMPT = (ChatMessage("system", "Read."), ChatMessage("user", "push it left", (b"\x89PNG",)))

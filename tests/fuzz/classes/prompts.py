@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from physagent_jax.agents.schema import SceneBrief
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.compilation import compile_force_field
 from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.schema import SceneBrief
 from tests.agents.scenes import IDENTITY, brief, judge, read, rewrite, seen_in, table
 from tests.agents.sentences import SENTENCES
 from tests.fuzz.contract import Breach, Case, Fault

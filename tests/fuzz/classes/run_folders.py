@@ -76,9 +76,10 @@ def _make_schemas() -> dict[str, dict]:
 
 
 def _list_models() -> dict[str, type[BaseModel]]:
-    from physagent_jax.agents.schema import Judgement, Rewrite, SemanticReply
+    from physagent_jax.agents.schema import Rewrite, SemanticReply
     from physagent_jax.agents.trace import Trace
     from physagent_jax.forces.schema import ForceField
+    from physagent_jax.motion.schema import Judgement
     from physagent_jax.perception.schema import MotionReport
     from physagent_jax.scene.config import SceneConfig
     from physagent_jax.simulation.record import SimulationRecord

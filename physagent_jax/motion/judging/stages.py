@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from physagent_jax.agents.schema import Check, ExpectedMotion, Stage, StageVerdict
+from physagent_jax.motion.schema import Check, ExpectedMotion, Stage, StageVerdict
 
 _TOGETHER = 1.0  # frames by which the beginnings of motions of one stage may differ
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from physagent_jax.agents.matching import agrees, find_causes, share_time
-from physagent_jax.agents.rules import tolerances
-from physagent_jax.agents.rules.judging.seen import ALONG_END, SAME_LINE, Course, View
-from physagent_jax.agents.schema import ExpectedMotion, MotionKind, ObstacleRequest
-from physagent_jax.agents.vectors import cosine, dot, norm, normalise, reject, scale, subtract
 from physagent_jax.core.strict import Vector
+from physagent_jax.motion import tolerances
+from physagent_jax.motion.judging.seen import ALONG_END, SAME_LINE, Course, View
+from physagent_jax.motion.matching import agrees, find_causes, share_time
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind, ObstacleRequest
+from physagent_jax.motion.vectors import cosine, dot, norm, normalise, reject, scale, subtract
 from physagent_jax.perception.schema import PartMotion
 
 _IN_THE_WAY = 0.7  # cosine

@@ -2,12 +2,12 @@
 
 import pytest
 
-from physagent_jax.agents.llm.base import ChatMessage, ModelError
 from physagent_jax.agents.llm.structured import ask
-from physagent_jax.agents.llm.transformers_client import TransformersModel
-from physagent_jax.agents.schema import Judgement
 from physagent_jax.agents.trace import AgentError
+from physagent_jax.chat.base import ChatMessage, ModelError
+from physagent_jax.chat.transformers_client import TransformersModel
 from physagent_jax.core.errors import UserError
+from physagent_jax.motion.schema import Judgement
 
 torch = pytest.importorskip("torch", reason="the extra `models` is not installed")
 transformers = pytest.importorskip("transformers", reason="the extra `models` is not installed")

@@ -4,9 +4,9 @@ import sys
 
 import pytest
 
-from physagent_jax.agents.llm.base import ChatMessage, Generation, Usage
-from physagent_jax.agents.llm.registry import make_model
-from physagent_jax.agents.llm.replay import Recorder, ReplayModel
+from physagent_jax.chat.base import ChatMessage, Generation, Usage
+from physagent_jax.chat.registry import make_model
+from physagent_jax.chat.replay import Recorder, ReplayModel
 from physagent_jax.core.errors import MissingPackageError, UserError
 
 

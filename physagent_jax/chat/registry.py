@@ -6,12 +6,12 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from physagent_jax.agents.llm.base import ChatModel
-from physagent_jax.agents.llm.replay import Recorder
+from physagent_jax.chat.base import ChatModel
+from physagent_jax.chat.replay import Recorder
 from physagent_jax.core.reading import format_validation_error
 from physagent_jax.core.registry import Choice, Registry
 
-_HERE = "physagent_jax.agents.llm"
+_HERE = "physagent_jax.chat"
 MODELS = Registry(
     "`--llm`",
     {

@@ -14,7 +14,7 @@ from typing import Literal
 
 from pydantic import JsonValue
 
-from physagent_jax.agents.llm.base import ChatModel, Generation, Messages, ModelError, Schema, make_writable
+from physagent_jax.chat.base import ChatModel, Generation, Messages, ModelError, Schema, make_writable
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import explain_write_error, make_folders
 from physagent_jax.core.reading import decode_json, parse_model, read_bytes, shorten

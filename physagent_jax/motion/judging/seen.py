@@ -7,12 +7,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from physagent_jax.agents.matching import share_time
-from physagent_jax.agents.rules import tolerances
-from physagent_jax.agents.schema import ExpectedMotion, MotionKind, ObstacleRequest, SceneBrief
-from physagent_jax.agents.vectors import add, clamp, cosine, cross, dot, norm, normalise, scale, subtract
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion import tolerances
+from physagent_jax.motion.matching import share_time
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind, ObstacleRequest, SceneBrief
+from physagent_jax.motion.vectors import add, clamp, cosine, cross, dot, norm, normalise, scale, subtract
 from physagent_jax.perception.schema import Matrix, MotionReport, PartMotion, Uncertainty, WindowMotion
 
 Course = list[tuple[int, Vector]]

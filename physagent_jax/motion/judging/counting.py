@@ -6,11 +6,11 @@ import math
 from collections.abc import Callable, Sequence
 from statistics import median
 
-from physagent_jax.agents.rules.judging.asked import Asked
-from physagent_jax.agents.rules.judging.comparing import find_confidence
-from physagent_jax.agents.schema import Check
-from physagent_jax.agents.vectors import clamp
 from physagent_jax.core.turning import find_turning_points
+from physagent_jax.motion.judging.asked import Asked
+from physagent_jax.motion.judging.comparing import find_confidence
+from physagent_jax.motion.schema import Check
+from physagent_jax.motion.vectors import clamp
 
 _STEPS = 40  # thresholds tried between nothing and the whole span
 _NORMAL = 0.6745  # median of a standard normal variable's size

@@ -5,8 +5,8 @@ import json
 
 import pytest
 
-from physagent_jax.agents.llm.base import ChatMessage, Generation, ModelError, Usage
-from physagent_jax.agents.llm.replay import Recorder, ReplayModel
+from physagent_jax.chat.base import ChatMessage, Generation, ModelError, Usage
+from physagent_jax.chat.replay import Recorder, ReplayModel
 from physagent_jax.core.errors import UserError
 
 PICTURE = b"\x89PNG one"

@@ -8,8 +8,8 @@ from typing import Any
 
 from pydantic import Field
 
-from physagent_jax.agents.llm.base import Generation, Messages, ModelError, Schema
-from physagent_jax.agents.llm.completions import read_completion
+from physagent_jax.chat.base import Generation, Messages, ModelError, Schema
+from physagent_jax.chat.completions import read_completion
 from physagent_jax.core.reading import shorten
 from physagent_jax.core.strict import Strict
 

@@ -14,8 +14,8 @@ from urllib.parse import urlsplit
 
 from pydantic import Field
 
-from physagent_jax.agents.llm.base import Generation, Messages, ModelError, Schema, import_package
-from physagent_jax.agents.llm.completions import format_message, format_schema, read_completion
+from physagent_jax.chat.base import Generation, Messages, ModelError, Schema, import_package
+from physagent_jax.chat.completions import format_message, format_schema, read_completion
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import shorten
 from physagent_jax.core.strict import Seed, Strict

@@ -9,12 +9,12 @@ from typing import Any
 
 import yaml
 
-from physagent_jax.agents.rules.judging.asked import Asked
-from physagent_jax.agents.rules.judging.seen import TO_SIGMA, View
-from physagent_jax.agents.rules.tolerances import Tolerance
-from physagent_jax.agents.schema import Check
-from physagent_jax.agents.vectors import clamp, cosine, norm
 from physagent_jax.core.strict import Vector
+from physagent_jax.motion.judging.asked import Asked
+from physagent_jax.motion.judging.seen import TO_SIGMA, View
+from physagent_jax.motion.schema import Check
+from physagent_jax.motion.tolerances import Tolerance
+from physagent_jax.motion.vectors import clamp, cosine, norm
 
 SAME_WAY = 45.0  # [degrees] a viewer's "left" ends where another of the six directions is nearer
 _TOO_COARSE = 1.0  # of the range's width that the half width of the report's interval may reach
@@ -129,7 +129,7 @@ def compare_direction(
 @functools.cache
 def read_words() -> dict[str, dict[str, Any]]:
     """The words of the checks with one limit, by name; the file says what they hold."""
-    file = resources.files("physagent_jax.agents.rules.judging") / "checks.yaml"
+    file = resources.files("physagent_jax.motion.judging") / "checks.yaml"
     return yaml.safe_load(file.read_text(encoding="utf-8"))
 
 

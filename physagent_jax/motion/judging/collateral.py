@@ -10,15 +10,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from physagent_jax.agents.matching import AXIAL
-from physagent_jax.agents.rules import tolerances
-from physagent_jax.agents.rules.judging.asked import Asked
-from physagent_jax.agents.rules.judging.comparing import check_limit, make_unseen_check
-from physagent_jax.agents.rules.judging.seen import Course, Signal, View
-from physagent_jax.agents.rules.judging.stages import group_stages
-from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind
-from physagent_jax.agents.vectors import cross, dot, norm, normalise, reject, scale, subtract
 from physagent_jax.core.strict import Vector
+from physagent_jax.motion import tolerances
+from physagent_jax.motion.judging.asked import Asked
+from physagent_jax.motion.judging.comparing import check_limit, make_unseen_check
+from physagent_jax.motion.judging.seen import Course, Signal, View
+from physagent_jax.motion.judging.stages import group_stages
+from physagent_jax.motion.matching import AXIAL
+from physagent_jax.motion.schema import Check, ExpectedMotion, MotionKind
+from physagent_jax.motion.vectors import cross, dot, norm, normalise, reject, scale, subtract
 from physagent_jax.perception.schema import Matrix
 
 _LASTING = 3  # frames: what is seen for less is noise or a flash

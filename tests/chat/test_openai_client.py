@@ -11,8 +11,8 @@ import pytest
 pytest.importorskip("openai", reason="the extra `llm` is not installed")
 
 from benchmarks.agents.server import Answer, ScriptedServer, complete
-from physagent_jax.agents.llm.base import ChatMessage, ModelError
-from physagent_jax.agents.llm.openai_client import COMMON_KEY, LONGEST_BODY, OWN_KEY, OpenAIModel
+from physagent_jax.chat.base import ChatMessage, ModelError
+from physagent_jax.chat.openai_client import COMMON_KEY, LONGEST_BODY, OWN_KEY, OpenAIModel
 from physagent_jax.core.errors import UserError
 
 KEY = "sk-test-0123456789abcdef"
@@ -213,7 +213,7 @@ def test_the_key_comes_from_the_environment_alone(monkeypatch):
 
 
 def test_the_common_key_goes_to_no_other_machine_without_encryption(monkeypatch):
-    from physagent_jax.agents.llm.openai_client import read_key
+    from physagent_jax.chat.openai_client import read_key
 
     monkeypatch.delenv(OWN_KEY)
     monkeypatch.setenv(COMMON_KEY, "sk-common-0123456789")

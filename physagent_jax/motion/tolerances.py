@@ -25,9 +25,9 @@ import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from physagent_jax.agents.matching import AXIAL
-from physagent_jax.agents.schema import Amount, ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.agents.vectors import clamp
+from physagent_jax.motion.matching import AXIAL
+from physagent_jax.motion.schema import Amount, ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.vectors import clamp
 
 VISIBLE = 0.02  # [body lengths] less is not seen as motion
 VISIBLE_DEGREES = 3.0

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from physagent_jax.agents.matching import is_thrown_up
-from physagent_jax.agents.rules import tolerances
-from physagent_jax.agents.rules.judging.asked import Asked
-from physagent_jax.agents.rules.judging.comparing import (
+from physagent_jax.core.strict import Vector
+from physagent_jax.motion import tolerances
+from physagent_jax.motion.judging.asked import Asked
+from physagent_jax.motion.judging.comparing import (
     check_limit,
     compare_amount,
     compare_direction,
     find_spread,
     make_unseen_check,
 )
-from physagent_jax.agents.rules.judging.counting import count_turns
-from physagent_jax.agents.rules.judging.seen import Course, View, find_farthest, find_first_response
-from physagent_jax.agents.schema import Check, MotionKind
-from physagent_jax.agents.vectors import cosine, dot, norm, reject, scale, subtract
-from physagent_jax.core.strict import Vector
+from physagent_jax.motion.judging.counting import count_turns
+from physagent_jax.motion.judging.seen import Course, View, find_farthest, find_first_response
+from physagent_jax.motion.matching import is_thrown_up
+from physagent_jax.motion.schema import Check, MotionKind
+from physagent_jax.motion.vectors import cosine, dot, norm, reject, scale, subtract
 
 _FIRST = 0.15  # of the farthest excursion: what is seen of a motion first
 _KEPT = 0.4  # of the farthest excursion that a free thing has left where it ends

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 
-from physagent_jax.agents.matching import AXIAL
-from physagent_jax.agents.rules import tolerances
-from physagent_jax.agents.rules.judging.asked import Asked
-from physagent_jax.agents.rules.judging.comparing import (
+from physagent_jax.core.strict import Vector
+from physagent_jax.motion import tolerances
+from physagent_jax.motion.judging.asked import Asked
+from physagent_jax.motion.judging.comparing import (
     check_limit,
     compare_amount,
     compare_direction,
     make_unseen_check,
 )
-from physagent_jax.agents.rules.judging.counting import count_turns
-from physagent_jax.agents.rules.judging.seen import Signal, View, find_farthest, find_first_response
-from physagent_jax.agents.schema import Check, MotionKind
-from physagent_jax.agents.vectors import cross, dot, norm, normalise
-from physagent_jax.core.strict import Vector
+from physagent_jax.motion.judging.counting import count_turns
+from physagent_jax.motion.judging.seen import Signal, View, find_farthest, find_first_response
+from physagent_jax.motion.matching import AXIAL
+from physagent_jax.motion.schema import Check, MotionKind
+from physagent_jax.motion.vectors import cross, dot, norm, normalise
 
 _FIRST = 0.2  # of the largest turn or strain: what is seen of it first
 _OWN_AXIS = 0.6  # of the asked strain that other directions may show the same way

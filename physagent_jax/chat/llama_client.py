@@ -11,9 +11,9 @@ from typing import Any
 
 from pydantic import Field
 
-from physagent_jax.agents.llm.base import Messages, ModelError, Schema, import_package
-from physagent_jax.agents.llm.completions import format_message, format_schema
-from physagent_jax.agents.llm.in_process import FileModel, FileOptions
+from physagent_jax.chat.base import Messages, ModelError, Schema, import_package
+from physagent_jax.chat.completions import format_message, format_schema
+from physagent_jax.chat.in_process import FileModel, FileOptions
 from physagent_jax.core.reading import check_regular, shorten
 
 _LARGEST_FILE = 2**41  # bytes

@@ -6,8 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from physagent_jax.agents.schema import ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.agents.vectors import cosine, scale
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import (
     Action,
@@ -20,6 +18,8 @@ from physagent_jax.forces.schema import (
     VelocityConstraint,
 )
 from physagent_jax.forces.skills import Skill, get_skill, list_skills
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.vectors import cosine, scale
 
 _ALIGNED = 0.5
 AXIAL = (MotionKind.STRETCH, MotionKind.SQUEEZE)

@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from physagent_jax.agents.llm.base import Messages, ModelError, Schema, import_package
-from physagent_jax.agents.llm.in_process import FileModel, FileOptions
+from physagent_jax.chat.base import Messages, ModelError, Schema, import_package
+from physagent_jax.chat.in_process import FileModel, FileOptions
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import shorten
 

@@ -5,23 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from physagent_jax.agents.matching import AXIAL
-from physagent_jax.agents.rules import tolerances
-from physagent_jax.agents.rules.judging.asked import Asked
-from physagent_jax.agents.rules.judging.changing import measure_strains
-from physagent_jax.agents.rules.judging.comparing import (
+from physagent_jax.core.turning import find_turning_points
+from physagent_jax.motion import tolerances
+from physagent_jax.motion.judging.asked import Asked
+from physagent_jax.motion.judging.changing import measure_strains
+from physagent_jax.motion.judging.comparing import (
     check_limit,
     compare_amount,
     compare_range,
     make_unseen_check,
     read_words,
 )
-from physagent_jax.agents.rules.judging.counting import check_count, estimate_crossing, estimate_jitter
-from physagent_jax.agents.rules.judging.moving import follow
-from physagent_jax.agents.rules.judging.seen import Signal
-from physagent_jax.agents.schema import Check, ExpectedMotion, MotionKind
-from physagent_jax.agents.vectors import dot, norm, scale
-from physagent_jax.core.turning import find_turning_points
+from physagent_jax.motion.judging.counting import check_count, estimate_crossing, estimate_jitter
+from physagent_jax.motion.judging.moving import follow
+from physagent_jax.motion.judging.seen import Signal
+from physagent_jax.motion.matching import AXIAL
+from physagent_jax.motion.schema import Check, ExpectedMotion, MotionKind
+from physagent_jax.motion.vectors import dot, norm, scale
 from physagent_jax.perception.schema import PartMotion
 
 _CAME_BACK = 0.5  # of the largest excursion that may be left after letting go

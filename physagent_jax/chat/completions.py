@@ -6,7 +6,7 @@ import base64
 from collections.abc import Mapping
 from typing import Any
 
-from physagent_jax.agents.llm.base import ChatMessage, Generation, Usage, make_writable, read_json_or_none
+from physagent_jax.chat.base import ChatMessage, Generation, Usage, make_writable, read_json_or_none
 from physagent_jax.core.reading import shorten
 
 _MOST_TOKENS = 10**9  # that an answer can have cost

@@ -11,9 +11,9 @@ from typing import Literal
 import pytest
 
 from benchmarks.agents.models import MODELS
-from physagent_jax.agents.llm.base import ChatMessage, ModelError
-from physagent_jax.agents.llm.llama_client import LlamaModel, count_free_cores
 from physagent_jax.agents.llm.structured import ask
+from physagent_jax.chat.base import ChatMessage, ModelError
+from physagent_jax.chat.llama_client import LlamaModel, count_free_cores
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.strict import Strict
 
@@ -26,8 +26,8 @@ needs_model = pytest.mark.skipif(
 STORY = [ChatMessage("user", "Write a long story about a dog.")]
 PROGRAM = """
 import sys
-from physagent_jax.agents.llm.base import ChatMessage
-from physagent_jax.agents.llm.llama_client import LlamaModel
+from physagent_jax.chat.base import ChatMessage
+from physagent_jax.chat.llama_client import LlamaModel
 model = LlamaModel(path=sys.argv[1], threads=1, context=256, max_tokens=4)
 print(len(model.generate([ChatMessage("user", "hi")]).text) > 0)
 if sys.argv[2] == "close":
@@ -63,7 +63,7 @@ def test_a_schema_is_enforced_in_process(model):
 def test_a_real_server_is_asked_by_http(model, monkeypatch):
     """The client of servers with llama.cpp's own: the same answer as in process, and by the same schema."""
     pytest.importorskip("openai", reason="the extra `llm` is not installed")
-    from physagent_jax.agents.llm.openai_client import OWN_KEY, OpenAIModel
+    from physagent_jax.chat.openai_client import OWN_KEY, OpenAIModel
 
     monkeypatch.setenv(OWN_KEY, model.key)
     client = OpenAIModel(model="any", url=model.url, max_tokens=200, timeout=300)
