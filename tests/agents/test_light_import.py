@@ -5,11 +5,8 @@ import sys
 
 PROGRAM = """
 import importlib, pkgutil, sys
-names = [
-    m.name
-    for layer in ("agents", "chat", "motion")
-    for m in pkgutil.walk_packages(importlib.import_module(f"physagent_jax.{layer}").__path__, f"physagent_jax.{layer}.")
-]
+layers = [importlib.import_module(f"physagent_jax.{layer}") for layer in ("agents", "chat", "motion")]
+names = [m.name for layer in layers for m in pkgutil.walk_packages(layer.__path__, layer.__name__ + ".")]
 for name in names:
     importlib.import_module(name)
 heavy = sorted({m.split(".")[0] for m in sys.modules} & {"jax", "jaxlib", "numpy", "scipy", "torch"})
