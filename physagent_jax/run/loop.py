@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -33,12 +34,20 @@ from physagent_jax.perception.protocols import PerceptionBackends, SegmentPrompt
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.render.camera import Camera
 from physagent_jax.run.agent_calls import AgentCalls
-from physagent_jax.run.artifacts import write_best, write_rollout, write_verdict
+from physagent_jax.run.artifacts import (
+    put_best_on_top,
+    rehearse_clip,
+    write_best,
+    write_clip,
+    write_rollout,
+    write_verdict,
+)
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.chosen_agents import open_agents
 from physagent_jax.run.first_picture import check_first_picture
+from physagent_jax.run.forecast import Forecast
 from physagent_jax.run.key_frames import VideoKeyFrames
-from physagent_jax.run.manifest import Stages, StopReason
+from physagent_jax.run.manifest import FirstClip, Stages, StopReason
 from physagent_jax.run.observer import Observer
 from physagent_jax.run.prompt import make_prompt, read_mask
 from physagent_jax.run.provenance import hash_settings, make_manifest
@@ -50,14 +59,14 @@ from physagent_jax.run.store import PLAIN_VIDEO, PROBE, RunStore
 from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.camera import make_reference_camera
 from physagent_jax.scene.coarse import coarsen
-from physagent_jax.scene.compile import compile_scene
+from physagent_jax.scene.compile import CompiledScene, compile_scene
 from physagent_jax.scene.config import CameraConfig, SceneConfig
-from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
+from physagent_jax.scene.cost import Cost, Limits, check_cost, estimate_cost
 from physagent_jax.scene.fuse import SceneTemplate, damp, fuse
 from physagent_jax.simulation.ahead import compile_ahead
-from physagent_jax.simulation.recording import RestartCache
+from physagent_jax.simulation.recording import Recording, RestartCache
 from physagent_jax.simulation.simulate import simulate_scene
-from physagent_jax.simulation.stopwatch import Stopwatch
+from physagent_jax.simulation.stopwatch import Stopwatch, stay_aside
 
 
 @dataclasses.dataclass(frozen=True)
@@ -162,7 +171,9 @@ def run_loop(
             template = loop.apply_reply(reply, body)
             with loop.tell_warnings():
                 config = fuse(template, body, reply.force_field)
-            check_cost(estimate_cost(config, body, run.spec.save.video_size), limits or Limits())
+            cost = estimate_cost(config, body, run.spec.save.video_size)
+            check_cost(cost, limits or Limits())
+            loop.expect(cost)
             loop.check_pictures(config, body)
         except UserError as error:
             loop.refuse(reading, error)
@@ -228,6 +239,14 @@ class _Loop:
         self._reused = dict(store.manifest.reused_frames)
         self._warnings: tuple[str, ...] = ()
         self._stopped: StopReason | None = None
+        self._begun = time.perf_counter()
+        self._forecast: Forecast | None = None
+        self._rehearsed = False  # whether the clip's programs are there
+        self._first_clip: FirstClip | None = store.manifest.first_clip
+
+    def expect(self, cost: Cost) -> None:
+        """Begin to say how long the run will take, from what a round should cost."""
+        self._forecast = Forecast(cost, self._run.spec.rounds)
 
     def read_sentence(self, body: Body) -> Reply[SemanticReply]:
         """The semantic agent's reply, from the folder if it is there."""
@@ -349,6 +368,9 @@ class _Loop:
             attempt = self.recall(series, index) or self.attempt(series, index, force_field, context)
             attempts.append(attempt)
             series.judged(index, attempt.round.judgement)
+            if series.store is self._store:
+                best = find_best_round([each.round.judgement for each in attempts])
+                put_best_on_top(self._store, best, save_frames=self._run.spec.save.frames)
             yield attempt
             self._stopped = find_stop([each.round.judgement for each in attempts], self._run.spec.rounds)
             if self._stopped is not None:
@@ -367,23 +389,35 @@ class _Loop:
             config = fuse(series.template, series.body, force_field, keep=series.camera)
             scene = compile_scene(config, series.body, self._run.base_dir)
         name = f"{series.name} {index + 1}"
+        earnest = series.store is self._store
+        forecast = self._forecast if earnest else None
+        if forecast is not None:
+            forecast.begin_round(index)
+
+        def tell_frame(done: int, total: int) -> None:
+            if forecast is not None:
+                forecast.count_frame(done, total)
+                self.observer.remaining(*forecast.find_left())
+            self.observer.frame(done, total)
+
         self.observer.stage(f"{name}: simulating and rendering")
-        recording = simulate_scene(
-            scene,
-            watch=self._watch,
-            progress=self.observer.frame,
-            restart_cache=self._restart_cache,
-        )
+        with ThreadPoolExecutor(1) as pool:
+            if earnest:
+                pool.submit(self._rehearse, scene)
+            recording = simulate_scene(
+                scene,
+                watch=self._watch,
+                progress=tell_frame,
+                restart_cache=self._restart_cache,
+            )
         self._restart_cache = recording.restart_cache
         if recording.reused_frames:
             folder = series.store.round_folder(index).relative_to(self._store.path).as_posix()
             self._reused[folder] = recording.reused_frames
-        earnest = series.store is self._store
-        frames = self._run.spec.save.frames and earnest
+        if forecast is not None:
+            forecast.end_simulation()
         with ThreadPoolExecutor(1) as pool:
-            writing = pool.submit(
-                write_rollout, series.store, index, scene, recording, save_motion=earnest, save_frames=frames
-            )
+            writing = pool.submit(self._write_recording, series.store, index, scene, recording)
             self.observer.stage(f"{name}: measuring the motion")
             windows = self._agents.planner.windows(context)
             with self._watch("perceive"):
@@ -404,8 +438,39 @@ class _Loop:
         with self._watch("write"):
             series.store.write(f"iterations/{index}/planner_trace.json", answer.trace)
             write_verdict(series.store, index, recording.rgb, seen, answer.value)
+        if forecast is not None:
+            forecast.end_round()
         self.save_costs()
         return Attempt(config, Round(force_field, seen.report, key_frames, answer.value))
+
+    def _rehearse(self, scene: CompiledScene) -> None:
+        """Compile what the clip needs on a core that the simulation leaves free; errors come when it is drawn."""
+        size = self._run.spec.save.video_size
+        if size is not None and not self._rehearsed:
+            self._rehearsed = True
+            with stay_aside():
+                rehearse_clip(scene, size)
+
+    def _write_recording(
+        self, store: RunStore, index: int, scene: CompiledScene, recording: Recording
+    ) -> None:
+        """Leave what was simulated, the clip for people first; meanwhile another thread measures the motion."""
+        earnest, save = store is self._store, self._run.spec.save
+        with stay_aside():
+            if earnest and save.video_size is not None:
+                begun, stages = time.perf_counter(), self._watch.seconds()
+                clip = write_clip(store, index, scene, recording, save.video_size)
+                now = time.perf_counter()
+                if self._first_clip is None and index == 0:
+                    times = {"seconds": now - self._begun, "draw": now - begun}
+                    self._first_clip = FirstClip(
+                        **{name: round(each, 4) for name, each in times.items()}, stages=Stages(**stages)
+                    )
+                if self._forecast is not None:
+                    self._forecast.show_clip()
+                self.observer.shown(index, clip)
+            frames = save.frames and earnest
+            write_rollout(store, index, scene, recording, save_motion=earnest, save_frames=frames)
 
     def recall(self, series: _Series, index: int) -> Attempt | None:
         """Round ``index`` from the folder, if it is complete."""
@@ -472,6 +537,7 @@ class _Loop:
     def save_costs(self, **changes) -> None:
         """Write what the run has cost so far into the manifest, with ``changes`` to it."""
         costs = dict(stages=Stages(**self._watch.seconds()), agents=tuple(self._calls.costs.values()))
+        costs["first_clip"] = self._first_clip
         self._store.update(**costs, reused_frames=self._reused, **changes)
 
     def _make_segment_prompt(self, camera: Camera) -> SegmentPrompt | None:
