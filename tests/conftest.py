@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import shutil
 import tempfile
@@ -25,6 +26,10 @@ QUICK_TO_COMPILE = "--xla_backend_optimization_level=1" + (
 )
 
 
+RARELY = (100_000, 20, 50)
+"""Thresholds of the garbage collector: with Python's own, a seventh of the suite's time went into collecting."""
+
+
 def compile_quickly() -> None:
     """Has LLVM spend less on optimising, and not in parts, and XLA make its loops in the older of its two ways.
 
@@ -43,10 +48,17 @@ def compile_quickly() -> None:
 def pytest_configure(config):
     """Share compiled programs between processes: most of the suite's time goes into compiling."""
     compile_quickly()
+    gc.set_threshold(*RARELY)
     if _SHARED not in os.environ:
         os.environ[_SHARED] = folder = tempfile.mkdtemp(prefix="physagent-tests-")
         config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
     programs.keep_on_disk(Path(os.environ[_SHARED]))
+
+
+def pytest_collection_finish():
+    """Leave modules and tests, which live to the end, out of what the garbage collector looks through."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(autouse=True, scope="module")
