@@ -10,6 +10,7 @@ import numpy as np
 
 from physagent_jax.forces.binding import Binding, Circumstances
 from physagent_jax.forces.parameters import ForceFieldParameters, check_entries
+from physagent_jax.forces.responses import scale_entry
 from physagent_jax.forces.schema import Action, ForceField, SkillScaling
 from physagent_jax.forces.skills import get_skill
 from physagent_jax.forces.swinging import find_strokes
@@ -53,7 +54,7 @@ def compile_force_field(
         for index, (entry, values) in enumerate(zip(getattr(field, group), getattr(parameters, group))):
             turned = isinstance(entry, Action) and _is_turned_meanwhile(entry, field)
             stroke = strokes.get(index) if group == "actions" else None
-            about = Circumstances(scaling, frame_dt, frame_count, stroke, turned)
+            about = Circumstances(scale_entry(scaling, entry), frame_dt, frame_count, stroke, turned)
             bound = Binding(entry, values, f"force_field.{group}[{index}]", rest, volume, about)
             skill = get_skill(entry)
             forces += skill.make_forces(bound)
