@@ -113,7 +113,8 @@ def fuse(
         holding=find_holding(template, body) if held else None,
     )
     standing = world.ground and not drop
-    setting = Setting(body, material, template.anchor, standing, opposition, time)
+    weighs = world.gravity == "down" and (standing or template.anchor.kind == "base")
+    setting = Setting(body, material, template.anchor, standing, weighs, opposition, time)
     scaling = scaling.model_copy(update=dict(responses=find_responses(setting, force_field)))
     for faint in (response for response in scaling.responses if response.note):
         _warn_of_faint(faint)

@@ -9,8 +9,9 @@ the vector, turn about it, strain along it), and A the rate at which a rigid obj
     blow:              k = s / (A T + min(sqrt(u), T))
     stretch:           k = s / u
 
-What stands does not follow as a rigid object until friction or its foot give way; k is the lesser of what bends it and
-of what slides or tips it. No k strains more than a twentieth of the object beyond `MOST_STRAIN`.
+What stands does not follow as a rigid object until friction or its foot give way, and is not tipped over where less is
+seen too. Weight makes what leans softer. No k strains more than a twentieth of the object, or of the part, beyond
+`MOST_STRAIN`.
 """
 
 from __future__ import annotations
@@ -38,11 +39,16 @@ SHARE = 0.03  # of the residual that is left
 ROUNDS = 400  # of conjugate gradients
 TOUCHING = 1.5  # cells above the lowest nodes that the ground holds
 MOST_STRAIN = 0.5  # [1] that a twentieth of the object exceeds: matter beyond it looks torn
+MOST_STRETCH = 0.3  # [1] the same of a stretch, which grows faster than linearly and carries no bending
+SAFE = 0.8  # of the push that tips it, with which it stays upright
+SEEN = 0.5  # of what M = 1 is to show, which is as good
+LEAST_LEFT = 0.25  # of the stiffness that weight leaves to what leans
+WEIGHED = 24  # sections in which the weight above is counted
 LARGEST = 2000.0  # [m/s^2], [rad/s^2]: beyond it steps get shorter than those of sound
 FAINT = 1 / 3  # of what M = 1 is to show: less is not seen, and said
 
 Entry = Action | VelocityConstraint
-_recent: Recent[tuple[float, float, float] | None] = Recent(64)  # rounds of a run keep most of what acts
+_recent: Recent[Measured | None] = Recent(64)  # rounds of a run keep most of what acts
 
 
 @dataclasses.dataclass(frozen=True)
@@ -54,6 +60,7 @@ class Setting:
         material: Of which the Young's modulus, Poisson's ratio and density count.
         anchor: What is held; a mask's path is absolute.
         stands: Whether it rests on the ground.
+        weighs: Whether weight acts downwards on what stands or is held at its foot.
         opposition: What friction and weight do to the whole; None = nothing.
         time: T of the skills [s].
     """
@@ -62,8 +69,28 @@ class Setting:
     material: Material
     anchor: Anchor
     stands: bool
+    weighs: bool
     opposition: Opposition | None
     time: float
+
+
+@dataclasses.dataclass(frozen=True)
+class Measured:
+    """The response to a unit of a skill.
+
+    Attributes:
+        answer: Way [s^2], turn [s^2] or strain [s^2/m] by elasticity.
+        shift: Way of the mass centre along the vector [s^2].
+        rigid: Acceleration with which it follows as a rigid object, over the skill's; 0 where it is held.
+        resisting: Deceleration that has to be overcome before it follows [m/s^2] or [rad/s^2].
+        strain: Strain that a twentieth of the object, or of the part, exceeds.
+    """
+
+    answer: float
+    shift: float
+    rigid: float
+    resisting: float
+    strain: float
 
 
 def find_responses(setting: Setting, force_field: ForceField) -> tuple[Response, ...]:
@@ -87,71 +114,89 @@ def find_responses(setting: Setting, force_field: ForceField) -> tuple[Response,
 
 
 def _find_response(setting: Setting, entry: Entry, quantity: str) -> Response | None:
-    measured = _recent.find(setting.body, _make_key(setting, entry, quantity), lambda: _measure(setting, entry, quantity))
+    key = _make_key(setting, entry, quantity)
+    measured = _recent.find(setting.body, key, lambda: _measure(setting, entry, quantity))
     if measured is None:
         return None
-    answer, rigid, strain = measured
-    target, time = _TARGETS[quantity](setting, entry), setting.time
-    per_k = _find_way(quantity, answer, rigid, time)
-    k = target / max(per_k, 1e-12)
-    if setting.stands and setting.opposition is not None and rigid == 0.0:
-        k = min(k, _find_breakaway(setting, entry, quantity, target))
-    note = ""
-    load = math.sqrt(1 / max(answer, 1e-12)) if quantity == "impulse" else 1.0  # a blow strains as its swing's push
+    target = _TARGETS[quantity](setting, entry)
+    k = _find_k(setting, measured, quantity, target)
+    if setting.stands and quantity in ("translation", "impulse"):
+        k = _keep_upright(setting, entry, measured, quantity, k, target)
+    load = 1.0  # a blow strains as the steady push of its swing does
+    if quantity == "impulse":
+        load = 1 / math.sqrt(max(measured.answer, 1e-12))
     sudden = OVERSHOOT if quantity in ("translation", "torque") else 1.0
-    most = min(LARGEST, MOST_STRAIN / max(strain * load * sudden, 1e-12))
+    torn = MOST_STRETCH if quantity == "scale" else MOST_STRAIN
+    most, note = min(LARGEST, torn / max(measured.strain * load * sudden, 1e-12)), ""
     if k > most:
-        shown = most / k
+        if most < FAINT * k:
+            note = f"it shows about {100 * most / k:.2g} % of what a magnitude of 1 is to show"
         k = most
-        if shown < FAINT:
-            note = f"it shows about {100 * shown:.2g} % of what a magnitude of 1 is to show"
     return Response(quantity=quantity, region=entry.region, vector=entry.vector, k=k, note=note)
 
 
-def _find_way(quantity: str, answer: float, rigid: float, time: float) -> float:
-    """What k = 1 shows by ``time``, or at its largest before."""
+def _find_k(setting: Setting, measured: Measured, quantity: str, target: float) -> float:
+    """The k with which bending and following as a rigid object add up to the target."""
+    answer, rigid, time = max(measured.answer, 1e-12), measured.rigid, setting.time
+    resisting = measured.resisting
     if quantity == "scale":
-        return answer
+        return target / answer
     if quantity == "impulse":
-        return rigid * time + min(math.sqrt(answer), time)
-    phase = min(time / math.sqrt(max(answer, 1e-12)), math.pi)
-    return 0.5 * rigid * time**2 + min(OVERSHOOT, 1 - math.cos(phase)) * answer
+        swing = min(math.sqrt(answer), time)
+        if not rigid or math.isinf(resisting):
+            return target / swing
+        if not resisting:
+            return target / (swing + rigid * time)
+        return (math.sqrt(swing**2 + 2 * target * rigid**2 / resisting) - swing) * resisting / rigid**2
+    bent = target / (_find_swing(answer, time) * answer)
+    if not rigid or math.isinf(resisting):
+        return bent
+    reach = 0.5 * time**2
+    return min(bent, (target + resisting * reach) / (_find_swing(answer, time) * answer + rigid * reach))
 
 
-def _find_breakaway(setting: Setting, entry: Entry, quantity: str, target: float) -> float:
-    """The k that slides, tips or turns the whole object where friction and weight hold it."""
-    opposition, body = setting.opposition, setting.body
-    assert opposition is not None
-    mask, mass, arm = _select(setting, entry)
-    vector, share = np.asarray(entry.vector, float), float(mass[mask].sum() / mass.sum())
-    if quantity == "scale" or (quantity != "torque" and vector[2] < -0.5):
-        return math.inf  # nothing goes through the ground
+def _find_swing(answer: float, time: float) -> float:
+    """How far a sudden push goes within ``time``, over where it would come to rest."""
+    return min(OVERSHOOT, 1 - math.cos(min(time / math.sqrt(answer), math.pi)))
+
+
+def _keep_upright(
+    setting: Setting, entry: Entry, measured: Measured, quantity: str, k: float, target: float
+) -> float:
+    """The k that does not tip over what stands, if it is seen; otherwise one that tips it, if that is less."""
+    opposition, vector = setting.opposition, np.asarray(entry.vector, float)
     flat = math.sqrt(max(1 - vector[2] ** 2, 0.0))
-    if quantity == "torque":
-        turned = float((mass[mask] * (np.cross(vector, arm[mask]) ** 2).sum(1)).sum())
-        whole = arm - np.average(arm, axis=0, weights=mass)
-        inertia = float((mass * (np.cross(vector, whole) ** 2).sum(1)).sum())
-        resisting = opposition.turning * vector[2] ** 2 + opposition.tipping * flat**2
-        return (resisting + 2 * target / setting.time**2) * inertia / max(turned, 1e-12)
-    resisting = opposition.friction * flat + opposition.weight * max(vector[2], 0.0)
-    if opposition.lever and flat > 0.5:  # pushed high up it tips before it slides
-        height = np.average(body.particles.x[mask, 2], weights=mass[mask]) - body.low[2]
-        spread = float(np.average((arm**2).sum(1) - 0.5 * (arm[:, :2] ** 2).sum(1), weights=mass))
-        resisting = min(resisting, opposition.tipping * spread / max(float(height), 1e-6))
-    if quantity == "impulse":
-        return math.sqrt(2 * max(resisting, target / setting.time**2) * target) / share
-    return (resisting + 2 * target / setting.time**2) / share
+    if opposition is None or not opposition.lever or flat < 0.5 or not opposition.tipping:
+        return k
+    mask, mass, arm = _select(setting, entry)
+    x = setting.body.particles.x
+    spread = float(np.average((arm**2).sum(1) - 0.5 * (arm[:, :2] ** 2).sum(1), weights=mass))
+    righting = opposition.tipping * spread  # g times how far inside its foot the mass centre is
+    high = float(np.average(x[mask, 2], weights=mass[mask]) - x[:, 2].min())
+    moment = high * float(mass[mask].sum() / mass.sum()) * flat
+    answer, g = max(measured.answer, 1e-12), calibration.GRAVITY
+    swing = _find_swing(answer, setting.time)
+    if quantity == "impulse":  # the energy that lifts its centre over the edge of its foot
+        spin = moment / max(spread + opposition.lever**2, 1e-12)
+        tips = math.sqrt(righting * righting / (g * max(opposition.lever, 1e-9)) / (spread + opposition.lever**2)) / spin
+        shows = math.sqrt(answer)
+    else:
+        tips = righting / (moment + g * swing * measured.shift)
+        shows = swing * answer
+    if SAFE * tips * shows >= SEEN * target:
+        return min(k, SAFE * tips)
+    return min(k, 1.2 * tips + 2 * target / setting.time**2)
 
 
-def _measure(setting: Setting, entry: Entry, quantity: str) -> tuple[float, float, float] | None:
-    """The answer, the rate of the rigid motion, and the strain to a unit of a skill; None where it hangs on nothing."""
+def _measure(setting: Setting, entry: Entry, quantity: str) -> Measured | None:
+    """The response to a unit of a skill; None where what it acts on hangs on nothing."""
     particles, material = setting.body.particles, setting.material
     every = -(-particles.count // MOST_PARTICLES)
     mask, mass, arm = _select(setting, entry)
     held = select_anchored(
         setting.anchor, particles.x, particles.gaussian_index, ".", gaussian_count=setting.body.cloud.count
     )[::every]
-    x, volume = particles.x[::every], particles.volume[::every].astype(np.float64) * every
+    x, volume = particles.x[::every].astype(np.float64), particles.volume[::every].astype(np.float64) * every
     mask, mass, arm = mask[::every] & ~held, mass[::every] * every, arm[::every]
     if not mask.any():
         return None
@@ -162,31 +207,65 @@ def _measure(setting: Setting, entry: Entry, quantity: str) -> tuple[float, floa
     fixed = grid.spread @ (mass * held) > 0.5 * grid.mass
     if setting.stands and not held.any():
         fixed = grid.height <= grid.height[~grid.light].min() + TOUCHING * dx
-    vector = np.asarray(entry.vector, float)
-    field = np.where(mask[:, None], _FIELDS[quantity](vector, arm, mass * mask), 0.0)
-    rigid = np.zeros_like(field)
+    vector, weight = np.asarray(entry.vector, float), mass * mask
+    field = np.where(mask[:, None], _FIELDS[quantity](vector, arm, weight), 0.0)
+    balance = np.zeros_like(field) if fixed.any() else _fit_rigid(field, x, mass)
+    moves = ~(fixed | grid.light)
     if fixed.any():
-        moves = ~(fixed | grid.light) & grid.find_borne(fixed)
-    else:
-        rigid = _fit_rigid(field, x, mass)
-        moves = ~grid.light
+        moves &= grid.find_borne(fixed)
     if not moves.any():
         return None
     free = np.repeat(moves[:, None], 3, axis=1)
-    load = grid.spread @ (mass[:, None] * (field - rigid))
-    u, _ = grid.solve(np.where(free, load, 0.0), free, ROUNDS)
-    moved = grid.weight @ u
+    load = np.where(free, grid.spread @ (mass[:, None] * (field - balance)), 0.0)
+    u, _ = grid.solve(load, free, ROUNDS)
+    moved, gradient = grid.weight @ u, grid.find_gradient(u)
     if not fixed.any():
         moved = moved - _fit_rigid(moved, x, mass)
+    strain = np.linalg.norm(0.5 * (gradient + gradient.transpose(0, 2, 1)), axis=(1, 2))
     read = _READINGS[quantity]
-    gradient = grid.find_gradient(u)
-    strain = 0.5 * (gradient + gradient.transpose(0, 2, 1))
-    weight = mass * mask
-    return (
-        max(read(vector, arm, weight, moved), 0.0),
-        max(read(vector, arm, weight, rigid), 0.0) if rigid.any() else 0.0,
-        float(np.percentile(np.linalg.norm(strain, axis=(1, 2)), 95)),
+    softer = 1.0
+    if fixed.any() and setting.weighs:
+        softer = 1 / max(1 - _find_weight_share(x, volume, mass, gradient, float((load * u).sum())), LEAST_LEFT)
+    rigid, resisting = _find_following(setting, entry, quantity, mask, mass, arm, read(vector, arm, weight, balance))
+    return Measured(
+        answer=softer * max(read(vector, arm, weight, moved), 0.0),
+        shift=softer * abs(float(np.average(moved @ vector, weights=mass))),
+        rigid=0.0 if held.any() else rigid,
+        resisting=resisting,
+        strain=softer * max(float(np.percentile(strain, 95)), float(np.percentile(strain[mask], 95))),
     )
+
+
+def _find_weight_share(x, volume, mass, gradient, work: float) -> float:
+    """Share of what bends it that its weight gives back as it leans, by Rayleigh's quotient; negative if it hangs."""
+    height = x[:, 2]
+    order = np.argsort(height)
+    bins = np.array_split(order, WEIGHED)
+    above = np.cumsum([mass[b].sum() for b in bins][::-1])[::-1] * calibration.GRAVITY
+    pressure = np.zeros(len(x))
+    for each, load in zip(bins, above):
+        thick = max(float(np.ptp(height[each])), 1e-9)
+        pressure[each] = load * thick / max(float(volume[each].sum()), 1e-30)
+    slope = (gradient[:, :2, 2] ** 2).sum(1)
+    return float((volume * pressure * slope).sum() / max(work, 1e-30))
+
+
+def _find_following(setting, entry, quantity, mask, mass, arm, free: float) -> tuple[float, float]:
+    """The rate at which it follows as a rigid object, and what resists that: friction, weight, its foot."""
+    if not setting.stands:
+        return max(free, 0.0), 0.0
+    opposition, vector = setting.opposition, np.asarray(entry.vector, float)
+    if quantity == "scale" or (quantity != "torque" and vector[2] < -0.5) or opposition is None:
+        return 0.0, 0.0  # nothing goes through the ground
+    flat = math.sqrt(max(1 - vector[2] ** 2, 0.0))
+    if quantity == "torque":
+        turned = float((mass[mask] * (np.cross(vector, arm[mask]) ** 2).sum(1)).sum())
+        whole = arm - np.average(arm, axis=0, weights=mass)
+        inertia = float((mass * (np.cross(vector, whole) ** 2).sum(1)).sum())
+        resisting = opposition.turning * vector[2] ** 2 + opposition.tipping * flat**2
+        return turned / max(inertia, 1e-12), resisting
+    resisting = opposition.friction * flat + opposition.weight * max(vector[2], 0.0)
+    return float(mass[mask].sum() / mass.sum()), resisting
 
 
 def _select(setting: Setting, entry: Entry) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
