@@ -23,7 +23,7 @@ from physagent_jax.forces.schema import Action, Opposition, SkillScaling, Veloci
 from physagent_jax.forces.sections import find_stress_concentration
 from physagent_jax.forces.terms import PushCompensation, TurnCompensation
 from physagent_jax.mpm.boundaries import HalfSpace
-from physagent_jax.mpm.constraints import MovingPlate, PrescribedMotion
+from physagent_jax.mpm.constraints import GradedRotation, GradedTranslation, MovingPlate, PrescribedMotion
 
 PLATE_FRICTION = (
     0.4  # Coulomb's coefficient of a `moving_plate`: the material may spread under it, but not slip away
@@ -283,6 +283,58 @@ class Binding:
             stop = point + velocity * (end - start)
             plates.append(MovingPlate(HalfSpace(stop, normal, friction, end, self._held_until)))
         return plates
+
+
+    def change_length(self, other: Binding | None, k: float | Array, sign: float) -> list[GradedTranslation]:
+        """The object gets longer or shorter evenly along the vector, as its two ends say, and then stays if held.
+
+        Args:
+            other: The other end; None = it rests on the ground or is held.
+            k: Of both ends [m/s].
+            sign: 1 if the vector points out of the object at this end, -1 if into it.
+        """
+        size, way = self._split()
+        axis = self.leaf(way)
+        speed = self.leaf(sign * k * (size + (0.0 if other is None else other._split()[0])))
+        along = self.leaf(self._rest) @ axis
+        length = along.max() - along.min()
+        point = None
+        if other is None:  # the far end, towards which the plate moves
+            middle = self.leaf(self._rest.mean(0))
+            point = middle + (along.max() - middle @ axis) * axis
+        start, end = self.window
+        motions = [GradedTranslation(axis=axis, speed=speed, length=length, point=point, start=start, end=end)]
+        if self._held_until is not None:
+            now = length + speed * (end - start)
+            still = self.leaf(np.zeros(()))
+            motions.append(
+                GradedTranslation(
+                    axis=axis, speed=still, length=now, point=point, start=end, end=self._held_until
+                )
+            )
+        return motions
+
+    def wring(self, other: Binding, k: float | Array, sign: float) -> list[GradedRotation]:
+        """The two ends turn against each other about the vector, what lies between them in proportion.
+
+        Args:
+            other: The other end.
+            k: Of both ends [rad/s].
+            sign: 1 if this end lies in the vector's direction, -1 if the other does.
+        """
+        size, way = self._split()
+        axis, rate = self.leaf(way), self.leaf(sign * 0.5 * k * (size + other._split()[0]))
+        along = self.leaf(self._rest) @ axis
+        middle = np.average(self._rest.astype(float), axis=0, weights=self._volume)
+        ends = (other, self) if sign > 0 else (self, other)
+        offset = self.leaf(np.stack([end.centre - middle for end in ends]))
+        shape = dict(axis=axis, length=along.max() - along.min(), offset=offset)
+        start, end = self.window
+        motions = [GradedRotation(**shape, rate=rate, start=start, end=end)]
+        if self._held_until is not None:
+            still = self.leaf(np.zeros(()))
+            motions.append(GradedRotation(**shape, rate=still, start=end, end=self._held_until))
+        return motions
 
 
 def _normalise(values: ActionParameters) -> ActionParameters:

@@ -66,6 +66,20 @@ EXPECTED_HELD_TURN = 25.0
 EXPECTED_SWAY = 0.1
 """[L] to either side when something held sways."""
 
+# --- what M = 1 shows of a part, and of what is held where no closed form tells (`scene.response`) ------------------------
+
+PART_SHIFT = 0.3
+"""[L] by which a part moves when it is pushed or hit."""
+
+PART_BEND = 0.8
+"""[1] the same in lengths of the part itself, at most: a short ear cannot go farther."""
+
+PART_TURN = 45.0
+"""[degrees] by which a part, or what is held, is turned."""
+
+PART_STRAIN = 0.18
+"""[1] linear strain of a part, or of what is held."""
+
 # --- where the object will be (`scene.fuse`) --------------------------------------------------------------------------
 
 GRAVITY = 9.8

@@ -186,6 +186,29 @@ class Holding(Strict):
     most: Positive
 
 
+class Response(Strict):
+    """The k of a skill on a part, or on what is held, as a coarse probe measured it (`scene.response`).
+
+    Attributes:
+        quantity: Field of `SkillScaling` whose place it takes.
+        region: Region of the entries that it holds for; None = the whole.
+        vector: Their direction or axis.
+        k: The skill's k.
+        note: What M = 1 cannot show, for people; empty where it shows.
+    """
+
+    quantity: Literal["translation", "scale", "impulse", "torque"]
+    region: Region | None = None
+    vector: Direction
+    k: Positive
+    note: str = ""
+
+    @property
+    def key(self) -> str:
+        """Everything that entries are told by."""
+        return self.model_dump_json(exclude={"k", "note"})
+
+
 class SkillScaling(Strict):
     """The meaning of a magnitude of 1 in SI units; recorded in a scene, so that it replays exactly.
 
@@ -202,6 +225,8 @@ class SkillScaling(Strict):
         opposition: What works against the motion, which pushes, blows and turns of the whole object make up for;
             None = nothing.
         holding: How far it gives way where it is held, which pushes and blows of either kind go by; None = not known.
+        responses: The same for entries on parts, and for turns and stretches of what is held (`scale_entry`).
+        measured: Whether these numbers are those of one entry, as a probe measured them.
         reason: How they were found.
     """
 
@@ -215,6 +240,8 @@ class SkillScaling(Strict):
     damping_rate: NotNegative = 0.0
     opposition: Opposition | None = None
     holding: Holding | None = None
+    responses: tuple[Response, ...] = ()
+    measured: bool = False
     reason: str = ""
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from physagent_jax.forces import calibration
 from physagent_jax.forces.free_path import compute_free_path
 from physagent_jax.forces.scaling import make_closed_form_scaling
-from physagent_jax.forces.schema import ForceField, Holding
+from physagent_jax.forces.schema import ForceField, Holding, Response
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.camera import frame_camera, shows_points
 from physagent_jax.scene.compliance import find_compliance
@@ -33,6 +33,7 @@ from physagent_jax.scene.damping import (
 )
 from physagent_jax.scene.presets import Preset
 from physagent_jax.scene.priors import explain_damping_ratio
+from physagent_jax.scene.response import Setting, find_responses
 from physagent_jax.scene.world import (
     FREE,
     World,
@@ -99,23 +100,24 @@ def fuse(
     )
     time = calibration.find_reference_time(held, preset.timing.duration)
     damped = 0.0 if held else damping_rate  # what is held bends, however slowly
+    opposition = find_opposition(
+        world, body, template.anchor, damping_rate=damped, time=time, drop=drop, friction=template.friction
+    )
     scaling = make_closed_form_scaling(
         extent=body.extent,
         youngs_modulus=material.youngs_modulus,
         density=material.density,
         duration=time,
         damping_rate=damped,
-        opposition=find_opposition(
-            world,
-            body,
-            template.anchor,
-            damping_rate=damped,
-            time=time,
-            drop=drop,
-            friction=template.friction,
-        ),
+        opposition=opposition,
         holding=find_holding(template, body) if held else None,
     )
+    standing = world.ground and not drop
+    weighs = world.gravity == "down" and (standing or template.anchor.kind == "base")
+    setting = Setting(body, material, template.anchor, standing, weighs, opposition, time)
+    scaling = scaling.model_copy(update=dict(responses=find_responses(setting, force_field)))
+    for faint in (response for response in scaling.responses if response.note):
+        _warn_of_faint(faint)
     config = SceneConfig(
         prompt=template.prompt,
         preset=template.preset_name,
@@ -144,6 +146,18 @@ def fuse(
     if keep is not None and shows_points(points, keep, config.rendering):
         camera = keep
     return config.model_copy(update=dict(camera=camera))
+
+
+def _warn_of_faint(response: Response) -> None:
+    """Say what no force in range makes visible."""
+    where = "the whole object" if response.region is None else "that part of the object"
+    verb = dict(torque="turned", scale="stretched").get(response.quantity, "moved")
+    warnings.warn(
+        f"{where} is too stiff, or held too firmly, to be {verb} visibly: {response.note}; a softer material "
+        "(`material.youngs_modulus`) or the whole object shows more",
+        UserWarning,
+        stacklevel=3,
+    )
 
 
 def _shorten_step(config: SceneConfig, body: Body) -> SceneConfig:

@@ -31,7 +31,8 @@ class Scale(Skill):
 
         start, end = bound.window
         k = self.find_k(bound.scaling, bound.values.vector)
-        strength = bound.leaf(k * bound.values.magnitude / bound.stress_concentration())
+        spared = 1.0 if bound.scaling.measured else bound.stress_concentration()
+        strength = bound.leaf(k * bound.values.magnitude / spared)
         axis = bound.leaf(bound.values.vector)
         return [Stretch(axis, strength, start, end, STRETCH_RAMP * (end - start), bound.weight)]
 

@@ -1,0 +1,22 @@
+"""The k of entries that act on a part, or on what is held: measured (`scene.response`), and looked up here."""
+
+from __future__ import annotations
+
+from physagent_jax.forces.schema import Action, Response, SkillScaling, VelocityConstraint
+from physagent_jax.forces.skills import get_skill
+from physagent_jax.motion.vectors import dot
+
+
+def find_response(scaling: SkillScaling, entry: Action | VelocityConstraint) -> Response | None:
+    """The response that was measured for an entry: of its quantity and region, with the nearest vector; None = none."""
+    quantity = get_skill(entry).quantity
+    alike = [r for r in scaling.responses if r.quantity == quantity and r.region == entry.region]
+    return max(alike, key=lambda response: abs(dot(response.vector, entry.vector)), default=None)
+
+
+def scale_entry(scaling: SkillScaling, entry: Action | VelocityConstraint) -> SkillScaling:
+    """The meaning of M = 1 for one entry: the scene's, or what was measured of the part that it acts on."""
+    response = find_response(scaling, entry)
+    if response is None:
+        return scaling
+    return scaling.model_copy(update={response.quantity: response.k, "holding": None, "measured": True})
