@@ -95,6 +95,6 @@ def _explain_collapse(template: SceneTemplate, needed: float, *, chosen: bool, f
         what = "its weight is left out, and it stays as it was captured"
     slower = "" if chosen else ", slowly"
     return (
-        f"the object's thin parts cannot carry its own weight {why}: {what}; "
+        f"the object cannot carry its own weight {why}: {what}; "
         f"`material.youngs_modulus` {needed:.2g} carries it{slower}, and so does a lower `material.density`"
     )
