@@ -1,25 +1,29 @@
 """Linear elasticity on the grid nodes under particles: small displacements that answer forces.
 
 The same nodes, weights and gradients as the simulation's (`mpm.transfer`), as sparse matrices in double precision;
-where there are many particles, equations are solved by the transfers themselves (`scene.conjugate`). Node motions that
-no particle's strain sees are tied to the linear field of each particle over them.
+where there are many particles, equations are solved by the transfers themselves (`scene.conjugate`), and where that
+takes long, because parts are thin, by a factorisation (`scene.stiffness`). Node motions that no particle's strain sees
+are tied to the linear field of each particle over them.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse import bsr_matrix, coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from physagent_jax.core.arrays import to_device
 from physagent_jax.mpm.kernels import use_cpu
 from physagent_jax.scene import conjugate
+from physagent_jax.scene.stiffness import MOST_COMPONENTS, assemble, factorise
 
 TIE = 0.002  # stiffness against motions of nodes that no particle's strain sees, over that of the material
 INNER_ROUNDS = 500  # of conjugate gradients
 INNER_SHARE = 0.02  # of the residual that they leave
+PATIENCE = 150  # rounds after which a factorisation is the shorter way
 WORTH_COMPILING = 8000  # particles from which on conjugate gradients are a compiled program
 LEAST_MASS = 1e-4  # of the mean node's: lighter ones on the fringe carry nothing that particles feel
 
@@ -48,6 +52,8 @@ class GridElasticity:
         count, inverse = len(x), inverse.reshape(len(x), -1)
         rows = np.repeat(np.arange(count), inverse.shape[1])
         shape = (count, len(unique))
+        self._stencil = inverse, weights, reach
+        self.factors: Callable[[np.ndarray], np.ndarray] | None = None
         self.weight = csr_matrix((weights.ravel(), (rows, inverse.ravel())), shape)
         rows = (3 * np.arange(count)[:, None, None] + np.arange(3)).repeat(inverse.shape[1], 1)
         columns = np.repeat(inverse[..., None], 3, axis=2)
@@ -126,23 +132,58 @@ class GridElasticity:
             free: Components that can move, shape (m, 3).
             rounds: At most.
         """
+        if self.factors is not None:
+            return self._iterate(force, free, rounds, self.factors)
+        wait = min(rounds, PATIENCE) if free.sum() <= MOST_COMPONENTS else rounds
         if len(self._x) >= WORTH_COMPILING:
-            return self._solve_compiled(force, free, rounds)
+            u, done = self._solve_compiled(force, free, wait)
+        else:
+            u, done = self._iterate(force, free, wait)
+        if done < wait or wait == rounds:
+            return u, done
+        self.factorise(free)
+        assert self.factors is not None
+        return self._iterate(force, free, rounds, self.factors)
+
+    def factorise(self, free) -> Callable[[np.ndarray], np.ndarray]:
+        """The inverse of the stiffness of the components that are ``free``, shape (m, 3); `solve` makes use of it."""
+        self._factored = np.asarray(free)
+        self.factors = factorise(self.matrix, self._factored)
+        return self.factors
+
+    @cached_property
+    def matrix(self) -> bsr_matrix:
+        """The matrix of `apply_stiffness`, components of a node together, shape (3 m, 3 m) [N/m]."""
+        mu, lam, slope = self._volume * self._mu, self._volume * self._lam, self._slope_stiffness[::3, 0]
+        return assemble(*self._stencil, mu, lam, self._tie, slope, self._tied[:, 0])
+
+    def _iterate(self, force, free, rounds: int, factors: Callable | None = None) -> tuple[np.ndarray, int]:
+        """`solve` in double precision; ``factors`` are those of about the same free components."""
+
+        def precondition(r):
+            if factors is None:
+                return r / self._diagonal
+            return np.where(free, np.where(self._factored, factors(r), r / self._diagonal), 0.0)
+
+        def apply(p):
+            if factors is None:
+                return np.where(free, self.apply_stiffness(p), 0.0)
+            return np.where(free, (self.matrix @ p.ravel()).reshape(p.shape), 0.0)
+
         x, r = np.zeros_like(force), force.copy()
-        z = r / self._diagonal
+        z = precondition(r)
         p, rz = z.copy(), (r * z).sum()
         enough = self._share**2 * rz
         done = 0
-        for done in range(rounds):  # noqa: B007
-            if rz <= enough:
-                break
-            answer = np.where(free, self.apply_stiffness(p), 0.0)
+        while rz > enough and done < rounds:
+            done += 1
+            answer = apply(p)
             curvature = (p * answer).sum()
             if curvature <= 0:
                 break
             alpha = rz / curvature
             x, r = x + alpha * p, r - alpha * answer
-            z = r / self._diagonal
+            z = precondition(r)
             rz, before = (r * z).sum(), rz
             p = z + (rz / before) * p
         return x, done
