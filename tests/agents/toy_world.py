@@ -98,7 +98,8 @@ class ToyWorld:
             first, last = item.active_time or (0, self.scene.frame_count - 1)
             if not first <= frame < last:
                 continue
-            vector = scale(item.vector, self.gain * item.magnitude)
+            effort = item.gain * item.magnitude
+            vector = scale(item.vector, self.gain * effort)
             kind = getattr(item, "action_type", None) or item.constraint_type
             if kind is ActionType.TRANSLATION:
                 k = strokes[index].k if index in strokes else 2.0 * calibration.TRAVEL
@@ -111,14 +112,14 @@ class ToyWorld:
             elif kind is ActionType.TORQUE:
                 torque.append(scale(vector, 2.0 * math.degrees(calibration.TURN)))
             elif kind is ActionType.SCALE:
-                strain.append(_make_diagonal(item.vector, SHORTENING * self.gain * item.magnitude))
+                strain.append(_make_diagonal(item.vector, SHORTENING * self.gain * effort))
             elif not isinstance(item.region, HalfSpaceRegion):
-                drive.append(scale(item.vector, calibration.PRESCRIBED_TRAVEL * item.magnitude))
+                drive.append(scale(item.vector, calibration.PRESCRIBED_TRAVEL * effort))
             else:  # one of two end slabs: prescribed, whatever the stiffness
                 side = math.copysign(1.0, sum(v * n for v, n in zip(item.vector, item.region.normal)))
                 share = (frame - first) / (self.scene.frame_count - 1)
                 strain.append(
-                    _make_diagonal(item.vector, side * calibration.PRESCRIBED_TRAVEL * item.magnitude * share)
+                    _make_diagonal(item.vector, side * calibration.PRESCRIBED_TRAVEL * effort * share)
                 )
         return add(push), add(torque), add(strain), add(drive)
 
