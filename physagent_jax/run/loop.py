@@ -60,6 +60,9 @@ from physagent_jax.simulation.simulate import simulate_scene
 from physagent_jax.simulation.stopwatch import Stopwatch
 
 
+_FARTHER = 1.5  # times the distance from which the object was seen to leave the picture
+
+
 @dataclasses.dataclass(frozen=True)
 class Attempt:
     """One round of the loop, just made or read back: its scene, and what agents are told of it."""
@@ -93,6 +96,14 @@ def find_stop(judgements: Sequence[Judgement], cap: int, *, doubts: bool = False
     if len(judgements) >= cap:
         return "cap"
     return "doubts" if doubts else None
+
+
+def _widen(attempt: Attempt) -> CameraConfig:
+    """The camera of a round; from farther away if the object has left its picture."""
+    camera = attempt.scene.camera
+    if attempt.round.report.quality.leaves_frame is None:
+        return camera
+    return camera.model_copy(update={"distance": _FARTHER * camera.distance})
 
 
 def _explain_rest(judgement: Judgement) -> StopReason:
@@ -373,7 +384,7 @@ class _Loop:
             if self._stopped is not None:
                 break
             # The camera stays, so that the rounds' pictures can be compared, as long as it shows what will happen.
-            series = dataclasses.replace(series, camera=attempt.scene.camera)
+            series = dataclasses.replace(series, camera=_widen(attempt))
             rewrite = self.rewrite(series, index, context, attempt.round)
             if rewrite.force_field == force_field:
                 self._stopped = _explain_rest(judgements[-1])  # another round would only repeat this one

@@ -119,12 +119,12 @@ def _mend(
 
 def _list_effective(case: Case, context: AgentContext) -> Iterator[Change]:
     """Remedies that are left when the hard rules have had their say: what they undo is no remedy."""
-    brief, expectations = context.brief, context.expectations
-    before, _ = apply_hard_rules(case.force_field, brief, expectations)
     for change in list_remedies(case):
-        if change.force_field != case.force_field:
-            if apply_hard_rules(change.force_field, brief, expectations)[0] != before:
-                yield change
+        field = change.force_field
+        if field == case.force_field:
+            continue
+        if apply_hard_rules(field, context.brief, context.expectations)[0] != case.force_field:
+            yield change
 
 
 def _list_gains(index: int, rounds: Sequence[Round]):

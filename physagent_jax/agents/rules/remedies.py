@@ -23,6 +23,7 @@ from physagent_jax.motion.matching import (
     find_strays,
     is_thrown_up,
     list_causes,
+    share_time,
 )
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.tolerances import round_window
@@ -31,6 +32,7 @@ from physagent_jax.motion.vectors import clamp, cosine, norm, scale
 _PUSH_BACK = 1.6  # how much harder to try if the motion is contrary although the force is right
 _GENTLER = 0.6  # the factor where too much came of it and nothing says by how much
 _NO_AIM = (MotionKind.SWAY, MotionKind.FALL)
+_LEVEL = 0.5  # cosine to the vertical below which an axis is level
 _FAINT = 2.0  # gain from which on a motion is so weak that what else moves it decides on its direction
 _FAR_BEYOND = 2.5  # times the range's end: a skill that has to be so much stronger is the wrong one
 _TOLD_APART = 0.3  # logarithm of the ratio of two efforts from which on their responses can be compared
@@ -49,7 +51,8 @@ def list_remedies(case: Case) -> Iterator[Change]:
         field = case.force_field.model_copy(update={"default_drop": False})
         yield Change(field, "It is let fall from above, and the fall hides the leap: it leaps from the ground.")
     falls = case.expectation.kind is MotionKind.FALL
-    if falls and case.expectation.window[0] < 1 and not case.force_field.default_drop:
+    stands = case.brief.world == "ground" and _tips_over(case)
+    if falls and case.expectation.window[0] < 1 and not case.force_field.default_drop and not stands:
         field = case.force_field.model_copy(update={"default_drop": True})
         yield Change(field, "Gravity is switched on: it should fall.", "gravity_makes_it_fall")
         return
@@ -73,6 +76,13 @@ def list_remedies(case: Case) -> Iterator[Change]:
         why = f"{edits.format_names(causes)} starts too slowly: a blow in its place."
         yield Change(field, why, "known_skills")
     yield from _change_amount(case, causes)
+
+
+def _tips_over(case: Case) -> bool:
+    """Return whether the fall is the end of a turn about a level axis: gravity acts on what stands there already."""
+    up = case.brief.directions.up
+    turns = [e for e in case.expectations if e.kind is MotionKind.ROTATE and e.direction is not None]
+    return any(abs(cosine(e.direction or up, up)) < _LEVEL and share_time(e, case.expectation) for e in turns)
 
 
 def _is_let_fall_first(case: Case) -> bool:

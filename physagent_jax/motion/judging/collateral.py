@@ -40,7 +40,8 @@ _TURN_TIPPED = 120.0  # [degrees] about a level axis of what stands and is pushe
 _TURN_TUMBLING = 500.0  # [degrees] of what is hit, dropped, or acted on at one end
 _TURN_HELD = 70.0  # [degrees] that the affine fit of a bent thing may show
 _STRAIN = 0.4  # [1] that a soft thing may deform while it is pushed
-_STRAIN_HIT = 0.6  # [1] the same when it lands or is hit, turns, or bends while it is held
+_STRAIN_HIT = 0.6  # [1] the same when it turns, or bends while it is held
+_STRAIN_TUMBLING = 1.0  # [1] the same of what tumbles, whose far side nobody sees from the start
 _UPRIGHT = re.compile(r"\bupright\b|\b(without|not|never)\b.{0,20}\b(fall|tip|toppl|roll)|n't (fall|tip|toppl|roll)")
 """Words of who asks that it does not fall over."""
 _SIZE = 1.35  # times the diagonal of its box: more is breaking up
@@ -178,11 +179,13 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         figures = {"least": math.exp(-limit), "most": math.exp(limit), "factor": factor}
         return _check_lasting(view, "volume", volumes, limit, 2.0 * sigma, gentler=False, **figures)
     swings = any(e.kind in (MotionKind.ROTATE, MotionKind.SWAY) for e in asked)
+    tumbles = _is_rough(view, asked) and not view.anchored
     yielding = view.anchored or swings or _is_rough(view, asked) or _is_partial(asked)
     toward = view.brief.directions.toward
     hidden = None if any(w.stretch_view_axis_observable for w in view.report.windows) else toward
     strains = [(t, _find_largest_strain(S, hidden)) for t, S in tensors]
-    return _check_lasting(view, "shape", strains, _STRAIN_HIT if yielding else _STRAIN, sigma)
+    limit = _STRAIN_TUMBLING if tumbles else _STRAIN_HIT if yielding else _STRAIN
+    return _check_lasting(view, "shape", strains, limit, sigma)
 
 
 def _list_tensors(view: View) -> list[tuple[int, Matrix]]:
