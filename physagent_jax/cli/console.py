@@ -128,6 +128,10 @@ class ConsoleObserver(Observer):
         self.told.add(text)
         warn(name_options(text))
 
+    def ended(self, why: str) -> None:
+        """Print why there is no further round."""
+        stderr.print(f"  no further round: {_escape(why)}")
+
     def judged(self, index: int, judgement: Judgement) -> None:
         """Print the planner's verdict and its suggestion."""
         self._tell(f"round {index + 1}", judgement)

@@ -144,8 +144,9 @@ def describe_plan(reply: SemanticReply, brief: SceneBrief, reading: str = "") ->
         where = ", on a part of it" if item.region is not None else ""
         until = item.held_until if isinstance(item, VelocityConstraint) else None
         then = "" if until is None else f", then held until frame {until:g}"
+        again = "" if item.gain == 1.0 else f" (k x {item.gain:.3g})"
         done.append(
-            f"{describe_effect(item, table)}: magnitude {abs(item.magnitude):.3g}, {when}{where}{then}"
+            f"{describe_effect(item, table)}: magnitude {abs(item.magnitude):.3g}{again}, {when}{where}{then}"
         )
     lines += [f"  {each}" for each in done or ["nothing"]]
     if reading:

@@ -17,6 +17,9 @@ MAGNITUDE_MIN = 0.4
 MAGNITUDE_MAX = 1.6
 """Greatest abs(M): the paper's. Stronger carries the object out of the picture."""
 
+GAIN_MIN, GAIN_MAX = 0.02, 50.0
+"""Range of the factor on k that one entry may have (`forces.schema.Action.gain`): beyond it another skill is needed."""
+
 # --- what M = 1 does --------------------------------------------------------------------------------------------------
 
 TRAVEL = 1.0

@@ -49,6 +49,7 @@ def compile_force_field(
     if parameters is None:
         parameters = ForceFieldParameters.of(field, frame_count)
     check_entries(parameters, field)
+    parameters = parameters.with_gains(field)
     forces, constraints = [], []
     strokes = find_strokes(field, parameters.actions, scaling, frame_dt)
 

@@ -7,12 +7,18 @@ constraints, of which the paper's executor emits two (appendix B.2, "Skill-Speci
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
 
 from physagent_jax.core.strict import Direction, Positive, Strict
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, TURN
+from physagent_jax.forces.calibration import GAIN_MAX, GAIN_MIN, MAGNITUDE_MAX, MAGNITUDE_MIN, TURN
 from physagent_jax.forces.names import ActionType as ActionType
 from physagent_jax.forces.names import ConstraintType as ConstraintType
 
@@ -61,6 +67,7 @@ Region = Annotated[BoxRegion | HalfSpaceRegion | SphereRegion, Field(discriminat
 class _Timed(Strict):
     vector: Direction
     magnitude: float = 1.0
+    gain: float = Field(default=1.0, ge=GAIN_MIN, le=GAIN_MAX)
     active_time: tuple[_Frame, _Frame] | None = None
     region: Region | None = None
     object: Annotated[str, Field(max_length=200)] | None = None
@@ -74,6 +81,14 @@ class _Timed(Strict):
                 "the sign reverses the action"
             )
         return value
+
+    @model_serializer(mode="wrap")
+    def _leave_out_usual(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave a gain of 1 unsaid: files and prompts hold it only where k was calibrated again."""
+        data = write(self)
+        if data.get("gain") == 1.0:
+            del data["gain"]
+        return data
 
     @field_validator("active_time")
     @classmethod
@@ -96,6 +111,7 @@ class Action(_Timed):
             input, zero refused.
         magnitude: Dimensionless M with 0.4 <= abs(M) <= 1.6; the sign reverses (push/stretch > 0,
             pull/squeeze < 0). What M = 1 means: `forces.calibration`; in SI units: `forces.scaling`.
+        gain: Factor on k for this entry, calibrated again by the executor where M alone cannot bring about the motion.
         active_time: ``[first, last]`` in frames; None = the whole clip.
         region: Which particles; None = the whole object.
         object: Object id in a scene of several; None = all.
@@ -111,7 +127,7 @@ class VelocityConstraint(_Timed):
         constraint_type: Which skill of those that prescribe velocities.
         held_until: Frame until which particles or plate then stay where they were brought; None = they are let go when
             the window ends. A sudden skill has none.
-        vector, magnitude, active_time, region, object: as for `Action`.
+        vector, magnitude, gain, active_time, region, object: as for `Action`.
     """
 
     constraint_type: ConstraintType

@@ -184,7 +184,9 @@ def _show_physical(item: Timed, scaling: SkillScaling | None, stroke: Stroke | N
         return None
     skill, swing = get_skill(item), float(stroke.k) if stroke is not None and stroke.swings else None
     one, meaning = skill.explain_one(scaling, item.vector, swing)
-    text = f"{format_number(abs(item.magnitude) * one)} {skill.unit} (1 means {format_number(one)})"
+    one *= item.gain
+    again = f", k calibrated again: x {format_number(item.gain)}" if item.gain != 1.0 else ""
+    text = f"{format_number(abs(item.magnitude) * one)} {skill.unit} (1 means {format_number(one)}{again})"
     return span("quiet", text, title=f"1 means {meaning}")
 
 

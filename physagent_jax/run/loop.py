@@ -47,7 +47,7 @@ from physagent_jax.run.chosen_agents import open_agents
 from physagent_jax.run.first_picture import check_first_picture
 from physagent_jax.run.forecast import Forecast
 from physagent_jax.run.key_frames import VideoKeyFrames
-from physagent_jax.run.manifest import FirstClip, Stages, StopReason
+from physagent_jax.run.manifest import STOP_REASONS, FirstClip, Stages, StopReason
 from physagent_jax.run.observer import Observer
 from physagent_jax.run.prompt import make_prompt, read_mask
 from physagent_jax.run.provenance import hash_settings, make_manifest
@@ -69,6 +69,9 @@ from physagent_jax.simulation.simulate import simulate_scene
 from physagent_jax.simulation.stopwatch import Stopwatch, stay_aside
 
 
+_FARTHER = 1.5  # times the distance from which the object was seen to leave the picture
+
+
 @dataclasses.dataclass(frozen=True)
 class Attempt:
     """One round of the loop, just made or read back: its scene, and what agents are told of it."""
@@ -87,18 +90,36 @@ def backends_of(spec: RunSpec) -> PerceptionBackends:
     return make_backends(**{role: (each.name, each.options) for role, each in chosen.items()})
 
 
-def find_stop(judgements: Sequence[Judgement], cap: int) -> StopReason | None:
+def find_stop(judgements: Sequence[Judgement], cap: int, *, doubts: bool = False) -> StopReason | None:
     """The reason to make no further round, as far as the judgements tell; None = go on.
 
     Args:
         judgements: Judgements of the rounds so far, oldest first.
         cap: Number of rounds at most.
+        doubts: Whether the sentence is not understood for certain: what fails then is not the force.
     """
     if judgements[-1].verdict is Verdict.SUCCESS:
         return "success"
     if has_stalled(judgements):
         return "no improvement"
-    return "cap" if len(judgements) >= cap else None
+    if len(judgements) >= cap:
+        return "cap"
+    return "doubts" if doubts else None
+
+
+def _widen(attempt: Attempt) -> CameraConfig:
+    """The camera of a round; from farther away if the object has left its picture."""
+    camera = attempt.scene.camera
+    if attempt.round.report.quality.leaves_frame is None:
+        return camera
+    return camera.model_copy(update={"distance": _FARTHER * camera.distance})
+
+
+def _explain_rest(judgement: Judgement) -> StopReason:
+    """The reason for which an executor leaves a force field as it is."""
+    unseen = any(check.passed is None for check in judgement.checks)
+    failed = any(check.passed is False for check in judgement.checks)
+    return "not observable" if unseen and not failed else "nothing left to try"
 
 
 def run_loop(
@@ -365,23 +386,40 @@ class _Loop:
         self._restart_cache = None
         for index in range(self._run.spec.rounds):
             context = self._make_context(reply, [attempt.round for attempt in attempts])
-            attempt = self.recall(series, index) or self.attempt(series, index, force_field, context)
+            try:
+                attempt = self.recall(series, index) or self.attempt(series, index, force_field, context)
+            except AgentError:
+                raise
+            except UserError as error:
+                if not attempts:
+                    raise
+                self._leave_out(f"{series.name} {index + 1}", error)  # the rounds before it are worth keeping
+                break
             attempts.append(attempt)
             series.judged(index, attempt.round.judgement)
             if series.store is self._store:
                 best = find_best_round([each.round.judgement for each in attempts])
                 put_best_on_top(self._store, best, save_frames=self._run.spec.save.frames)
             yield attempt
-            self._stopped = find_stop([each.round.judgement for each in attempts], self._run.spec.rounds)
+            judgements = [each.round.judgement for each in attempts]
+            self._stopped = find_stop(judgements, self._run.spec.rounds, doubts=bool(reply.unsure))
             if self._stopped is not None:
                 break
             # The camera stays, so that the rounds' pictures can be compared, as long as it shows what will happen.
-            series = dataclasses.replace(series, camera=attempt.scene.camera)
+            series = dataclasses.replace(series, camera=_widen(attempt))
             rewrite = self.rewrite(series, index, context, attempt.round)
             if rewrite.force_field == force_field:
-                self._stopped = "nothing left to try"  # another round would only repeat this one
+                self._stopped = _explain_rest(judgements[-1])  # another round would only repeat this one
                 break
             force_field = rewrite.force_field
+        if self._stopped not in (None, "success", "cap") and series.store is self._store:
+            self.observer.ended(STOP_REASONS[self._stopped])
+
+    def _leave_out(self, name: str, error: UserError) -> None:
+        """Note a round that could not be simulated."""
+        self._stopped, note = "failed round", f"{name} is left out: {error}"
+        self._warnings += (note,)
+        self.observer.warned(note)
 
     def attempt(self, series: _Series, index: int, force_field: ForceField, context: AgentContext) -> Attempt:
         """Simulate ``force_field``, look at the pictures, judge them, and leave the round's files."""

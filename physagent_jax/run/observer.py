@@ -35,5 +35,8 @@ class Observer:
     def judged(self, index: int, judgement: Judgement) -> None:
         """Round ``index``, counted from 0, was judged."""
 
+    def ended(self, why: str) -> None:
+        """No further round is made, although none was a success and more were allowed."""
+
     def probed(self, index: int, judgement: Judgement) -> None:
         """Round ``index`` on the coarse version of the scene was judged."""

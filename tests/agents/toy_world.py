@@ -105,7 +105,8 @@ class ToyWorld:
     def _find_effect(self, item, first: float, last: float, stroke):
         """What one action changes, and by how much at a frame at which it acts."""
         frames = self.scene.frame_count - 1
-        vector = scale(item.vector, self.gain * item.magnitude)
+        effort = item.gain * item.magnitude
+        vector = scale(item.vector, self.gain * effort)
         kind = getattr(item, "action_type", None) or item.constraint_type
         if kind is ActionType.TRANSLATION:
             return "push", _always(
@@ -124,12 +125,12 @@ class ToyWorld:
         if kind is ActionType.TORQUE:
             return "torque", _always(scale(vector, 2.0 * math.degrees(calibration.TURN)))
         if kind is ActionType.SCALE:
-            return "strain", _always(_make_diagonal(item.vector, SHORTENING * self.gain * item.magnitude))
+            return "strain", _always(_make_diagonal(item.vector, SHORTENING * self.gain * effort))
         if not isinstance(item.region, HalfSpaceRegion):
-            return "drive", _always(scale(item.vector, calibration.PRESCRIBED_TRAVEL * item.magnitude))
+            return "drive", _always(scale(item.vector, calibration.PRESCRIBED_TRAVEL * effort))
         # one of two end slabs: prescribed, whatever the stiffness
         side = math.copysign(1.0, sum(v * n for v, n in zip(item.vector, item.region.normal)))
-        reach = side * calibration.PRESCRIBED_TRAVEL * item.magnitude
+        reach = side * calibration.PRESCRIBED_TRAVEL * effort
         return "strain", lambda frame: _make_diagonal(item.vector, reach * (frame - first) / frames)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from physagent_jax.agents.context import AgentContext, Round
 from physagent_jax.agents.hard_rules import Repair, apply_hard_rules
@@ -109,12 +109,22 @@ def _mend(
     for index, checks in failed.items():
         earlier = tuple(_list_gains(index, [each for each in rounds if each is not base]))
         case = Case(field, expectations[index], expectations, context.brief, checks, base.report, earlier)
-        options = [change for change in list_remedies(case) if change.force_field != field]
+        options = list(_list_effective(case, context))
         options = [each for change in options if (each := kept.spare(change, field))] or options
         if options:
             changes.append(options[min(depth, len(options) - 1)])
             field = changes[-1].force_field
     return changes
+
+
+def _list_effective(case: Case, context: AgentContext) -> Iterator[Change]:
+    """Remedies that are left when the hard rules have had their say: what they undo is no remedy."""
+    for change in list_remedies(case):
+        field = change.force_field
+        if field == case.force_field:
+            continue
+        if apply_hard_rules(field, context.brief, context.expectations)[0] != case.force_field:
+            yield change
 
 
 def _list_gains(index: int, rounds: Sequence[Round]):

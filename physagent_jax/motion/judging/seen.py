@@ -41,6 +41,7 @@ class View:
         force_field: Names what to change, and whether the object was let fall from above; else no yardstick.
         gravity: Whether things that are let go fall.
         obstacles: What the sentence puts in the way.
+        sentence: The sentence itself, for what it rules out.
     """
 
     report: MotionReport
@@ -49,6 +50,7 @@ class View:
     force_field: ForceField
     gravity: bool = False
     obstacles: tuple[ObstacleRequest, ...] = ()
+    sentence: str = ""
 
     @property
     def anchored(self) -> bool:
@@ -92,6 +94,20 @@ class View:
     def sigma(self, name: str) -> float:
         """Standard deviation of a figure."""
         return max(self.uncertainty(name) * TO_SIGMA, 1e-9)
+
+    @property
+    def motionless(self) -> bool:
+        """Return whether nothing is seen to move, turn or deform in the whole clip."""
+        course, turns = self.course(0, self.last), self.turns(0, self.last)
+        moved = [norm(p) for _, p in course]
+        for end in self.report.parts:
+            moved += [norm(p) / 1.5 for _, p in self.course(0, self.last, end)]
+        if not course or max(moved) >= tolerances.VISIBLE:
+            return False
+        if max((norm(v) for _, v in turns), default=0.0) >= tolerances.VISIBLE_DEGREES:
+            return False
+        strains = [abs(v) for axis in self.visible_axes for _, v in self.strains(axis, 0, self.last)]
+        return max(strains, default=0.0) < tolerances.VISIBLE_STRAIN
 
     def find_topples(self) -> list[Vector]:
         """Ways that the top of what stands goes as it tips over: a turn about a level axis whose end is a fall."""
