@@ -67,7 +67,9 @@ def find_burden(body: Body, material: Material, anchor: Anchor, *, ground: float
     return found.scaled(_UNIT / material.youngs_modulus)
 
 
-def measure_burden(body: Body, material: Material, anchor: Anchor, *, ground: float | None, dx: float) -> Burden:
+def measure_burden(
+    body: Body, material: Material, anchor: Anchor, *, ground: float | None, dx: float
+) -> Burden:
     """The burden of a body that hangs on its anchor, or stands on the ground.
 
     Args:

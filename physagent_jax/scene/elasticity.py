@@ -40,7 +40,9 @@ class GridElasticity:
         light: Nodes that carry nothing, shape (m,).
     """
 
-    def __init__(self, x, volume, mass, mu, lam, *, dx: float, form: str, share: float = INNER_SHARE, tie: float = TIE):
+    def __init__(
+        self, x, volume, mass, mu, lam, *, dx: float, form: str, share: float = INNER_SHARE, tie: float = TIE
+    ):
         """Arrays of one entry per particle in SI units; ``form`` is `Model.stress_form`; others as their defaults."""
         x = np.asarray(x, np.float64)
         self._x, self._form = x, form
