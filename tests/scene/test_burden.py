@@ -28,7 +28,7 @@ def column(tmp_path_factory):
 
 
 def test_a_column_buckles_under_its_weight_as_greenhill_has_it(column):
-    """Greenhill 1881: a column that is clamped at its foot buckles at w L^3 / (E I) = 7.837, w its weight per length."""
+    """Greenhill 1881: a column clamped at its foot buckles at w L^3 / (E I) = 7.837, w its weight per length."""
     area, inertia = 0.2**2, 0.2**4 / 12
     share = RHO * GRAVITY * area / (7.837 * 1e5 * inertia)
     assert measure(column).buckling == pytest.approx(share, rel=0.25)
