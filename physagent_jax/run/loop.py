@@ -59,7 +59,6 @@ from physagent_jax.simulation.recording import RestartCache
 from physagent_jax.simulation.simulate import simulate_scene
 from physagent_jax.simulation.stopwatch import Stopwatch
 
-
 _FARTHER = 1.5  # times the distance from which the object was seen to leave the picture
 
 
