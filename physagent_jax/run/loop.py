@@ -105,7 +105,7 @@ def _widen(attempt: Attempt) -> CameraConfig:
     return camera.model_copy(update={"distance": _FARTHER * camera.distance})
 
 
-def _explain_rest(judgement: Judgement) -> StopReason:
+def explain_rest(judgement: Judgement) -> StopReason:
     """The reason for which an executor leaves a force field as it is."""
     unseen = any(check.passed is None for check in judgement.checks)
     failed = any(check.passed is False for check in judgement.checks)
@@ -388,7 +388,7 @@ class _Loop:
             if rewrite.hold is not None and series.store is self._store:
                 series = self._hold(series, reply, rewrite.hold)
             elif rewrite.force_field == force_field:
-                self._stopped = _explain_rest(judgements[-1])  # another round would only repeat this one
+                self._stopped = explain_rest(judgements[-1])  # another round would only repeat this one
                 break
             force_field = rewrite.force_field
         if self._stopped not in (None, "success", "cap") and series.store is self._store:

@@ -23,7 +23,13 @@ def ground():
 def test_what_is_to_bend_and_falls_over_is_held(ground):
     """With the force field as it is, and a reason."""
     prompt = "push the top of the robot to the left"
-    reply, failed = fail(prompt, ground, displacement=(-0.9, 0, 0), turn=(0, 0, 170.0), stretch=((2.4, 0, 0), (0, 1, 0), (0, 0, 1)))
+    reply, failed = fail(
+        prompt,
+        ground,
+        displacement=(-0.9, 0, 0),
+        turn=(0, 0, 170.0),
+        stretch=((2.4, 0, 0), (0, 1, 0), (0, 0, 1)),
+    )
     assert any(check.aspect == "collateral" for check in failed.judgement.checks if check.passed is False)
     answer = rewrite(prompt, reply, failed, ground)
     assert answer.hold == "base" and answer.force_field == failed.force_field
