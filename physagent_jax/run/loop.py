@@ -68,7 +68,6 @@ from physagent_jax.simulation.recording import Recording, RestartCache
 from physagent_jax.simulation.simulate import simulate_scene
 from physagent_jax.simulation.stopwatch import Stopwatch, stay_aside
 
-
 _FARTHER = 1.5  # times the distance from which the object was seen to leave the picture
 
 

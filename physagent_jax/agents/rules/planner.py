@@ -100,9 +100,11 @@ def _suggest(
     failed.sort(key=lambda check: (find_stage(check.expectation, stages) or 0, check.score))
     unseen = [check for check in checks if check.passed is None]
     doubts = "; ".join(doubt.removesuffix(".") for doubt in unsure)
-    words = [context.expectations[check.expectation].words for check in (*failed[:1], *unseen[:1])]
-    parts = [explain_failure(failed, unseen, words[0] if words else "", motionless=motionless)]
-    parts += [f"Not understood for certain, so no motion can be called a success: {doubts}."] if unsure else []
+    words = [each.words for each in context.expectations]
+    parts = [explain_failure(failed, unseen, words, motionless=motionless)]
+    parts += (
+        [f"Not understood for certain, so no motion can be called a success: {doubts}."] if unsure else []
+    )
     parts += [_describe_failure(c, context.expectations[c.expectation].words, stages) for c in failed]
     if unseen:
         what = "; ".join(dict.fromkeys(f"{check.question} {check.observed}" for check in unseen))

@@ -49,7 +49,9 @@ def list_remedies(case: Case) -> Iterator[Change]:
         return
     if _is_let_fall_first(case):
         field = case.force_field.model_copy(update={"default_drop": False})
-        yield Change(field, "It is let fall from above, and the fall hides the leap: it leaps from the ground.")
+        yield Change(
+            field, "It is let fall from above, and the fall hides the leap: it leaps from the ground."
+        )
     falls = case.expectation.kind is MotionKind.FALL
     stands = case.brief.world == "ground" and _tips_over(case)
     if falls and case.expectation.window[0] < 1 and not case.force_field.default_drop and not stands:
@@ -86,7 +88,7 @@ def _tips_over(case: Case) -> bool:
 
 
 def _is_let_fall_first(case: Case) -> bool:
-    """Return whether what leaps or is thrown up from the ground is lifted and let fall, although no fall comes first."""
+    """Return whether what leaps from the ground is lifted and let fall, although no fall is asked for first."""
     first = min(e.window[0] for e in case.expectations)
     falls_first = any(e.kind is MotionKind.FALL and e.window[0] < first + 1.0 for e in case.expectations)
     thrown = any(is_thrown_up(e, case.expectations, case.brief) for e in case.expectations)

@@ -36,13 +36,17 @@ _BESIDE = 0.9  # of the way along what was asked that it may go across: less tha
 _TOPPLED = 0.7  # [body lengths] that the centre of what tips over goes: half its height and half its breadth
 _TURN_PUSHED = 30.0  # [degrees] that what is deformed, or pushed in empty space, may turn
 _TURN_SLID = 60.0  # [degrees] about the vertical that what is pushed over the ground may turn
-_TURN_TIPPED = 120.0  # [degrees] about a level axis of what stands and is pushed over: a quarter turn, and rocking
+_TURN_TIPPED = (
+    120.0  # [degrees] about a level axis of what stands and is pushed over: a quarter turn, and rocking
+)
 _TURN_TUMBLING = 500.0  # [degrees] of what is hit, dropped, or acted on at one end
 _TURN_HELD = 70.0  # [degrees] that the affine fit of a bent thing may show
 _STRAIN = 0.4  # [1] that a soft thing may deform while it is pushed
 _STRAIN_HIT = 0.6  # [1] the same when it turns, or bends while it is held
 _STRAIN_TUMBLING = 1.0  # [1] the same of what tumbles, whose far side nobody sees from the start
-_UPRIGHT = re.compile(r"\bupright\b|\b(without|not|never)\b.{0,20}\b(fall|tip|toppl|roll)|n't (fall|tip|toppl|roll)")
+_UPRIGHT = re.compile(
+    r"\bupright\b|\b(without|not|never)\b.{0,20}\b(fall|tip|toppl|roll)|n't (fall|tip|toppl|roll)"
+)
 """Words of who asks that it does not fall over."""
 _SIZE = 1.35  # times the diagonal of its box: more is breaking up
 _ZERO = (0.0, 0.0, 0.0)
@@ -103,9 +107,14 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         course = [(t, reject(p, way, 0.0, _TOPPLED)) for t, p in course]
     if view.force_field.default_drop or any(e.kind is MotionKind.FALL for e in asked):
         course = [(t, reject(p, up)) for t, p in course]
-    elif view.gravity:  # it lands and tips: that is judged with half the weight, and what is hit may hop as well
+    elif (
+        view.gravity
+    ):  # it lands and tips: that is judged with half the weight, and what is hit may hop as well
         hops = any(e.sudden for e in asked)
-        course = [(t, subtract(p, scale(up, 0.5 * dot(p, up)) if hops or dot(p, up) < 0 else _ZERO)) for t, p in course]
+        course = [
+            (t, subtract(p, scale(up, 0.5 * dot(p, up)) if hops or dot(p, up) < 0 else _ZERO))
+            for t, p in course
+        ]
     aside = _measure_distances(course, lines)
     name, sigma = "aside" if moves else "away", view.sigma("displacement")
     return _check_lasting(view, name, aside, limit, sigma, longest=longest)
@@ -162,7 +171,9 @@ def _may_tip(view: View, asked: list[ExpectedMotion]) -> bool:
     if view.anchored or not view.grounded or _UPRIGHT.search(view.sentence.lower()):
         return False
     up = view.brief.directions.up
-    return any(e.kind is MotionKind.MOVE and e.direction and abs(dot(e.direction, up)) < _LEVEL for e in asked)
+    return any(
+        e.kind is MotionKind.MOVE and e.direction and abs(dot(e.direction, up)) < _LEVEL for e in asked
+    )
 
 
 def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:

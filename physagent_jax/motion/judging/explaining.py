@@ -21,22 +21,26 @@ _BESIDE = {
 
 
 def explain_failure(
-    failed: Sequence[Check], unseen: Sequence[Check], words: str, *, motionless: bool = False
+    failed: Sequence[Check], unseen: Sequence[Check], words: Sequence[str], *, motionless: bool = False
 ) -> str:
-    """Why a clip is no success, for people; empty where nothing failed and all was seen.
+    """Explain why a clip is no success, for people; empty where nothing failed and all was seen.
+
+    What was asked goes before what happens beside it.
 
     Args:
-        failed: The checks that failed, the one that decides first.
+        failed: The checks that failed, the worst first.
         unseen: The checks that could not be made.
-        words: The sentence's words for what the decisive check is about.
+        words: The sentence's words for each expected motion.
         motionless: Whether nothing is seen to move in the whole clip.
     """
-    asked = f"'{words}'" if words else "the motion"
-    if motionless:
-        return f"Nothing moves, although the sentence asks for {asked}."
-    if failed:
-        return _explain(failed[0], f"'{words}'" if words else "The motion")
+    check = next((each for each in failed if each.aspect not in _BESIDE), None) or next(iter(failed), None)
+    if check is not None:
+        asked = words[check.expectation] and f"'{words[check.expectation]}'"
+        if motionless:
+            return f"Nothing moves, although the sentence asks for {asked or 'a motion'}."
+        return _explain(check, asked or "The motion")
     if unseen:
+        asked = f"'{words[unseen[0].expectation]}'" if words[unseen[0].expectation] else "the motion"
         return f"It cannot be told from the pictures whether {asked} came true."
     return ""
 

@@ -69,7 +69,9 @@ def check_move(asked: Asked) -> list[Check]:
     highest = peak
     if rises and direction is not None:  # it has to come down again, and may land lower
         peak_frame, peak = max(own, key=lambda point: dot(point[1], direction))
-        highest = max(own, key=lambda point: dot(point[1], up))[1]  # what it goes aside after that is its fall
+        highest = max(own, key=lambda point: dot(point[1], up))[
+            1
+        ]  # what it goes aside after that is its fall
     along = norm(peak) if direction is None else dot(peak, direction)
     coasting = 0.0 if direction is None else max(dot(drift, direction), 0.0) * (peak_frame - first)
     seconds, at_end = view.seconds(first, until), asked.end is not None
@@ -147,7 +149,10 @@ def check_fall(asked: Asked) -> list[Check]:
     way = subtract(course[bottom][1], course[top][1])
     moves = [e.direction for e in view.expectations if e.kind is MotionKind.MOVE and e.direction is not None]
     level = [reject(each, down) for each in moves]  # what was thrown that way goes on that way as it falls
-    for other in (*(unit for each in level if norm(each) > 0.3 and (unit := normalise(each))), *view.find_topples()):
+    for other in (
+        *(unit for each in level if norm(each) > 0.3 and (unit := normalise(each))),
+        *view.find_topples(),
+    ):
         way = reject(way, other, low=0.0)
     tolerance = tolerances.expect_fall(view.seconds(first, last))
     checks = []
