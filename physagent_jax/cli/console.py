@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 import time
+import warnings
 from pathlib import Path
 
 from rich.console import Console
@@ -11,6 +13,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.cli import stopping
 from physagent_jax.cli.options import describe_unknown, name_options
+from physagent_jax.core.text import split_reason
 from physagent_jax.motion.schema import Judgement, Verdict
 from physagent_jax.run.observer import Observer
 
@@ -31,6 +34,25 @@ def format_seconds(seconds: float) -> str:
 def warn(message: object) -> None:
     """One line about something that the user should know."""
     stderr.print(f"[yellow]warning:[/] {_escape(message)}")
+
+
+def tell_warnings_plainly() -> None:
+    """Print each warning that nothing caught as one plain line, without file, class and line of code.
+
+    Those of other categories than `UserWarning` are for developers: they are left out, unless Python was asked for them.
+    """
+    if sys.warnoptions:
+        return
+    told: set[str] = set()
+
+    def show(message, category, filename, lineno, file=None, line=None) -> None:
+        del filename, lineno, line
+        text = str(message)
+        if file is None and category is UserWarning and text not in told:
+            told.add(text)
+            warn(name_options(text))
+
+    warnings.showwarning = show
 
 
 def _escape(message: object) -> str:
@@ -155,7 +177,10 @@ class ConsoleObserver(Observer):
                     f"  stage {number}, {stage.verdict.value}: {_escape(f'{stage.words} ({found})')}"
                 )
         if judgement.suggestion:
-            stderr.print(f"  {_escape(judgement.suggestion)}")
+            why, details = split_reason(judgement.suggestion)
+            stderr.print(f"  {_escape(why)}")
+            if details:
+                stderr.print(f"  [dim]{_escape(details)}[/]")
         for note in judgement.notes:
             stderr.print(f"  {_escape(note)}")
 

@@ -97,6 +97,19 @@ def to_spec(options: Mapping[str, Any]) -> RunSpec:
         ) from None
 
 
+def choose_prompt(prompt: str | None, sentence: str | None) -> str | None:
+    """The sentence of ``--prompt``, or the one that stands without an option.
+
+    Raises:
+        UserError: There are both, and they differ.
+    """
+    if prompt is not None and sentence is not None and prompt != sentence:
+        raise UserError(
+            "two sentences are given", got=f"{prompt!r} and {sentence!r}", do="Pass one, by --prompt"
+        )
+    return sentence if prompt is None else prompt
+
+
 def parse_size(text: str) -> tuple[int, int] | None:
     """Width and height of ``--video-size`` [px]; None for "off".
 

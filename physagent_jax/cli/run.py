@@ -13,7 +13,7 @@ from typing import Annotated, Literal
 import tyro
 
 from physagent_jax.cli.console import ConsoleObserver, stderr, warn
-from physagent_jax.cli.options import name_options, read_whole_spec, report_as_options, to_spec
+from physagent_jax.cli.options import choose_prompt, name_options, read_whole_spec, report_as_options, to_spec
 from physagent_jax.scene.config import SignedAxis, SplatEncoding
 from physagent_jax.scene.presets import PresetName
 
@@ -35,6 +35,8 @@ class Run:
     """3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply)."""
     prompt: str | None = None
     """The wanted motion, in everyday English."""
+    sentence: tyro.conf.Positional[str | None] = None
+    """In place of `--prompt`."""
     spec: Path | None = None
     """JSON or YAML that says all of the run, in place of the options that do (`physagent schema run`)."""
     preset: PresetName = PresetName.FAST
@@ -141,7 +143,8 @@ class Run:
         limits = Limits(self.max_minutes, self.max_memory)
         if self.spec is None:
             with report_as_options():
-                run = resolve(to_spec(vars(self)), origin="command line")
+                prompt = choose_prompt(self.prompt, self.sentence)
+                run = resolve(to_spec({**vars(self), "prompt": prompt}), origin="command line")
         else:
             changed = [
                 each.name for each in dataclasses.fields(self) if getattr(self, each.name) != each.default

@@ -26,6 +26,7 @@ from physagent_jax.agents.schema import Rewrite, SemanticReply
 from physagent_jax.agents.trace import AgentError, FailedCall, Reply, Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_skills
+from physagent_jax.forces.naming import name_places
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.schema import AnchorRequest, Judgement, SceneBrief, Verdict
 from physagent_jax.perception.backends import make_backends
@@ -395,7 +396,7 @@ class _Loop:
                 self._leave_out(f"{series.name} {index + 1}", error)  # the rounds before it are worth keeping
                 break
             attempts.append(attempt)
-            series.judged(index, attempt.round.judgement)
+            series.judged(index, _name_in(attempt.round.judgement, attempt.round.force_field))
             if series.store is self._store:
                 best = find_best_round([each.round.judgement for each in attempts])
                 put_best_on_top(self._store, best, save_frames=self._run.spec.save.frames)
@@ -604,3 +605,8 @@ class _Loop:
     def _make_brief(self) -> SceneBrief:
         brief = make_brief(self._template, frames_fixed=self._run.frames_fixed)
         return brief.model_copy(update={"may_be_held": self._run.spec.anchor.kind == "auto"})
+
+
+def _name_in(judgement: Judgement, force_field: ForceField) -> Judgement:
+    """The judgement with the names of actions for people in its suggestion."""
+    return judgement.model_copy(update=dict(suggestion=name_places(judgement.suggestion, force_field)))
