@@ -21,9 +21,9 @@ from physagent_jax.simulation.simulate import simulate_frames
 
 @pytest.fixture(scope="module")
 def pillar(tmp_path_factory):
-    """A jelly pillar, half as wide as high."""
+    """A jelly pillar, wide enough not to buckle under its weight."""
     path = tmp_path_factory.mktemp("pillar") / "jelly.obj"
-    trimesh.creation.box((0.5, 0.5, 1.0)).export(path)
+    trimesh.creation.box((0.75, 0.75, 1.0)).export(path)
     return path
 
 
