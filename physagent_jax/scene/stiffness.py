@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import bsr_matrix, csc_matrix
 from scipy.sparse.linalg import splu
 
-MOST_WORK = 5e10  # components times the square of those in a front, that are factorised in seconds
+MOST_WORK = 2e10  # components times the square of those in a front, that are factorised in seconds
 _LEAST_RELATIVE = 1e-12  # of the mean diagonal, added where nothing else is
 
 
