@@ -242,7 +242,7 @@ def test_a_particle_impulse_is_one_substep_long(per_frame, x64):
     changes = []
     for k in range(8 * per_frame):
         now = term.acceleration(jnp.zeros((4, 3)), jnp.zeros((4, 3)), jnp.ones(4), k * dt, dt)
-        changes.append(np.asarray(now * dt)[0])
+        changes.append(np.asarray(now * dt).mean(0))  # what is struck gets more, the whole as much
     (at,) = np.flatnonzero(np.abs(changes).sum(-1) > 0)
     assert at in (3 * per_frame, 3 * per_frame - 1)  # the clock k dt may be off by round-off
     np.testing.assert_allclose(changes[at], [0, 0, -0.7 * SCALING.impulse], rtol=1e-6)
