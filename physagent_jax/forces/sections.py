@@ -17,12 +17,12 @@ _TINY = float(np.finfo(np.float32).tiny)
 def find_stress_concentration(
     rest: np.ndarray, volume: np.ndarray, axis: Array, extent: float
 ) -> Array | float:
-    """The strain of a `scale` in the weakest section over that in the middle of a uniform bar along the longest side.
+    """The strain of a `scale` in the weakest section over that in the middle of a uniform bar of length L.
 
     A pull grows along the object and is carried by its cross-section: a thin neck with much behind it
     would tear where a bar only stretches. Compared are the pull beyond a section over the section's
-    area, largest over sections across the axis, and L / 2 of the bar. Across a thin side it is less than 1: little pulls
-    there, so that more is needed for as much strain.
+    area, largest over sections across the axis, and L / 2 of the bar. Across a thin side it is less than 1:
+    little pulls there, so that more is needed for as much strain.
 
     Args:
         rest: Rest positions of the pulled particles [m], shape (n, 3).

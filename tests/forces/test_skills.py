@@ -321,7 +321,11 @@ def test_a_thin_neck_stretches_as_much_as_what_is_thick(x64):
     change = motion.find_change(jnp.asarray(x), jnp.zeros_like(jnp.asarray(x)), jnp.asarray(x.mean(0)), 0.0)
     slope = np.asarray(change)[:, 0] / (x[:, 0] - x[:, 0].mean())
     np.testing.assert_allclose(slope, slope[0], rtol=1e-9)
-    np.testing.assert_allclose(slope[0] * np.ptp(x[:, 0]), 2 * SCALING.velocity * np.ptp(x[:, 0]) / np.ptp(x, axis=0).max(), rtol=1e-6)
+    np.testing.assert_allclose(
+        slope[0] * np.ptp(x[:, 0]),
+        2 * SCALING.velocity * np.ptp(x[:, 0]) / np.ptp(x, axis=0).max(),
+        rtol=1e-6,
+    )
     assert np.abs(np.asarray(change)[:, 1:]).max() == 0  # free across
 
 

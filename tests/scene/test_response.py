@@ -69,7 +69,10 @@ def test_nothing_is_measured_where_the_free_path_suffices(body):
     material = Material(youngs_modulus=E, poissons_ratio=0.3, density=RHO)
     setting = Setting(body, material, Anchor(kind="none"), False, False, None, 2.0)
     assert find_responses(setting, field_of("translation", (1, 0, 0), region=None)) == ()
-    assert find_responses(setting, field_of("enforce_particle_translation", (1, 0, 0), group="constraints")) == ()
+    assert (
+        find_responses(setting, field_of("enforce_particle_translation", (1, 0, 0), group="constraints"))
+        == ()
+    )
 
 
 def move(path, setting, matter, field):
@@ -94,7 +97,9 @@ def move(path, setting, matter, field):
         assert np.isfinite(x).all()
         ways.append((x - rest)[mask, 0].mean())
         now = x[mask] - x[mask].mean(0)
-        turns.append(np.degrees(np.arctan2(*(np.cross(arm[:, :2], now[:, :2]).sum(), (arm[:, :2] * now[:, :2]).sum()))))
+        turns.append(
+            np.degrees(np.arctan2(*(np.cross(arm[:, :2], now[:, :2]).sum(), (arm[:, :2] * now[:, :2]).sum())))
+        )
         strains.append(np.linalg.lstsq(arm, now, rcond=None)[0][2, 2] - 1)
     return tuple(max(each, key=abs) for each in (ways, turns, strains))
 

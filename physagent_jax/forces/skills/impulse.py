@@ -6,7 +6,6 @@ from physagent_jax.forces.calibration import TRAVEL
 from physagent_jax.forces.skills.base import Skill
 from physagent_jax.forces.skills.icons import draw_arrow
 
-
 PEAK = 3.0
 """[1] speed of the spot that is struck, over that of the whole: soft matter is dented before it follows."""
 
