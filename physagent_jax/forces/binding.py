@@ -267,7 +267,7 @@ class Binding:
         weighted = moments * volume[:, None]
         # Across has rank 2: the way itself is added, so that the matrix can be inverted.
         axis = xp.concatenate([xp.zeros(1), way])
-        matrix = weighted.T @ moments + volume.sum() * reach**2 * xp.outer(axis, axis)
+        matrix = weighted.T @ moments + volume.sum() * reach**2 * (axis[:, None] * axis)
         matrix = matrix + 1e-9 * xp.trace(matrix) * xp.eye(4)
         excess = excess - moments @ xp.linalg.solve(matrix, weighted.T @ excess)
         return self.leaf(1 + (peak - 1) * excess / xp.maximum(excess.max(), _TINY))

@@ -80,7 +80,7 @@ def _find_sign(one: VelocityConstraint, other: VelocityConstraint, rest: np.ndar
     if one.region is None or other.region is None:
         return None
     height = rest @ way
-    masks = [make_region_mask(each.region, rest) for each in (one, other)]
+    masks = [make_region_mask(region, rest) for region in (one.region, other.region)]
     for sign, (high, low) in ((1.0, masks), (-1.0, masks[::-1])):
         if _is_end(high, height) and _is_end(low, -height):
             return sign

@@ -39,7 +39,8 @@ def field_of(kind, vector, region=TOP, group="actions", **more):
 
 def respond(body, field, *, E=E, rho=RHO, anchor="none", time=2.0):
     material = Material(youngs_modulus=E, poissons_ratio=0.0, density=rho)
-    setting = Setting(body, material, Anchor(kind=anchor, fraction=0.1), False, False, None, time)
+    held = Anchor.model_validate(dict(kind=anchor, fraction=0.1))
+    setting = Setting(body, material, held, False, False, None, time)
     (response,) = find_responses(setting, field)
     return response.k
 
@@ -97,9 +98,8 @@ def move(path, setting, matter, field):
         assert np.isfinite(x).all()
         ways.append((x - rest)[mask, 0].mean())
         now = x[mask] - x[mask].mean(0)
-        turns.append(
-            np.degrees(np.arctan2(*(np.cross(arm[:, :2], now[:, :2]).sum(), (arm[:, :2] * now[:, :2]).sum())))
-        )
+        across = (arm[:, 0] * now[:, 1] - arm[:, 1] * now[:, 0]).sum()
+        turns.append(np.degrees(np.arctan2(across, (arm[:, :2] * now[:, :2]).sum())))
         strains.append(np.linalg.lstsq(arm, now, rcond=None)[0][2, 2] - 1)
     return tuple(max(each, key=abs) for each in (ways, turns, strains))
 
