@@ -353,14 +353,22 @@ class Binding:
     def wring(self, other: Binding, k: float | Array, sign: float) -> list[GradedRotation]:
         """The two ends turn against each other about the vector, what lies between them in proportion.
 
+        The particles of each end turn at the given rate on average.
+
         Args:
             other: The other end.
             k: Of both ends [rad/s].
             sign: 1 if this end lies in the vector's direction, -1 if the other does.
         """
         size, way = self._split()
-        axis, rate = self.leaf(way), self.leaf(sign * 0.5 * k * (size + other._split()[0]))
+        axis = self.leaf(way)
         along = self.leaf(self._rest) @ axis
+        weight = self.leaf(self._volume)
+        reach = [jnp.average(along[end._mask], weights=weight[end._mask]) for end in (self, other)]
+        parting = jnp.abs(reach[0] - reach[1]) / (
+            along.max() - along.min()
+        )  # of the ends' middles, over the length
+        rate = self.leaf(sign * 0.5 * k * (size + other._split()[0])) / parting
         middle = np.average(self._rest.astype(float), axis=0, weights=self._volume)
         ends = (other, self) if sign > 0 else (self, other)
         offset = self.leaf(np.stack([end.centre - middle for end in ends]))
