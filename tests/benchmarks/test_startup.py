@@ -63,7 +63,11 @@ def test_the_tables_show_each_run_and_what_is_left_of_it():
 
 
 def clip(case, seconds, **changes):
-    stages = dict.fromkeys(clips.STAGES, 0.0) | {"start": 2.0, "draw": 3.0, "simulate": (seconds or 5.0) - 5.0}
+    stages = dict.fromkeys(clips.STAGES, 0.0) | {
+        "start": 2.0,
+        "draw": 3.0,
+        "simulate": (seconds or 5.0) - 5.0,
+    }
     known = {"particles": 20000, "frames": 50, "stages": stages, "code": 0}
     return {"case": case, "sentence": "push it", "seconds": seconds, **known, **changes}
 
