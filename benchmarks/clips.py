@@ -93,7 +93,7 @@ def time_clip(job: Sequence[str], out: Path, place: Path) -> Row:
 
 
 def split_stages(seconds: float, manifest: Manifest) -> dict[str, float]:
-    """Where the seconds until the clip went; "start" is Python's and that of its packages."""
+    """Seconds of each of `STAGES` until the clip was there; "start" is that of Python with its packages."""
     first = manifest.first_clip
     assert first is not None
     stages = {name: value for name, value in first.stages.model_dump().items() if name in STAGES}

@@ -75,8 +75,8 @@ def clip(case, seconds, **changes):
 def test_the_seconds_until_a_clip_are_those_of_its_stages():
     stages = Stages(prepare=1.0, compile=2.0, simulate=10.0, render=1.5, agents=0.5)
     first = FirstClip(seconds=18.0, draw=2.5, stages=stages)
-    told = dict(command="", prompt="", versions={}, platform="", seed=0, inputs={})
-    found = clips.split_stages(20.0, Manifest(first_clip=first, **told))
+    manifest = Manifest(command="", prompt="", versions={}, platform="", seed=0, inputs={}, first_clip=first)
+    found = clips.split_stages(20.0, manifest)
     assert found["start"] == 2.0 and found["draw"] == 2.5 and found["rest"] == pytest.approx(0.5)
     assert sum(found.values()) == pytest.approx(20.0)
 
