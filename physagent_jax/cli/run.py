@@ -132,7 +132,6 @@ class Run:
     def __call__(self) -> int:
         """Run the command; return the exit code."""
         # Imported here, so that --help does not wait for JAX.
-        from physagent_jax.report.html import write_report
         from physagent_jax.run.chosen_agents import open_agents
         from physagent_jax.run.loop import run_loop
         from physagent_jax.run.resolve import resolve
@@ -167,6 +166,8 @@ class Run:
                 )
         finally:
             observer.close()
+        from physagent_jax.report.html import write_report  # nobody waits for it before the clip is there
+
         report = write_report(store.path)
         for text in store.manifest.warnings:
             if text not in run.warnings and text not in observer.told:

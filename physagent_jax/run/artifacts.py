@@ -150,13 +150,11 @@ def write_best(
 
     A round without a video for people gets one, from its motion file.
     """
-    draws = video_size is not None and not (store.round_folder(index) / VIDEO).is_file()
-    if draws or save_splats:
+    missing = None if (store.round_folder(index) / VIDEO).is_file() else video_size
+    if missing is not None or save_splats:
         motion = read_motion(store.round_folder(index) / "motion.npz")
-        if draws:
-            write_presentation(
-                store, config, body, motion.x, motion.F, video_size, folder=f"iterations/{index}"
-            )
+        if missing is not None:
+            write_presentation(store, config, body, motion.x, motion.F, missing, folder=f"iterations/{index}")
         if save_splats:
             write_splats(store, config, body, motion.x, motion.F, save_splats)
     put_best_on_top(store, index, save_frames=save_frames)

@@ -584,8 +584,7 @@ class _Loop:
     def save_costs(self, **changes) -> None:
         """Write what the run has cost so far into the manifest, with ``changes`` to it."""
         costs = dict(stages=Stages(**self._watch.seconds()), agents=tuple(self._calls.costs.values()))
-        costs["first_clip"] = self._first_clip
-        self._store.update(**costs, reused_frames=self._reused, **changes)
+        self._store.update(**costs, first_clip=self._first_clip, reused_frames=self._reused, **changes)
 
     def _make_segment_prompt(self, camera: Camera) -> SegmentPrompt | None:
         """The prompt that marks the object in the pictures of ``camera``; None if the spec gives none."""
