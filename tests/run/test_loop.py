@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import os
+import warnings
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from physagent_jax.output.video import read_video
 from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.backends.colour import ColorSegmenter
 from physagent_jax.report.html import write_report
+from physagent_jax.run import loop
 from physagent_jax.run.manifest import Manifest
 from physagent_jax.run.observer import Observer
 from physagent_jax.simulation.record import SimulationRecord
@@ -325,6 +327,23 @@ def test_a_prompt_for_a_segmenter_that_takes_none_is_refused_before_the_run_begi
     with pytest.raises(UserError, match="means nothing to this segmenter .got RgbdSegmenter."):
         made(prompted(robot_path, {"points": [[0.5, 0.5]]}), tmp_path / "run", scripted([1.0]))
     assert not (tmp_path / "run" / "manifest.json").exists()
+
+
+def test_a_warning_of_any_stage_is_told_and_noted(robot_path, tmp_path, monkeypatch):
+    """Not only those of the making of a scene: here the simulation warns."""
+    simulate, told = loop.simulate_scene, []
+
+    def warn(*given, **options):
+        warnings.warn("the matter is stirred", stacklevel=2)
+        return simulate(*given, **options)
+
+    class Watch(Observer):
+        def warned(self, text):
+            told.append(text)
+
+    monkeypatch.setattr(loop, "simulate_scene", warn)
+    store = made(small(robot_path, rounds=1), tmp_path / "run", scripted([1.0]), observer=Watch())
+    assert told.count("the matter is stirred") == 1 and "the matter is stirred" in store.manifest.warnings
 
 
 def test_a_loose_piece_is_told_before_anything_is_simulated(tmp_path):
