@@ -166,8 +166,8 @@ class Binding:
 
     @property
     def opposition(self) -> Opposition | None:
-        """The opposition that is made up for; None for a part, which moves against the rest of the object."""
-        return self.scaling.opposition if self.whole else None
+        """The opposition that is made up for; None for a part that moves against the rest of the object."""
+        return self.scaling.opposition if self.whole or self.scaling.share is not None else None
 
     @property
     def directed(self) -> tuple[Array, Array]:
@@ -203,7 +203,7 @@ class Binding:
         if opposition is None or not opposition.friction:
             return []
         size, way = self._split()
-        push, start = self.leaf(k * size), self.leaf(np.zeros(()) if before is None else before)
+        push, start = self.leaf(k * self.share * size), self.leaf(np.zeros(()) if before is None else before)
         friction = self.leaf(find_friction(opposition, way))
         lever = self.leaf(0.0 if self._turned else opposition.lever)
         drag = self.leaf(opposition.damping_rate)
@@ -217,10 +217,15 @@ class Binding:
         if opposition is None or not opposition.turning:
             return []
         size, way = self._split()
-        friction, turn = self.leaf(find_rubbing(opposition, way)), self.leaf(k * size)
+        friction, turn = self.leaf(find_rubbing(opposition, way)), self.leaf(k * self.share * size)
         return [
             TurnCompensation(self.leaf(way), friction, turn, self.leaf(opposition.damping_rate), *self.window)
         ]
+
+    @property
+    def share(self) -> float:
+        """Share of the entry's acceleration that the whole object gains."""
+        return 1.0 if self.scaling.share is None else self.scaling.share
 
     def _split(self) -> tuple[Array, Array]:
         """abs(M), and the vector with its sign."""

@@ -60,8 +60,10 @@ EXPECTED_HELD_SHIFT = 0.17
 """[L] by which the centre of something held moves when it is pushed."""
 
 HELD_RANGE = 8.0
-"""[1] how many times more or less than 2 L / `HELD_TIME`^2 a push of something held may be: what is stiffer is not bent
-visibly, what is softer is not blown away."""
+"""[1] how many times less than 2 L / `HELD_TIME`^2 a push of something held may be: what is soft is not blown away."""
+
+HELD_MOST = 100.0
+"""[1] how many times more it may be: what is stiffer is not bent visibly."""
 
 EXPECTED_HELD_TURN = 25.0
 """[degrees] by which something held turns: it twists and springs back."""
@@ -80,7 +82,7 @@ PART_BEND = 0.8
 PART_TURN = 45.0
 """[degrees] by which a part, or what is held, is turned."""
 
-PART_STRAIN = 0.18
+PART_STRAIN = 0.16
 """[1] linear strain of a part, or of what is held."""
 
 # --- where the object will be (`scene.fuse`) --------------------------------------------------------------------------

@@ -19,4 +19,9 @@ def scale_entry(scaling: SkillScaling, entry: Action | VelocityConstraint) -> Sk
     response = find_response(scaling, entry)
     if response is None:
         return scaling
-    return scaling.model_copy(update={response.quantity: response.k, "holding": None, "measured": True})
+    changes = {response.quantity: response.k, "holding": None, "measured": True, "share": response.share}
+    if response.share is not None and scaling.opposition is not None:
+        opposition = scaling.opposition  # a part bears the weight of the whole
+        more = {name: getattr(opposition, name) / response.share for name in ("weight", "tipping")}
+        changes["opposition"] = opposition.model_copy(update=more)
+    return scaling.model_copy(update=changes)

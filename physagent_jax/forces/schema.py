@@ -210,6 +210,8 @@ class Response(Strict):
         region: Region of the entries that it holds for; None = the whole.
         vector: Their direction or axis.
         k: The skill's k.
+        share: Share of its acceleration that the whole gains, where it is too stiff to bend and the whole is led; None =
+            it bends.
         note: What M = 1 cannot show, for people; empty where it shows.
     """
 
@@ -217,12 +219,13 @@ class Response(Strict):
     region: Region | None = None
     vector: Direction
     k: Positive
+    share: Positive | None = None
     note: str = ""
 
     @property
     def key(self) -> str:
         """Everything that entries are told by."""
-        return self.model_dump_json(exclude={"k", "note"})
+        return self.model_dump_json(exclude={"k", "share", "note"})
 
 
 class SkillScaling(Strict):
@@ -243,6 +246,7 @@ class SkillScaling(Strict):
         holding: How far it gives way where it is held, which pushes and blows of either kind go by; None = not known.
         responses: The same for entries on parts, and for turns and stretches of what is held (`scale_entry`).
         measured: Whether these numbers are those of one entry, as a probe measured them.
+        share: As `Response.share`, of that entry.
         reason: How they were found.
     """
 
@@ -258,6 +262,7 @@ class SkillScaling(Strict):
     holding: Holding | None = None
     responses: tuple[Response, ...] = ()
     measured: bool = False
+    share: Positive | None = None
     reason: str = ""
 
 

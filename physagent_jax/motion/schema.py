@@ -61,6 +61,7 @@ class SceneBrief(Strict):
         object_kind: Class with a physical prior: "plant", "food", "jelly", "robot", "instrument", "animal", "object".
         object_nouns: Nouns that may name it beside its name: those of its kind, or of all kinds if that is unknown.
         anchored: What is held fixed, in words; None if the object is free.
+        may_be_held: Whether a later round may hold what is free: the user has not chosen.
         frame_count: Number of frames of the clip.
         frames_fixed: Whether the user fixed that number; else the semantic agent may ask for another
             (`SemanticReply.frame_count`).
@@ -76,6 +77,7 @@ class SceneBrief(Strict):
     object_kind: str = "object"
     object_nouns: tuple[str, ...] = ()
     anchored: str | None = None
+    may_be_held: bool = False
     frame_count: int = Field(ge=1, le=10_000)
     frames_fixed: bool = False
     frame_dt: float = Field(ge=1e-6, le=100)

@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NoReturn
+from typing import Literal, NoReturn
 
 from physagent_jax.agents.context import AgentContext, Observation, Round
 from physagent_jax.agents.progress import find_best_round, has_stalled
@@ -28,7 +28,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.naming import name_places
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.motion.schema import Judgement, SceneBrief, Verdict
+from physagent_jax.motion.schema import AnchorRequest, Judgement, SceneBrief, Verdict
 from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.measure import perceive
 from physagent_jax.perception.protocols import PerceptionBackends, SegmentPrompt
@@ -115,7 +115,7 @@ def _widen(attempt: Attempt) -> CameraConfig:
     return camera.model_copy(update={"distance": _FARTHER * camera.distance})
 
 
-def _explain_rest(judgement: Judgement) -> StopReason:
+def explain_rest(judgement: Judgement) -> StopReason:
     """The reason for which an executor leaves a force field as it is."""
     unseen = any(check.passed is None for check in judgement.checks)
     failed = any(check.passed is False for check in judgement.checks)
@@ -409,12 +409,21 @@ class _Loop:
             # The camera stays, so that the rounds' pictures can be compared, as long as it shows what will happen.
             series = dataclasses.replace(series, camera=_widen(attempt))
             rewrite = self.rewrite(series, index, context, attempt.round)
-            if rewrite.force_field == force_field:
-                self._stopped = _explain_rest(judgements[-1])  # another round would only repeat this one
+            if rewrite.hold is not None and series.store is self._store:
+                series = self._hold(series, reply, rewrite.hold)
+            elif rewrite.force_field == force_field:
+                self._stopped = explain_rest(judgements[-1])  # another round would only repeat this one
                 break
             force_field = rewrite.force_field
         if self._stopped not in (None, "success", "cap") and series.store is self._store:
             self.observer.ended(STOP_REASONS[self._stopped])
+
+    def _hold(self, series: _Series, reply: SemanticReply, place: Literal["base"]) -> _Series:
+        """The same rounds with the object held from now on."""
+        held = reply.model_copy(update={"anchor": AnchorRequest(kind=place)})
+        self._template, _ = self._run.place(series.body, held)
+        self._restart_cache = None
+        return dataclasses.replace(series, template=self._template)
 
     def _leave_out(self, name: str, error: UserError) -> None:
         """Note a round that could not be simulated."""
@@ -595,7 +604,8 @@ class _Loop:
         return AgentContext(self._run.spec.prompt, self._make_brief(), self._skills, reading, tuple(rounds))
 
     def _make_brief(self) -> SceneBrief:
-        return make_brief(self._template, frames_fixed=self._run.frames_fixed)
+        brief = make_brief(self._template, frames_fixed=self._run.frames_fixed)
+        return brief.model_copy(update={"may_be_held": self._run.spec.anchor.kind == "auto"})
 
 
 def _name_in(judgement: Judgement, force_field: ForceField) -> Judgement:

@@ -26,10 +26,11 @@ from physagent_jax.scene.body import Body
 from physagent_jax.scene.config import Anchor, Material
 from physagent_jax.scene.elasticity import GridElasticity
 
-MOST_PARTICLES = 8000
+MOST_PARTICLES = 12_000
 MOST_CELLS = 600  # that are full; the probe's grid is no finer than the simulation's
 STRAINED = 98  # [%] of the particles have less than the strain that counts
 _SHARE = 1e-3  # of the residual that is left
+_TIE = 2e-4  # in place of `elasticity.TIE`: the simulation has none, and it would prop up what is thin
 _STEPS = 48  # in which b is found
 _SETTLED, _DIGITS = 6, 0.02  # steps in which it grows by so small a share of itself
 _UNIT = 1e5  # Young's modulus [Pa] for which it is measured
@@ -66,7 +67,9 @@ def find_burden(body: Body, material: Material, anchor: Anchor, *, ground: float
     return found.scaled(_UNIT / material.youngs_modulus)
 
 
-def measure_burden(body: Body, material: Material, anchor: Anchor, *, ground: float | None, dx: float) -> Burden:
+def measure_burden(
+    body: Body, material: Material, anchor: Anchor, *, ground: float | None, dx: float
+) -> Burden:
     """The burden of a body that hangs on its anchor, or stands on the ground.
 
     Args:
@@ -88,7 +91,7 @@ def measure_burden(body: Body, material: Material, anchor: Anchor, *, ground: fl
     E, nu = material.youngs_modulus, material.poissons_ratio
     mu, lam = (np.full(len(x), each) for each in (E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))))
     mass = material.density * volume
-    grid = GridElasticity(x, volume, mass, mu, lam, dx=dx, form="mls", share=_SHARE)
+    grid = GridElasticity(x, volume, mass, mu, lam, dx=dx, form="mls", share=_SHARE, tie=_TIE)
     held = select_anchored(
         anchor, particles.x, particles.gaussian_index, ".", gaussian_count=body.cloud.count
     )[::every]

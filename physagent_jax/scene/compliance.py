@@ -11,7 +11,6 @@ import numpy as np
 
 from physagent_jax.core.recent import Recent
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces import calibration
 from physagent_jax.scene.anchor import select_anchored
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.config import Anchor, Material

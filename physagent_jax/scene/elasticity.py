@@ -40,8 +40,10 @@ class GridElasticity:
         light: Nodes that carry nothing, shape (m,).
     """
 
-    def __init__(self, x, volume, mass, mu, lam, *, dx: float, form: str, share: float = INNER_SHARE):
-        """Arrays of one entry per particle in SI units; ``form`` is `Model.stress_form`; ``share`` as `INNER_SHARE`."""
+    def __init__(
+        self, x, volume, mass, mu, lam, *, dx: float, form: str, share: float = INNER_SHARE, tie: float = TIE
+    ):
+        """Arrays of one entry per particle in SI units; ``form`` is `Model.stress_form`; others as their defaults."""
         x = np.asarray(x, np.float64)
         self._x, self._form = x, form
         self._volume, self._mu, self._lam = (np.asarray(each, np.float64) for each in (volume, mu, lam))
@@ -64,7 +66,7 @@ class GridElasticity:
         self._particle_mass = np.asarray(mass, np.float64)
         self.mass = self.spread @ self._particle_mass
         self.light = self.mass < LEAST_MASS * self.mass.mean()
-        self._tie = TIE * self._volume * (self._lam + 2 * self._mu) * 4 / dx**2
+        self._tie = tie * self._volume * (self._lam + 2 * self._mu) * 4 / dx**2
         self._tied = (self.spread @ self._tie)[:, None]
         self._slope_stiffness = 0.25 * dx**2 * np.repeat(self._tie, 3)[:, None]
         self._diagonal = self._find_diagonal()

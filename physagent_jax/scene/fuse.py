@@ -242,7 +242,7 @@ def find_holding(template: SceneTemplate, body: Body) -> Holding | None:
         compliance=compliance,
         shift=calibration.EXPECTED_HELD_SHIFT * body.extent,
         least=k / calibration.HELD_RANGE,
-        most=k * calibration.HELD_RANGE,
+        most=k * calibration.HELD_MOST,
     )
 
 

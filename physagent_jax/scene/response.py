@@ -9,8 +9,8 @@ the vector, turn about it, strain along it), and A the rate at which a rigid obj
     blow:              k = s / (A T + min(sqrt(u), T))
     stretch:           k = s / u
 
-What stands does not follow as a rigid object until friction or its foot give way, and is not tipped over where less is
-seen too. Weight makes what leans softer. No k strains more than a twentieth of the object, or of the part, beyond
+What stands is pushed and turned by less than slides or tips it where that bends it visibly; where it is too stiff, the
+whole is led as if it were pushed itself, with friction made up for. Weight makes what leans softer. No k strains more than a twentieth of the object, or of the part, beyond
 `MOST_STRAIN`.
 """
 
@@ -39,12 +39,14 @@ SHARE = 0.03  # of the residual that is left
 ROUNDS = 400  # of conjugate gradients
 TOUCHING = 1.5  # cells above the lowest nodes that the ground holds
 MOST_STRAIN = 0.5  # [1] that a twentieth of the object exceeds: matter beyond it looks torn
-MOST_STRETCH = 0.3  # [1] the same of a stretch, which grows faster than linearly and carries no bending
-SAFE = 0.8  # of the push that tips it, with which it stays upright
+MOST_STRETCH = 0.25  # [1] the same of a stretch, which grows faster than linearly and carries no bending
+SAFE = 0.5  # of what slides or tips it, with which it stays where it is
+SOFTENS = 2.0  # how much farther it leans than linear elasticity says, close to tipping over
 SEEN = 0.5  # of what M = 1 is to show, which is as good
+ROCKS = 0.85  # of the blow that topples it
 LEAST_LEFT = 0.25  # of the stiffness that weight leaves to what leans
 WEIGHED = 24  # sections in which the weight above is counted
-LARGEST = 2000.0  # [m/s^2], [rad/s^2]: beyond it steps get shorter than those of sound
+LARGEST = 1e8  # [m/s^2], [rad/s^2]: what single precision can compute with
 FAINT = 1 / 3  # of what M = 1 is to show: less is not seen, and said
 
 Entry = Action | VelocityConstraint
@@ -119,9 +121,16 @@ def _find_response(setting: Setting, entry: Entry, quantity: str) -> Response | 
     if measured is None:
         return None
     target = _TARGETS[quantity](setting, entry)
-    k = _find_k(setting, measured, quantity, target)
-    if setting.stands and quantity in ("translation", "impulse"):
-        k = _keep_upright(setting, entry, measured, quantity, k, target)
+    if setting.stands and measured.rigid and quantity != "impulse":
+        k = min(_find_bending_k(measured, target, setting.time), SAFE * _find_stable_k(setting, entry, measured))
+        shown = k * measured.answer * _find_swing(max(measured.answer, 1e-12), setting.time)
+        if shown < SEEN * target:  # too stiff to bend before it slides or tips: it is led as a whole is
+            k = 2 * target / (measured.rigid * setting.time**2)
+            return _make_response(entry, quantity, k, share=measured.rigid)
+    else:
+        k = _find_k(setting, measured, quantity, target)
+    if setting.stands and quantity == "impulse":
+        k = min(k, _find_toppling_blow(setting, entry))
     load = 1.0  # a blow strains as the steady push of its swing does
     if quantity == "impulse":
         load = 1 / math.sqrt(max(measured.answer, 1e-12))
@@ -132,7 +141,17 @@ def _find_response(setting: Setting, entry: Entry, quantity: str) -> Response | 
         if most < FAINT * k:
             note = f"it shows about {100 * most / k:.2g} % of what a magnitude of 1 is to show"
         k = most
-    return Response(quantity=quantity, region=entry.region, vector=entry.vector, k=k, note=note)
+    return _make_response(entry, quantity, k, note=note)
+
+
+def _make_response(entry: Entry, quantity: str, k: float, **more) -> Response:
+    return Response.model_validate(dict(quantity=quantity, region=entry.region, vector=entry.vector, k=k, **more))
+
+
+def _find_bending_k(measured: Measured, target: float, time: float) -> float:
+    """The k of a sudden push or turn that bends it as far as the target."""
+    answer = max(measured.answer, 1e-12)
+    return target / (_find_swing(answer, time) * answer)
 
 
 def _find_k(setting: Setting, measured: Measured, quantity: str, target: float) -> float:
@@ -143,16 +162,12 @@ def _find_k(setting: Setting, measured: Measured, quantity: str, target: float) 
         return target / answer
     if quantity == "impulse":
         swing = min(math.sqrt(answer), time)
-        if not rigid or math.isinf(resisting):
+        if not rigid:
             return target / swing
         if not resisting:
             return target / (swing + rigid * time)
         return (math.sqrt(swing**2 + 2 * target * rigid**2 / resisting) - swing) * resisting / rigid**2
-    bent = target / (_find_swing(answer, time) * answer)
-    if not rigid or math.isinf(resisting):
-        return bent
-    reach = 0.5 * time**2
-    return min(bent, (target + resisting * reach) / (_find_swing(answer, time) * answer + rigid * reach))
+    return target / (_find_swing(answer, time) * answer + 0.5 * rigid * time**2)
 
 
 def _find_swing(answer: float, time: float) -> float:
@@ -160,32 +175,40 @@ def _find_swing(answer: float, time: float) -> float:
     return min(OVERSHOOT, 1 - math.cos(min(time / math.sqrt(answer), math.pi)))
 
 
-def _keep_upright(
-    setting: Setting, entry: Entry, measured: Measured, quantity: str, k: float, target: float
-) -> float:
-    """The k that does not tip over what stands, if it is seen; otherwise one that tips it, if that is less."""
+def _find_stable_k(setting: Setting, entry: Entry, measured: Measured) -> float:
+    """The k at which what stands slides, turns or tips over."""
+    opposition, vector = setting.opposition, np.asarray(entry.vector, float)
+    slides = measured.resisting / measured.rigid
+    flat = math.sqrt(max(1 - vector[2] ** 2, 0.0))
+    turns = get_skill(entry).is_axis
+    if opposition is None or not opposition.lever or flat < 0.5 or not opposition.tipping or turns:
+        return slides
+    mask, mass, arm = _select(setting, entry)
+    x, whole = setting.body.particles.x, arm - np.average(arm, axis=0, weights=mass)
+    spread = float(np.average((whole**2).sum(1) - 0.5 * (whole[:, :2] ** 2).sum(1), weights=mass))
+    righting = opposition.tipping * spread  # g times how far inside its foot the mass centre is
+    high = float(np.average(x[mask, 2], weights=mass[mask]) - x[:, 2].min())
+    moment = high * measured.rigid * flat
+    leaning = SOFTENS * calibration.GRAVITY * _find_swing(max(measured.answer, 1e-12), setting.time) * measured.shift
+    return min(slides, righting / max(moment + leaning, 1e-12))
+
+
+def _find_toppling_blow(setting: Setting, entry: Entry) -> float:
+    """The blow that rocks what stands and does not topple it: its energy lifts the mass centre nearly over the edge."""
     opposition, vector = setting.opposition, np.asarray(entry.vector, float)
     flat = math.sqrt(max(1 - vector[2] ** 2, 0.0))
     if opposition is None or not opposition.lever or flat < 0.5 or not opposition.tipping:
-        return k
+        return math.inf
     mask, mass, arm = _select(setting, entry)
-    x = setting.body.particles.x
-    spread = float(np.average((arm**2).sum(1) - 0.5 * (arm[:, :2] ** 2).sum(1), weights=mass))
-    righting = opposition.tipping * spread  # g times how far inside its foot the mass centre is
+    x, whole = setting.body.particles.x, arm - np.average(arm, axis=0, weights=mass)
+    spread = float(np.average((whole**2).sum(1) - 0.5 * (whole[:, :2] ** 2).sum(1), weights=mass))
+    inside = opposition.tipping * spread / calibration.GRAVITY  # how far from the edge of its foot the mass centre is
     high = float(np.average(x[mask, 2], weights=mass[mask]) - x[:, 2].min())
-    moment = high * float(mass[mask].sum() / mass.sum()) * flat
-    answer, g = max(measured.answer, 1e-12), calibration.GRAVITY
-    swing = _find_swing(answer, setting.time)
-    if quantity == "impulse":  # the energy that lifts its centre over the edge of its foot
-        spin = moment / max(spread + opposition.lever**2, 1e-12)
-        tips = math.sqrt(righting * righting / (g * max(opposition.lever, 1e-9)) / (spread + opposition.lever**2)) / spin
-        shows = math.sqrt(answer)
-    else:
-        tips = righting / (moment + g * swing * measured.shift)
-        shows = swing * answer
-    if SAFE * tips * shows >= SEEN * target:
-        return min(k, SAFE * tips)
-    return min(k, 1.2 * tips + 2 * target / setting.time**2)
+    about_edge = spread + opposition.lever**2 + inside**2
+    rise = math.hypot(opposition.lever, inside) - opposition.lever
+    spin = math.sqrt(2 * calibration.GRAVITY * rise / about_edge)
+    share = float(mass[mask].sum() / mass.sum())
+    return ROCKS * spin * about_edge / max(share * high * flat, 1e-9)
 
 
 def _measure(setting: Setting, entry: Entry, quantity: str) -> Measured | None:

@@ -55,7 +55,7 @@ def make_stand(
 
 
 def find_bearing_modulus(template: SceneTemplate, body: Body) -> float:
-    """Least Young's modulus [Pa] that bears the object's weight within `MOST_STRAIN` and `MOST_BUCKLING`, two digits."""
+    """Least Young's modulus [Pa] that bears the weight within `MOST_STRAIN` and `MOST_BUCKLING`, to two digits."""
     burden = find_own_burden(template, body)
     share = max(burden.strain / MOST_STRAIN, burden.buckling / MOST_BUCKLING)
     least = max(share * template.material.youngs_modulus, 1e-12)
@@ -81,7 +81,9 @@ def _stiffen(template: SceneTemplate, youngs_modulus: float) -> SceneTemplate:
 def _take_weight(template: SceneTemplate) -> SceneTemplate:
     """The template without gravity; what is free then floats over no ground."""
     ground = template.world.ground and template.anchor.kind != "none"
-    return dataclasses.replace(template, world=dataclasses.replace(template.world, gravity="none", ground=ground))
+    return dataclasses.replace(
+        template, world=dataclasses.replace(template.world, gravity="none", ground=ground)
+    )
 
 
 def _explain_collapse(template: SceneTemplate, needed: float, *, chosen: bool, falls: bool) -> str:

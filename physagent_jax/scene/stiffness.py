@@ -24,8 +24,10 @@ def assemble(inverse, weight, reach, mu, lam, tie, slope, tied) -> bsr_matrix:
         inverse: Nodes under each particle, shape (n, s).
         weight: Interpolation weights, shape (n, s).
         reach: Gradients g_ip [1/m], shape (n, s, 3).
-        mu, lam: Lame parameters times volume [J], shape (n,).
-        tie, slope: Stiffness of the tie [N/m] and against its slope [J], shape (n,).
+        mu: Shear modulus times volume [J], shape (n,).
+        lam: First Lame parameter times volume [J], shape (n,).
+        tie: Stiffness of the tie [N/m], shape (n,).
+        slope: Its stiffness against the slope of each particle [J], shape (n,).
         tied: Sum of the ties at the nodes [N/m], shape (m,).
     """
     count, size = inverse.shape
@@ -61,9 +63,7 @@ def factorise(matrix: bsr_matrix, free: np.ndarray) -> Callable[[np.ndarray], np
     index = np.flatnonzero(free.ravel())
     part = csc_matrix(matrix.tocsr()[index][:, index])
     part.setdiag(part.diagonal() + _LEAST_RELATIVE * part.diagonal().mean())
-    factors = splu(
-        part, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=dict(SymmetricMode=True)
-    )
+    factors = splu(part, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=dict(SymmetricMode=True))
 
     def solve(force: np.ndarray) -> np.ndarray:
         u = np.zeros(free.size)

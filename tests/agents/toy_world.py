@@ -92,7 +92,7 @@ class ToyWorld:
         return find_strokes(field, values, scaling, 1.0 / (count - 1))
 
     def _list_effects(self, field: ForceField, strokes):
-        """What each action does from its first frame until its last: (first, last, what, amount at a frame).
+        """The effect of each action from its first frame until its last: (first, last, what, amount at a frame).
 
         Accelerations, angular accelerations [degrees], strain diagonals and prescribed velocities.
         """
@@ -103,7 +103,7 @@ class ToyWorld:
         return effects
 
     def _find_effect(self, item, first: float, last: float, stroke):
-        """What one action changes, and by how much at a frame at which it acts."""
+        """The effect of one action: its name, and a function of the frame that gives its amount."""
         frames = self.scene.frame_count - 1
         effort = item.gain * item.magnitude
         vector = scale(item.vector, self.gain * effort)

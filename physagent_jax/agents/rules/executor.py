@@ -9,6 +9,7 @@ from physagent_jax.agents.hard_rules import Repair, apply_hard_rules
 from physagent_jax.agents.progress import Rating, rate
 from physagent_jax.agents.protocols import ExecutorAgent
 from physagent_jax.agents.rules.edits import Case, Change
+from physagent_jax.agents.rules.holding import should_hold
 from physagent_jax.agents.rules.remedies import list_remedies
 from physagent_jax.agents.rules.sparing import find_kept
 from physagent_jax.agents.schema import Rewrite
@@ -35,8 +36,12 @@ class RuleExecutor(ExecutorAgent):
         It goes out from the round that came nearest: a change that made things worse is dropped. The mildest remedies
         come first; if they lead to a force field that was tried before, the next ones are taken, and then those of the
         round that came second. If none is left, or nothing that was measured failed in a round that came nearer, the
-        last field is returned unchanged and ``changes`` says so.
+        last field is returned unchanged and ``changes`` says so. What goes over as a whole where it should change its
+        shape is held first, with its force field as it is.
         """
+        if should_hold(context, failed):
+            why = "It goes over as a whole where it should change its shape: it is held at its base, with the same forces."
+            return Reply(Rewrite(force_field=failed.force_field, hold="base", changes=(why,)))
         rounds = [*context.rounds, failed]
         tried = [each.force_field for each in rounds]
         limits: list[str] = []

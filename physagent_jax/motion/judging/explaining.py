@@ -25,7 +25,7 @@ def explain_failure(
 ) -> str:
     """Explain why a clip is no success, for people; empty where nothing failed and all was seen.
 
-    What was asked goes before what happens beside it.
+    What was asked goes before what happens beside it, and its direction before its amount.
 
     Args:
         failed: The checks that failed, the worst first.
@@ -33,7 +33,8 @@ def explain_failure(
         words: The sentence's words for each expected motion.
         motionless: Whether nothing is seen to move in the whole clip.
     """
-    check = next((each for each in failed if each.aspect not in _BESIDE), None) or next(iter(failed), None)
+    own = [each for each in failed if each.aspect not in _BESIDE] or failed
+    check = next((each for each in own if each.aspect == "direction"), None) or next(iter(own), None)
     if check is not None:
         asked = words[check.expectation] and f"'{words[check.expectation]}'"
         if motionless:

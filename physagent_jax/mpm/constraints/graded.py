@@ -120,7 +120,7 @@ class GradedRotation(_Graded):
         """The change of the components across the axis."""
         del time
         arm = nodes - centre
-        share = jnp.clip(arm @ self.axis / (0.5 * self.length), -1.0, 1.0)[..., None]
+        share = (arm @ self.axis / (0.5 * self.length))[..., None]
         middle = 0.5 * (1 - share) * self.offset[0] + 0.5 * (1 + share) * self.offset[1]
         wanted = self.rate * share * cross(jnp.broadcast_to(self.axis, arm.shape), arm - middle)
         change = wanted - velocity

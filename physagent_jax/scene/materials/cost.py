@@ -6,7 +6,6 @@ import math
 
 from physagent_jax.scene.config.material import ELASTIC_MODELS, Material, MaterialModel
 
-
 AFFORDABLE_RATE = 5000.0  # substeps of a second of the clip that a stiffness which nobody has chosen may take
 
 
