@@ -23,7 +23,7 @@ from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.backends.colour import ColorSegmenter
 from physagent_jax.report.html import write_report
 from physagent_jax.run import loop
-from physagent_jax.run.manifest import Manifest
+from physagent_jax.run.manifest import STOP_REASONS, Manifest
 from physagent_jax.run.observer import Observer
 from physagent_jax.simulation.record import SimulationRecord
 from tests.run.specs import made, small, with_rules
@@ -137,7 +137,7 @@ def test_without_hard_links_a_file_is_copied(tmp_path, monkeypatch):
     assert (tmp_path / "b").read_bytes() == b"motion"
 
 
-def test_assumptions_and_unknown_words_are_in_the_line_of_json(finished, robot_path, capsys):
+def test_the_end_is_told_in_words_and_what_was_assumed_in_the_line_of_json(finished, robot_path, capsys):
     line = ["run", "--object", robot_path, "--prompt", PROMPT, "--out", finished, "--frames", FRAMES]
     options = [
         "--particles",
@@ -149,8 +149,11 @@ def test_assumptions_and_unknown_words_are_in_the_line_of_json(finished, robot_p
         "--save-splats",
         "--save-frames",
     ]
-    options += ["--json"]
     assert main([str(part) for part in (*line, *options)]) == 0  # it is there already
+    stopped = Manifest.model_validate_json((finished / "manifest.json").read_bytes()).stopped
+    assert stopped is not None and f": {STOP_REASONS[stopped]}\n" in capsys.readouterr().err
+    options += ["--json"]
+    assert main([str(part) for part in (*line, *options)]) == 0
     told = json.loads(capsys.readouterr().out)
     reply = json.loads((finished / "semantic.json").read_text())
     assert told["not_understood"] == reply["not_understood"] and told["assumptions"] == reply["notes"]
