@@ -132,8 +132,10 @@ class Run:
     def __call__(self) -> int:
         """Run the command; return the exit code."""
         # Imported here, so that --help does not wait for JAX.
+        from physagent_jax.report.formats import format_plural
         from physagent_jax.run.chosen_agents import open_agents
         from physagent_jax.run.loop import run_loop
+        from physagent_jax.run.manifest import STOP_REASONS
         from physagent_jax.run.resolve import resolve
         from physagent_jax.run.store import PLAIN_VIDEO, VIDEO
         from physagent_jax.scene.cost import Limits
@@ -177,7 +179,8 @@ class Run:
             print(json.dumps(summary))
         else:
             stderr.print(
-                f"[bold]{summary['verdict']}[/] after {summary['iterations']} round(s): {summary['stopped']}"
+                f"[bold]{summary['verdict']}[/] after {format_plural(summary['iterations'], 'round')}: "
+                f"{STOP_REASONS[summary['stopped']]}"
             )
             video = PLAIN_VIDEO if run.spec.save.video_size is None else VIDEO
             print(f"video:  {store.path / video}\nreport: {report}")

@@ -190,10 +190,8 @@ def _show_physical(item: Timed, setting: Setting, stroke: Stroke | None) -> list
     shown = [span("quiet", text, title=f"1 means {meaning}")]
     acceleration = find_acceleration(item, abs(item.magnitude) * one, setting)
     if acceleration is not None:
-        times = (
-            f"{format_number(acceleration)} m/s\u00b2, {format_number(acceleration / GRAVITY)} times gravity"
-        )
-        shown.append(span("acceleration", f"accelerates by {times}"))
+        blow = f"{format_number(acceleration)} m/s\u00b2 while it lasts, " if skill.unit == "m/s" else ""
+        shown.append(span("acceleration", f"{blow}{format_number(acceleration / GRAVITY, 2)} times gravity"))
     return shown
 
 

@@ -209,7 +209,8 @@ def run_loop(
             if run.spec.probe:
                 force_field = loop.probe(template, body, reply)
             series = _Series(store, template, body, "round", loop.observer.judged)
-            attempts = list(loop.rounds(series, force_field, reply))
+            with loop.tell_warnings():  # of what is warned of beside the making of a scene
+                attempts = list(loop.rounds(series, force_field, reply))
         except AgentError:
             raise
         except UserError as error:
