@@ -20,6 +20,7 @@ from physagent_jax.run.store import PLAIN_VIDEO, VIDEO, RunStore
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile import CompiledScene
 from physagent_jax.scene.config import SceneConfig, dump_scene
+from physagent_jax.simulation.ending import simulate_ending
 from physagent_jax.simulation.presentation import draw_presentation
 from physagent_jax.simulation.recording import Recording
 
@@ -101,7 +102,7 @@ def write_clip(
     Returns:
         The video's path in the round's folder.
     """
-    x, F = recording.x[:, scene.back], recording.F[:, scene.back]
+    x, F = simulate_ending(recording)
     path = write_presentation(store, scene.config, scene.body, x, F, size, folder=f"iterations/{index}")
     if index == 0:
         _put_on_top(store, index, [VIDEO])
