@@ -21,7 +21,8 @@ from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile import CompiledScene
 from physagent_jax.scene.config import SceneConfig, dump_scene
 from physagent_jax.simulation.ending import simulate_ending
-from physagent_jax.simulation.presentation import draw_presentation
+from physagent_jax.simulation.notes import Notes
+from physagent_jax.simulation.presentation import PLAIN, draw_presentation
 from physagent_jax.simulation.recording import Recording
 
 FILMSTRIP_FRAMES = 6
@@ -83,6 +84,7 @@ def write_presentation(
     F: np.ndarray,
     size: tuple[int, int],
     *,
+    notes: Notes = PLAIN,
     folder: str = "",
 ) -> Path:
     """Leave the video for people in ``folder``; positions and F are of the body's particles, all frames.
@@ -90,12 +92,17 @@ def write_presentation(
     Returns:
         The video's path.
     """
-    pictures = draw_presentation(config, body, x, F, size)
+    pictures = draw_presentation(config, body, x, F, size, notes)
     return write_video(store.claimed(f"{PurePosixPath(folder, VIDEO)}"), pictures, 1 / config.timing.frame_dt)
 
 
 def write_clip(
-    store: RunStore, index: int, scene: CompiledScene, recording: Recording, size: tuple[int, int]
+    store: RunStore,
+    index: int,
+    scene: CompiledScene,
+    recording: Recording,
+    size: tuple[int, int],
+    notes: Notes = PLAIN,
 ) -> Path:
     """Leave the video for people of round ``index``; the first round's is at the top of the folder at once, too.
 
@@ -103,7 +110,9 @@ def write_clip(
         The video's path in the round's folder.
     """
     x, F = simulate_ending(recording)
-    path = write_presentation(store, scene.config, scene.body, x, F, size, folder=f"iterations/{index}")
+    path = write_presentation(
+        store, scene.config, scene.body, x, F, size, notes=notes, folder=f"iterations/{index}"
+    )
     if index == 0:
         _put_on_top(store, index, [VIDEO])
     return path
@@ -146,6 +155,7 @@ def write_best(
     save_frames: bool,
     save_splats: SplatFormat | Literal[False],
     video_size: tuple[int, int] | None,
+    notes: Notes = PLAIN,
 ) -> None:
     """Put round ``index`` at the top of the folder, and what was asked for of the best round alone.
 
@@ -156,7 +166,14 @@ def write_best(
         motion = read_motion(store.round_folder(index) / "motion.npz")
         if draws:
             write_presentation(
-                store, config, body, motion.x, motion.F, video_size, folder=f"iterations/{index}"
+                store,
+                config,
+                body,
+                motion.x,
+                motion.F,
+                video_size,
+                notes=notes,
+                folder=f"iterations/{index}",
             )
         if save_splats:
             write_splats(store, config, body, motion.x, motion.F, save_splats)

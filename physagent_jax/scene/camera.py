@@ -90,14 +90,6 @@ def shows_points(points: np.ndarray, camera: CameraConfig, rendering: Rendering)
     return bool((np.abs(local[:, :2]) <= reach).all())
 
 
-def measure_height(points: np.ndarray, camera: CameraConfig) -> float:
-    """The share of the picture's height that ``points``, shape (m, 3), span; they may reach beyond it."""
-    assert camera.target is not None
-    local = (points - np.asarray(camera.target)) @ _find_axes(camera)
-    rows = local[:, 1] / np.maximum(camera.distance + local[:, 2], 1e-6)
-    return float(np.ptp(rows) / (2 * np.tan(0.5 * np.radians(camera.fov_degrees))))
-
-
 def measure_share(points: np.ndarray, camera: CameraConfig, rendering: Rendering) -> float:
     """The share of the picture's height or width that ``points``, shape (m, 3), span, whichever is more."""
     assert camera.target is not None

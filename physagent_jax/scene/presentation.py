@@ -5,6 +5,8 @@ Perception looks from the scene's own camera, which knows nothing of that.
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
@@ -21,6 +23,7 @@ from physagent_jax.scene.config import Box, CameraConfig, HalfSpace, Rendering, 
 
 MOST_POINTS = 2000  # of the object that are framed
 TRIMMED = 0.005  # share of the points on each side, in each frame, that need not be in the picture
+LOWEST, CONTACT = 0.002, 1.0  # quantile that counts as its lowest point; [cells] off the ground in contact
 LEVEL = 0.999  # least upward part of the normal of what is a ground
 PANEL, PANEL_THICKNESS = 1.0, 0.06  # [sizes] half side of what is drawn of a wall; [half sides]
 SMOOTHING = 0.3  # [s] over which a camera that follows evens out its way
@@ -53,6 +56,23 @@ def find_stage(config: SceneConfig, centre: np.ndarray, size: float) -> Stage:
         and not (isinstance(each, HalfSpace) and each.normal[2] >= LEVEL)
     ]
     return Stage(max(level, default=None), size, tuple(blocks))
+
+
+def settle_ground(stage: Stage, x: np.ndarray, dx: float) -> Stage:
+    """The stage with its ground where the object really stands: contact on a grid keeps it off by part of a cell.
+
+    Args:
+        stage: The stage.
+        x: Positions of the object's particles [m], shape (T, n, 3).
+        dx: Side of a cell [m].
+    """
+    if stage.ground is None:
+        return stage
+    heights = np.asarray(x)[:, :: -(-x.shape[1] // MOST_POINTS), 2]
+    gap = float(np.nanquantile(heights, LOWEST, axis=1).min()) - stage.ground
+    if not 0 < gap < CONTACT * dx:
+        return stage
+    return dataclasses.replace(stage, ground=stage.ground + gap)
 
 
 def _make_block(box: Box) -> Block:

@@ -39,7 +39,9 @@ def simulate_ending(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     if not more:
         return x, F
     return tuple(  # type: ignore[return-value]
-        np.concatenate([each, np.stack([np.asarray(getattr(frame.state, name))[scene.back] for frame in more])])
+        np.concatenate(
+            [each, np.stack([np.asarray(getattr(frame.state, name))[scene.back] for frame in more])]
+        )
         for each, name in ((x, "x"), (F, "F"))
     )
 
