@@ -10,7 +10,10 @@ from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile.forces import compile_skills
 from physagent_jax.scene.config import Box, Cuboid, HalfSpace, SceneConfig
 
-PANEL, THICKNESS = 0.62, 0.03  # [sizes] half side of a plate; half of its thickness
+PANEL, THICKNESS = (
+    1.15,
+    0.02,
+)  # times as large as the object across it a plate is drawn; half its thickness [sizes]
 GRIP = 1.08  # times as large as what it holds a hand is drawn
 MOST_HELD = 0.5  # share of the particles; who moves more of the object than that is no hand
 
@@ -39,13 +42,23 @@ def find_actors(config: SceneConfig, body: Body, x: np.ndarray) -> list[tuple[Bl
     ]
 
 
-def make_plate(point: np.ndarray, normal: np.ndarray, centre: np.ndarray, size: float) -> Block:
-    """A plate whose face is in the plane through ``point``, before ``centre`` [m]; ``normal`` points out of it."""
+def make_plate(point: np.ndarray, normal: np.ndarray, x: np.ndarray, size: float) -> Block:
+    """A plate before the object, a little larger than the object is across it.
+
+    Args:
+        point: A point of the plane of its face [m], shape (3,).
+        normal: Unit normal out of it, shape (3,).
+        x: Points of the object [m], shape (n, 3).
+        size: The object's longest side at rest [m].
+    """
     aside = np.cross(normal, [0, 0, 1] if abs(normal[2]) < 0.9 else [1, 0, 0])
     aside = aside / np.linalg.norm(aside)
-    foot = centre - ((centre - point) @ normal) * normal
-    half = size * np.array([THICKNESS, PANEL, PANEL])
-    return Block(foot - half[0] * normal, np.stack([normal, aside, np.cross(normal, aside)]), half)
+    axes = np.stack([normal, aside, np.cross(normal, aside)])
+    low, high = np.quantile(x @ axes.T, [0.005, 0.995], axis=0)
+    centre, half = 0.5 * (low + high), 0.5 * PANEL * (high - low)
+    half[0] = THICKNESS * size
+    centre[0] = point @ normal - half[0]
+    return Block(centre @ axes, axes, half)
 
 
 def _compile_grips(config: SceneConfig, body: Body) -> tuple:
@@ -71,7 +84,7 @@ def _draw_grip(grip, time: float, x: np.ndarray, size: float) -> Block | None:
             return None
         moved = 0.0 if face.velocity is None else (time - start) * np.asarray(face.velocity, np.float64)
         point, normal = np.asarray(face.point, np.float64) + moved, np.asarray(face.normal, np.float64)
-        return make_plate(point, normal, x.mean(0), size)
+        return make_plate(point, normal, x, size)
     if not isinstance(grip, PrescribedMotion):
         return None
     held = np.asarray(grip.particles)
@@ -88,5 +101,5 @@ def _draw_obstacle(boundary, time: float, x: np.ndarray, size: float) -> Block |
         return None
     point = np.asarray(boundary.point, np.float64) + (time - boundary.start) * np.asarray(boundary.velocity)
     if isinstance(boundary, HalfSpace):
-        return make_plate(point, np.asarray(boundary.normal, np.float64), x.mean(0), size)
+        return make_plate(point, np.asarray(boundary.normal, np.float64), x, size)
     return Block(point, np.eye(3), np.asarray(boundary.half_size, np.float64))

@@ -30,6 +30,7 @@ SMOOTHING = 0.3  # [s] over which a camera that follows evens out its way
 LEAST_SHARE = 0.3  # of the picture's height or width that the object fills at least
 FOLLOWED = (0.0, 0.2, 0.4, 0.6, 0.8)  # shares of its way that a camera goes along
 SEEN_WAY = 0.15  # [sizes] that it moves at least for the camera to stand aside
+NEITHER = 15.0  # [degrees] from the line of sight up to which a motion goes to neither side
 ASIDE = 40.0  # [degrees] at least between a motion over the ground and the line of sight
 
 
@@ -151,7 +152,8 @@ def _is_large(
 def turn_aside(camera: CameraConfig, points: np.ndarray) -> CameraConfig:
     """The camera about the vertical until what moves does so clearly sideways, or as it is if it does already.
 
-    To the left stays to the left, and toward stays toward.
+    To the left stays to the left, and toward stays toward. Where it goes to neither side, the camera stands on the left:
+    light that is baked into meshes comes from there (`surfels.KEY_LIGHT`).
 
     Args:
         camera: Where it looks from.
@@ -165,10 +167,11 @@ def turn_aside(camera: CameraConfig, points: np.ndarray) -> CameraConfig:
     angle = np.radians(camera.azimuth_degrees)
     right, away = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
     sideways, along = moved[far] @ right, moved[far] @ away
-    missing = ASIDE - np.degrees(np.arctan2(abs(sideways), abs(along)))
-    if missing <= 0:
+    angle = np.degrees(np.arctan2(abs(sideways), abs(along)))
+    if angle >= ASIDE:
         return camera
-    turn = missing * (1 if (sideways >= 0) == (along >= 0) else -1)
+    side = 1 if (sideways >= 0) == (along >= 0) else -1
+    turn = side * (ASIDE - angle) if angle > NEITHER else -ASIDE - side * angle
     azimuth = 180 - (180 - camera.azimuth_degrees - turn) % 360
     return camera.model_copy(update=dict(azimuth_degrees=azimuth))
 
