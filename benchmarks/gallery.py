@@ -98,7 +98,7 @@ def encode(frames: np.ndarray, seconds: float) -> bytes:
 
     Args:
         frames: uint8, shape (T, height, width, 3).
-        seconds: Of a frame [s].
+        seconds: Duration of a frame [s].
     """
     step = 1 + len(frames) // 80
     size = WIDTH, round(WIDTH * frames.shape[1] / frames.shape[2])
@@ -129,7 +129,9 @@ def film(clip: Clip, objects: Path | None, runs: Path, settings: dict) -> tuple[
         dict(object=dict(path=str(path.resolve()), up=up), prompt=clip.prompt, **settings)
     )
     run = pa.synthesize(spec, runs / clip.name)
-    return encode(run.frames(), 0.04), str(run.manifest.verdict)
+    manifest = run.manifest
+    assert manifest is not None  # the run is finished
+    return encode(run.frames(), 0.04), str(manifest.verdict)
 
 
 def write_page(path: Path, images: Path, clips: Sequence[tuple[Clip, str]]) -> None:

@@ -164,7 +164,7 @@ def write_best(
     draws = video_size is not None and not (store.round_folder(index) / VIDEO).is_file()
     if draws or save_splats:
         motion = read_motion(store.round_folder(index) / "motion.npz")
-        if draws:
+        if draws and video_size is not None:
             write_presentation(
                 store,
                 config,

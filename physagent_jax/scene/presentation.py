@@ -152,8 +152,8 @@ def _is_large(
 def turn_aside(camera: CameraConfig, points: np.ndarray) -> CameraConfig:
     """The camera about the vertical until what moves does so clearly sideways, or as it is if it does already.
 
-    To the left stays to the left, and toward stays toward. Where it goes to neither side, the camera stands on the left:
-    light that is baked into meshes comes from there (`surfels.KEY_LIGHT`).
+    To the left stays to the left, and toward stays toward. Where it goes to neither side, the camera stands on the
+    left: light that is baked into meshes comes from there (`surfels.KEY_LIGHT`).
 
     Args:
         camera: Where it looks from.

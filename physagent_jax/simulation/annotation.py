@@ -1,4 +1,4 @@
-"""What is written and drawn over a video on request: the sentence, and arrows where something acts."""
+"""Notes over a video, on request: the sentence, and arrows where something acts."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def find_arrows(config: SceneConfig, body: Body, x: np.ndarray, index: int) -> l
     found: list[np.ndarray] = []
     for item in (*config.force_field.actions, *config.force_field.constraints):
         first, last = item.active_time or (0, config.timing.frame_count - 1)
-        if item_is_sudden(item):
+        if _is_sudden(item):
             last = first + SUDDEN / config.timing.frame_dt
         if not first <= index <= last:
             continue
@@ -67,7 +67,7 @@ def find_arrows(config: SceneConfig, body: Body, x: np.ndarray, index: int) -> l
     return found
 
 
-def item_is_sudden(item: Action | VelocityConstraint) -> bool:
+def _is_sudden(item: Action | VelocityConstraint) -> bool:
     """Return whether a skill acts at once, so that its window tells only when."""
     kind = item.action_type if isinstance(item, Action) else item.constraint_type
     return kind.skill.is_sudden
