@@ -22,7 +22,8 @@ RESTING = 0.2  # [s] for which it must look still: at the turning point of a swi
 def simulate_ending(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     """Positions [m], shape (T, n, 3), and deformation gradients of a clip's particles, its ending included.
 
-    The particles are the body's. An ending that cannot be simulated is cut short: the planned frames are what counts.
+    The particles are the body's. What is held up to the last planned frame stays so: letting it go would undo what was
+    asked. An ending that cannot be simulated is cut short: the planned frames are what counts.
     """
     scene, dt = recording.scene, recording.scene.config.timing.frame_dt
     x, F = recording.x[:, scene.back], recording.F[:, scene.back]
@@ -30,7 +31,7 @@ def simulate_ending(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     wanted = max(int(np.ceil(RESTING / dt)), 1)
     still = wanted if _is_still(speeds[0], scene) else 0  # planned frames are there for long enough
     more: list[Frame] = []
-    if not still:
+    if not still and not _is_held(scene):
         for frame in _simulate_on(scene, recording.last, int(np.ceil(LONGEST / dt))):
             more.append(frame)
             still = still + 1 if _is_still(np.linalg.norm(np.asarray(frame.state.v), axis=1), scene) else 0
@@ -67,6 +68,12 @@ def _simulate_on(scene: CompiledScene, last: Frame, count: int):
             yield frame
     except UserError:
         return
+
+
+def _is_held(scene: CompiledScene) -> bool:
+    """Return whether a skill holds something where it was brought until the planned frames end."""
+    last = scene.config.timing.frame_count - 1
+    return any((each.held_until or 0) >= last for each in scene.config.force_field.constraints)
 
 
 def _is_still(speeds: np.ndarray, scene: CompiledScene) -> bool:

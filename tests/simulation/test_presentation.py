@@ -97,6 +97,16 @@ def test_a_clip_goes_on_until_rest_and_no_longer(dropped):
     still = dataclasses.replace(dropped, x=np.repeat(dropped.x[:1], planned, axis=0))
     assert len(simulate_ending(still)[0]) == planned, "what rests already gets no ending"
 
+    last = float(config.timing.frame_count - 1)
+    press = VelocityConstraint(
+        constraint_type=ConstraintType("moving_plate"), vector=(1, 0, 0), active_time=(0, 3), held_until=last
+    )
+    held = config.model_copy(update=dict(force_field=ForceField(constraints=(press,))))
+    scene = dataclasses.replace(dropped.scene, config=held)
+    assert len(simulate_ending(dataclasses.replace(dropped, scene=scene))[0]) == planned, (
+        "what is held stays so"
+    )
+
 
 def test_a_caption_and_arrows_are_drawn_only_on_request(dropped):
     plain = draw(dropped)
