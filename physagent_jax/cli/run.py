@@ -88,6 +88,10 @@ class Run:
     """Width and height of the pictures that perception gets; default: the preset's."""
     video_size: str = "1280x720"
     """Width and height of the video, which is drawn for people; off: none is."""
+    caption: bool = False
+    """Write the sentence into the video."""
+    arrows: bool = False
+    """Draw arrows into the video where something acts."""
     max_iterations: Annotated[int, tyro.conf.arg(aliases=("--rounds",))] = 3
     """Rounds at most; they end earlier where none of the last two improved anything."""
     reader: Literal["grammar", "model", "both"] = "grammar"

@@ -507,7 +507,7 @@ class _Loop:
         with stay_aside():
             if earnest and save.video_size is not None:
                 begun, stages = time.perf_counter(), self._watch.seconds()
-                clip = write_clip(store, index, scene, recording, save.video_size)
+                clip = write_clip(store, index, scene, recording, save.video_size, save.notes)
                 now = time.perf_counter()
                 if self._first_clip is None and index == 0:
                     times = {"seconds": now - self._begun, "draw": now - begun}
@@ -558,6 +558,7 @@ class _Loop:
                 save_frames=save.frames,
                 save_splats=save.splats,
                 video_size=save.video_size,
+                notes=save.notes,
             )
         self.save_costs(
             iterations=len(attempts),
