@@ -166,9 +166,7 @@ def write_best(
         motion = read_motion(store.round_folder(index) / "motion.npz")
         if missing is not None:
             folder = f"iterations/{index}"
-            write_presentation(
-                store, config, body, motion.x, motion.F, missing, notes=notes, folder=folder
-            )
+            write_presentation(store, config, body, motion.x, motion.F, missing, notes=notes, folder=folder)
         if save_splats:
             write_splats(store, config, body, motion.x, motion.F, save_splats)
     put_best_on_top(store, index, save_frames=save_frames)
