@@ -1,5 +1,7 @@
 """M = 1 shows on parts, and on what is held: measured responses against closed forms, and on simulated particles."""
 
+import itertools
+
 import numpy as np
 import pytest
 import trimesh
@@ -104,14 +106,29 @@ def move(path, setting, matter, field):
     return tuple(max(each, key=abs) for each in (ways, turns, strains))
 
 
-@pytest.mark.parametrize("matter", MATTER)
-@pytest.mark.parametrize("setting", SETTINGS)
+USUAL = [("free", "soft"), ("stands", "stiff"), ("held", "soft")]
+
+
+@pytest.mark.parametrize(
+    ("setting", "matter"),
+    [
+        pair if pair in USUAL else pytest.param(*pair, marks=pytest.mark.slow)
+        for pair in itertools.product(SETTINGS, MATTER)
+    ],
+)
 def test_a_push_of_a_part_shows(bar, setting, matter):
     way, _, _ = move(bar, setting, matter, field_of("translation", (1, 0, 0)))
     assert 0.13 < way < 0.7  # plain, for an end
 
 
-@pytest.mark.parametrize(("setting", "matter"), [("free", "stiff"), ("stands", "stiff"), ("held", "soft")])
+@pytest.mark.parametrize(
+    ("setting", "matter"),
+    [
+        pytest.param("free", "stiff", marks=pytest.mark.slow),
+        ("stands", "stiff"),
+        pytest.param("held", "soft", marks=pytest.mark.slow),
+    ],
+)
 def test_a_turn_of_a_part_shows(bar, setting, matter):
     _, turn, _ = move(bar, setting, matter, field_of("torque", (0, 0, 1)))
     assert 20 < turn < 75
@@ -123,7 +140,7 @@ def test_a_stretch_of_a_part_shows(bar, setting, matter):
     assert 0.1 < strain < 0.55
 
 
-@pytest.mark.parametrize("matter", MATTER)
+@pytest.mark.parametrize("matter", ["soft", pytest.param("stiff", marks=pytest.mark.slow)])
 def test_a_blow_on_a_part_of_what_is_held_shows(bar, matter):
     field = field_of("particle_impulse", (1, 0, 0), group="constraints", active_time=(0, 1))
     way, _, _ = move(bar, "held", matter, field)
