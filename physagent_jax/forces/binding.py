@@ -289,7 +289,6 @@ class Binding:
             plates.append(MovingPlate(HalfSpace(stop, normal, friction, end, self._held_until)))
         return plates
 
-
     def change_length(self, other: Binding | None, k: float | Array, sign: float) -> list[GradedTranslation]:
         """The object gets longer or shorter evenly along the vector, as its two ends say, and then stays if held.
 
@@ -308,7 +307,9 @@ class Binding:
             middle = self.leaf(self._rest.mean(0))
             point = middle + (along.max() - middle @ axis) * axis
         start, end = self.window
-        motions = [GradedTranslation(axis=axis, speed=speed, length=length, point=point, start=start, end=end)]
+        motions = [
+            GradedTranslation(axis=axis, speed=speed, length=length, point=point, start=start, end=end)
+        ]
         if self._held_until is not None:
             now = length + speed * (end - start)
             still = self.leaf(np.zeros(()))

@@ -61,7 +61,21 @@ class SphereRegion(Strict):
     radius: float = Field(ge=1e-6, le=1e6)
 
 
-Region = Annotated[BoxRegion | HalfSpaceRegion | SphereRegion, Field(discriminator="kind")]
+_Seeds = Annotated[tuple[_Place, ...], Field(min_length=1, max_length=512)]
+
+
+class CellsRegion(Strict):
+    """Particles whose nearest seed is one of ``inside`` (bounding-box fractions; distances in metres).
+
+    A part of any shape: the Voronoi cells of its own seeds among those of the whole object.
+    """
+
+    kind: Literal["cells"] = "cells"
+    inside: _Seeds
+    outside: _Seeds
+
+
+Region = Annotated[BoxRegion | HalfSpaceRegion | SphereRegion | CellsRegion, Field(discriminator="kind")]
 
 
 class _Timed(Strict):
