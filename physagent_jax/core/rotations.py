@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-
 _ONES, _MIRROR = np.ones(3), np.array([1.0, 1.0, -1.0])
 
 

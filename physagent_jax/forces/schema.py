@@ -141,11 +141,14 @@ class VelocityConstraint(_Timed):
         constraint_type: Which skill of those that prescribe velocities.
         held_until: Frame until which particles or plate then stay where they were brought; None = they are let go when
             the window ends. A sudden skill has none.
+        pivot: Point that particles turn about, for a rotation (bounding-box fractions): a joint; None = their own
+            centre.
         vector, magnitude, gain, active_time, region, object: as for `Action`.
     """
 
     constraint_type: ConstraintType
     held_until: _Frame | None = None
+    pivot: _Place | None = None
 
     @model_validator(mode="after")
     def _check_held(self) -> VelocityConstraint:

@@ -28,7 +28,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.naming import name_places
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.motion.schema import AnchorRequest, Judgement, SceneBrief, Verdict
+from physagent_jax.motion.schema import AnchorRequest, Judgement, Part, SceneBrief, Verdict
 from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.measure import perceive
 from physagent_jax.perception.protocols import PerceptionBackends, SegmentPrompt
@@ -257,6 +257,7 @@ class _Loop:
         self._calls = AgentCalls(agents, store.manifest.agents)
         self._template = run.template
         self._restart_cache: RestartCache | None = None
+        self._parts: tuple[Part, ...] = ()
         self._reused = dict(store.manifest.reused_frames)
         self._warnings: tuple[str, ...] = ()
         self._stopped: StopReason | None = None
@@ -316,6 +317,7 @@ class _Loop:
         with self._watch("prepare"), self.tell_warnings():
             body = make_body(template.source, preset.filling, preset.domain, self._run.base_dir)
             self._template, _ = self._run.place(body)
+            self._parts = body.parts
         self.observer.assumed(f"the object's file was read as {body.reading}")
         return body
 
@@ -603,7 +605,7 @@ class _Loop:
         return AgentContext(self._run.spec.prompt, self._make_brief(), self._skills, reading, tuple(rounds))
 
     def _make_brief(self) -> SceneBrief:
-        brief = make_brief(self._template, frames_fixed=self._run.frames_fixed)
+        brief = make_brief(self._template, frames_fixed=self._run.frames_fixed, parts=self._parts)
         return brief.model_copy(update={"may_be_held": self._run.spec.anchor.kind == "auto"})
 
 

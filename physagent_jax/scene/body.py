@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import warnings
 from pathlib import Path
 
@@ -11,9 +12,11 @@ import numpy as np
 from physagent_jax.gaussians.binding import Binding, bind
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.gaussians.diagnosis import check_cloud, diagnose_cloud
+from physagent_jax.motion.schema import Part
 from physagent_jax.scene.config import Domain, Filling, SceneConfig, Source
 from physagent_jax.scene.filling import Particles, fill
 from physagent_jax.scene.load import load_object
+from physagent_jax.scene.parts import find_parts
 from physagent_jax.scene.pieces import LoosePiece, explain_loose, join_pieces
 from physagent_jax.scene.placement import Placement, place
 
@@ -54,6 +57,11 @@ class Body:
     def extent(self) -> float:
         """Longest side of the bounding box [m]."""
         return float((self.high - self.low).max())
+
+    @functools.cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """Parts that stick out of the object."""
+        return find_parts(np.asarray(self.particles.x, np.float64))
 
 
 def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | Path) -> Body:

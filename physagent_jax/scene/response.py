@@ -122,7 +122,9 @@ def _find_response(setting: Setting, entry: Entry, quantity: str) -> Response | 
         return None
     target = _TARGETS[quantity](setting, entry)
     if setting.stands and measured.rigid and quantity != "impulse":
-        k = min(_find_bending_k(measured, target, setting.time), SAFE * _find_stable_k(setting, entry, measured))
+        k = min(
+            _find_bending_k(measured, target, setting.time), SAFE * _find_stable_k(setting, entry, measured)
+        )
         shown = k * measured.answer * _find_swing(max(measured.answer, 1e-12), setting.time)
         if shown < SEEN * target:  # too stiff to bend before it slides or tips: it is led as a whole is
             k = 2 * target / (measured.rigid * setting.time**2)
@@ -145,7 +147,9 @@ def _find_response(setting: Setting, entry: Entry, quantity: str) -> Response | 
 
 
 def _make_response(entry: Entry, quantity: str, k: float, **more) -> Response:
-    return Response.model_validate(dict(quantity=quantity, region=entry.region, vector=entry.vector, k=k, **more))
+    return Response.model_validate(
+        dict(quantity=quantity, region=entry.region, vector=entry.vector, k=k, **more)
+    )
 
 
 def _find_bending_k(measured: Measured, target: float, time: float) -> float:
@@ -189,7 +193,12 @@ def _find_stable_k(setting: Setting, entry: Entry, measured: Measured) -> float:
     righting = opposition.tipping * spread  # g times how far inside its foot the mass centre is
     high = float(np.average(x[mask, 2], weights=mass[mask]) - x[:, 2].min())
     moment = high * measured.rigid * flat
-    leaning = SOFTENS * calibration.GRAVITY * _find_swing(max(measured.answer, 1e-12), setting.time) * measured.shift
+    leaning = (
+        SOFTENS
+        * calibration.GRAVITY
+        * _find_swing(max(measured.answer, 1e-12), setting.time)
+        * measured.shift
+    )
     return min(slides, righting / max(moment + leaning, 1e-12))
 
 
@@ -202,7 +211,9 @@ def _find_toppling_blow(setting: Setting, entry: Entry) -> float:
     mask, mass, arm = _select(setting, entry)
     x, whole = setting.body.particles.x, arm - np.average(arm, axis=0, weights=mass)
     spread = float(np.average((whole**2).sum(1) - 0.5 * (whole[:, :2] ** 2).sum(1), weights=mass))
-    inside = opposition.tipping * spread / calibration.GRAVITY  # how far from the edge of its foot the mass centre is
+    inside = (
+        opposition.tipping * spread / calibration.GRAVITY
+    )  # how far from the edge of its foot the mass centre is
     high = float(np.average(x[mask, 2], weights=mass[mask]) - x[:, 2].min())
     about_edge = spread + opposition.lever**2 + inside**2
     rise = math.hypot(opposition.lever, inside) - opposition.lever
@@ -248,8 +259,12 @@ def _measure(setting: Setting, entry: Entry, quantity: str) -> Measured | None:
     read = _READINGS[quantity]
     softer = 1.0
     if fixed.any() and setting.weighs:
-        softer = 1 / max(1 - _find_weight_share(x, volume, mass, gradient, float((load * u).sum())), LEAST_LEFT)
-    rigid, resisting = _find_following(setting, entry, quantity, mask, mass, arm, read(vector, arm, weight, balance))
+        softer = 1 / max(
+            1 - _find_weight_share(x, volume, mass, gradient, float((load * u).sum())), LEAST_LEFT
+        )
+    rigid, resisting = _find_following(
+        setting, entry, quantity, mask, mass, arm, read(vector, arm, weight, balance)
+    )
     return Measured(
         answer=softer * max(read(vector, arm, weight, moved), 0.0),
         shift=softer * abs(float(np.average(moved @ vector, weights=mass))),

@@ -33,7 +33,9 @@ class _Graded(Constraint):
     end: jax.Array = dataclasses.field(metadata=END)
     edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
 
-    def find_change(self, nodes: jax.Array, velocity: jax.Array, centre: jax.Array, time: jax.Array) -> jax.Array:
+    def find_change(
+        self, nodes: jax.Array, velocity: jax.Array, centre: jax.Array, time: jax.Array
+    ) -> jax.Array:
         """The change to the wanted velocities [m/s], shape (..., 3), at nodes [m] of the same shape."""
         raise NotImplementedError
 

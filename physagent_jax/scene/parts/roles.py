@@ -90,7 +90,10 @@ def _find_roles(index: int, limbs: list[_Limb], low: np.ndarray, high: np.ndarra
 
 
 def _find_head(limbs: list[_Limb], low: np.ndarray, height: float) -> int | None:
-    """The largest protrusion that is high up and does not stand on the ground; None if there is none."""
+    """The largest protrusion that is high up and does not stand on the ground; None if there is none.
+
+    Ears sit above its middle; where what it is made of sits lower, as arms do, it is half of the body.
+    """
     high = [
         index
         for index, limb in enumerate(limbs)
@@ -98,6 +101,7 @@ def _find_head(limbs: list[_Limb], low: np.ndarray, height: float) -> int | None
         and limb.centre[2] > low[2] + _HEAD * height
         and limb.tip[2] >= limb.joint[2] - 0.02 * height
         and limb.low > low[2] + _ON_GROUND * height
+        and not any(limbs[child].joint[2] < limb.centre[2] for child in limb.protrusion.children)
     ]
     return max(high, key=lambda index: limbs[index].share, default=None)
 
