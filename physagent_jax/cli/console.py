@@ -39,7 +39,7 @@ def warn(message: object) -> None:
 def tell_warnings_plainly() -> None:
     """Print each warning that nothing caught as one plain line, without file, class and line of code.
 
-    Those of other categories than `UserWarning` are for developers: they are left out, unless Python was asked for them.
+    Other categories than `UserWarning` are for developers: they are left out, unless Python was asked for them.
     """
     if sys.warnoptions:
         return

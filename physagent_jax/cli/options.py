@@ -50,6 +50,8 @@ OPTIONS = {
     "ledger": "--ledger",
     "camera.follow": "--follow",
     "save.video_size": "--video-size",
+    "save.caption": "--caption",
+    "save.arrows": "--arrows",
     "save.frames": "--save-frames",
     "save.splats": "--save-splats",
 }

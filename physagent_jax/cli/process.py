@@ -7,8 +7,11 @@ import sys
 from typing import NoReturn
 
 THRESHOLDS = (100_000, 20, 50)
-"""Of Python's cyclic garbage collector: JAX and what it traces make hundreds of thousands of objects that stay, and
-by default all of them are looked at some hundred times."""
+"""Thresholds of Python's cyclic garbage collector.
+
+JAX and what it traces make hundreds of thousands of objects that stay. By default the collector looks at all of them
+many times.
+"""
 
 
 def run_process() -> NoReturn:

@@ -88,6 +88,10 @@ class Run:
     """Width and height of the pictures that perception gets; default: the preset's."""
     video_size: str = "1280x720"
     """Width and height of the video, which is drawn for people; off: none is."""
+    caption: bool = False
+    """Write the sentence into the video."""
+    arrows: bool = False
+    """Draw arrows into the video where something acts."""
     max_iterations: Annotated[int, tyro.conf.arg(aliases=("--rounds",))] = 3
     """Rounds at most; they end earlier where none of the last two improved anything."""
     reader: Literal["grammar", "model", "both"] = "grammar"
@@ -132,9 +136,10 @@ class Run:
     def __call__(self) -> int:
         """Run the command; return the exit code."""
         # Imported here, so that --help does not wait for JAX.
-        from physagent_jax.report.html import write_report
+        from physagent_jax.report.formats import format_plural
         from physagent_jax.run.chosen_agents import open_agents
         from physagent_jax.run.loop import run_loop
+        from physagent_jax.run.manifest import STOP_REASONS
         from physagent_jax.run.resolve import resolve
         from physagent_jax.run.store import PLAIN_VIDEO, VIDEO
         from physagent_jax.scene.cost import Limits
@@ -167,6 +172,8 @@ class Run:
                 )
         finally:
             observer.close()
+        from physagent_jax.report.html import write_report  # nobody waits for it before the clip is there
+
         report = write_report(store.path)
         for text in store.manifest.warnings:
             if text not in run.warnings and text not in observer.told:
@@ -176,7 +183,8 @@ class Run:
             print(json.dumps(summary))
         else:
             stderr.print(
-                f"[bold]{summary['verdict']}[/] after {summary['iterations']} round(s): {summary['stopped']}"
+                f"[bold]{summary['verdict']}[/] after {format_plural(summary['iterations'], 'round')}: "
+                f"{STOP_REASONS[summary['stopped']]}"
             )
             video = PLAIN_VIDEO if run.spec.save.video_size is None else VIDEO
             print(f"video:  {store.path / video}\nreport: {report}")

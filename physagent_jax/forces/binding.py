@@ -110,6 +110,7 @@ class Binding:
         instant: The moment of what acts at once: just after its window begins [s].
         weight: 1 inside the region, 0 outside, shape (n,); None = everywhere.
         whole: Whether it acts on the whole object.
+        upwards: Vertical component of its own way, whatever numbers stand in its place.
     """
 
     def __init__(
@@ -160,6 +161,7 @@ class Binding:
         hold_end = getattr(timed, "held_until", None)
         self._held_until = None if hold_end is None else self.leaf(hold_end * frame_dt)
         self.whole = timed.region is None
+        self.upwards = float(np.copysign(timed.vector[2], timed.vector[2] * timed.magnitude))
         self.weight = None if self.whole else self.leaf(self._mask)
 
     def leaf(self, value) -> jax.Array:
@@ -185,7 +187,7 @@ class Binding:
         return self.leaf(_direct(k, self.values))
 
     def stress_concentration(self) -> Array | float:
-        """The strain of a `scale` in the weakest section over that in a uniform bar's middle; at least 1."""
+        """The strain of a `scale` in the weakest section over that in the middle of a bar along the longest side."""
         inside = self._mask
         return find_stress_concentration(
             self._rest[inside], self._volume[inside], self.values.vector, np.ptp(self._rest, axis=0).max()
@@ -243,6 +245,34 @@ class Binding:
     def centre(self) -> np.ndarray:
         """The centre of the particles at rest [m], shape (3,)."""
         return np.average(self._rest[self._mask].astype(float), axis=0, weights=self._volume[self._mask])
+
+    def concentrate(self, peak: float, depth: float, width: float) -> jax.Array:
+        """Weights of the particles of the whole that are largest on the side from which the vector comes.
+
+        Their mean by mass is 1 and they give no spin, so that the whole moves as if they were even.
+
+        Args:
+            peak: Largest weight.
+            depth: Share of the extent along the vector in which they fall to 1 / e of their excess.
+            width: The same across, in body lengths, of a Gaussian.
+        """
+        way = self._split()[1]
+        xp = jnp if _is_traced(way) else np
+        x, volume = self._rest.astype(float), self._volume.astype(float)
+        arm = x - np.average(x, axis=0, weights=volume)
+        along = arm @ way
+        across = arm - along[:, None] * way
+        reach = xp.maximum(xp.ptp(along), _TINY)
+        excess = xp.exp(-(along - along.min()) / (depth * reach))
+        excess = excess * xp.exp(-0.5 * (across**2).sum(1) / max(width * self.extent, _TINY) ** 2)
+        moments = xp.concatenate([xp.ones((len(x), 1)), across], axis=1)
+        weighted = moments * volume[:, None]
+        # Across has rank 2: the way itself is added, so that the matrix can be inverted.
+        axis = xp.concatenate([xp.zeros(1), way])
+        matrix = weighted.T @ moments + volume.sum() * reach**2 * (axis[:, None] * axis)
+        matrix = matrix + 1e-9 * xp.trace(matrix) * xp.eye(4)
+        excess = excess - moments @ xp.linalg.solve(matrix, weighted.T @ excess)
+        return self.leaf(1 + (peak - 1) * excess / xp.maximum(excess.max(), _TINY))
 
     def average_turn(self, profile: Callable[[Array], Array]) -> Array:
         """Angular acceleration of a rigid body to which a field gives its profile of them around the axis.
@@ -326,14 +356,22 @@ class Binding:
     def wring(self, other: Binding, k: float | Array, sign: float) -> list[GradedRotation]:
         """The two ends turn against each other about the vector, what lies between them in proportion.
 
+        The particles of each end turn at the given rate on average.
+
         Args:
             other: The other end.
             k: Of both ends [rad/s].
             sign: 1 if this end lies in the vector's direction, -1 if the other does.
         """
         size, way = self._split()
-        axis, rate = self.leaf(way), self.leaf(sign * 0.5 * k * (size + other._split()[0]))
+        axis = self.leaf(way)
         along = self.leaf(self._rest) @ axis
+        weight = self.leaf(self._volume)
+        reach = [jnp.average(along[end._mask], weights=weight[end._mask]) for end in (self, other)]
+        parting = jnp.abs(reach[0] - reach[1]) / (
+            along.max() - along.min()
+        )  # of the ends' middles, over the length
+        rate = self.leaf(sign * 0.5 * k * (size + other._split()[0])) / parting
         middle = np.average(self._rest.astype(float), axis=0, weights=self._volume)
         ends = (other, self) if sign > 0 else (self, other)
         offset = self.leaf(np.stack([end.centre - middle for end in ends]))

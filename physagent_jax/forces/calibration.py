@@ -71,7 +71,7 @@ EXPECTED_HELD_TURN = 25.0
 EXPECTED_SWAY = 0.1
 """[L] to either side when something held sways."""
 
-# --- what M = 1 shows of a part, and of what is held where no closed form tells (`scene.response`) ------------------------
+# --- what M = 1 shows of a part, and of what is held and turned or stretched (`scene.response`) -----------------------
 
 PART_SHIFT = 0.3
 """[L] by which a part moves when it is pushed or hit."""

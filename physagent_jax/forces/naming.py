@@ -9,7 +9,13 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.forces.skills import get_skill
 
 _PLACE = re.compile(r"\b(?P<list>actions|constraints)\[(?P<index>\d+)\](?:\.(?P<value>[a-z_]+))?")
-_VALUES = {"vector": "direction", "active_time": "time", "held_until": "hold"}
+_VALUES = {
+    "action_type": "kind",
+    "constraint_type": "kind",
+    "vector": "direction",
+    "active_time": "time",
+    "held_until": "hold",
+}
 _ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth")
 
 

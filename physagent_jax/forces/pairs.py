@@ -15,7 +15,6 @@ import numpy as np
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.forces.schema import ForceField, SkillScaling, VelocityConstraint
 from physagent_jax.forces.skills import get_skill
-from physagent_jax.motion.vectors import dot
 
 _OPPOSED = -0.99  # cosine
 _UPRIGHT = 0.7  # cosine
@@ -69,7 +68,7 @@ def _match(one: VelocityConstraint, other: VelocityConstraint) -> bool:
     ends = skill.deforms is not None or (skill.prescribes and skill.is_axis)
     same = one.constraint_type == other.constraint_type and one.object == other.object
     together = one.active_time == other.active_time and one.held_until == other.held_until
-    ways = np.sign(one.magnitude) * np.sign(other.magnitude) * dot(one.vector, other.vector)
+    ways = np.sign(one.magnitude) * np.sign(other.magnitude) * np.dot(one.vector, other.vector)
     return ends and same and together and ways < _OPPOSED
 
 
@@ -81,7 +80,7 @@ def _find_sign(one: VelocityConstraint, other: VelocityConstraint, rest: np.ndar
     if one.region is None or other.region is None:
         return None
     height = rest @ way
-    masks = [make_region_mask(each.region, rest) for each in (one, other)]
+    masks = [make_region_mask(region, rest) for region in (one.region, other.region)]
     for sign, (high, low) in ((1.0, masks), (-1.0, masks[::-1])):
         if _is_end(high, height) and _is_end(low, -height):
             return sign

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from physagent_jax.forces.schema import Action, Response, SkillScaling, VelocityConstraint
 from physagent_jax.forces.skills import get_skill
-from physagent_jax.motion.vectors import dot
 
 
 def find_response(scaling: SkillScaling, entry: Action | VelocityConstraint) -> Response | None:
     """The response that was measured for an entry: of its quantity and region, with the nearest vector; None = none."""
     quantity = get_skill(entry).quantity
     alike = [r for r in scaling.responses if r.quantity == quantity and r.region == entry.region]
-    return max(alike, key=lambda response: abs(dot(response.vector, entry.vector)), default=None)
+
+    def find_nearness(response: Response) -> float:
+        return abs(sum(a * b for a, b in zip(response.vector, entry.vector)))
+
+    return max(alike, key=find_nearness, default=None)
 
 
 def scale_entry(scaling: SkillScaling, entry: Action | VelocityConstraint) -> SkillScaling:

@@ -227,8 +227,8 @@ class Response(Strict):
         region: Region of the entries that it holds for; None = the whole.
         vector: Their direction or axis.
         k: The skill's k.
-        share: Share of its acceleration that the whole gains, where it is too stiff to bend and the whole is led; None =
-            it bends.
+        share: Share of its acceleration that the whole gains, where it is too stiff to bend and the whole is led;
+            None = it bends.
         note: What M = 1 cannot show, for people; empty where it shows.
     """
 

@@ -9,6 +9,7 @@ from typing import Any
 from physagent_jax.forces.binding import Stroke
 from physagent_jax.forces.calibration import GRAVITY, MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.parameters import ForceFieldParameters
+from physagent_jax.forces.responses import scale_entry
 from physagent_jax.forces.schema import Action, ForceField, SkillScaling, VelocityConstraint
 from physagent_jax.forces.skills import get_skill
 from physagent_jax.forces.swinging import find_strokes
@@ -182,17 +183,15 @@ def _show_physical(item: Timed, setting: Setting, stroke: Stroke | None) -> list
     if scaling is None:
         return None
     skill, swing = get_skill(item), float(stroke.k) if stroke is not None and stroke.swings else None
-    one, meaning = skill.explain_one(scaling, item.vector, swing)
+    one, meaning = skill.explain_one(scale_entry(scaling, item), item.vector, swing)
     one *= item.gain
     again = f", k calibrated again: x {format_number(item.gain)}" if item.gain != 1.0 else ""
     text = f"{format_number(abs(item.magnitude) * one)} {skill.unit} (1 means {format_number(one)}{again})"
     shown = [span("quiet", text, title=f"1 means {meaning}")]
     acceleration = find_acceleration(item, abs(item.magnitude) * one, setting)
     if acceleration is not None:
-        times = (
-            f"{format_number(acceleration)} m/s\u00b2, {format_number(acceleration / GRAVITY)} times gravity"
-        )
-        shown.append(span("acceleration", f"accelerates by {times}"))
+        blow = f"{format_number(acceleration)} m/s\u00b2 while it lasts, " if skill.unit == "m/s" else ""
+        shown.append(span("acceleration", f"{blow}{format_number(acceleration / GRAVITY, 2)} times gravity"))
     return shown
 
 

@@ -20,7 +20,9 @@ from physagent_jax.run.store import PLAIN_VIDEO, VIDEO, RunStore
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile import CompiledScene
 from physagent_jax.scene.config import SceneConfig, dump_scene
-from physagent_jax.simulation.presentation import draw_presentation
+from physagent_jax.simulation.ending import simulate_ending
+from physagent_jax.simulation.notes import Notes
+from physagent_jax.simulation.presentation import PLAIN, draw_presentation
 from physagent_jax.simulation.recording import Recording
 
 FILMSTRIP_FRAMES = 6
@@ -82,6 +84,7 @@ def write_presentation(
     F: np.ndarray,
     size: tuple[int, int],
     *,
+    notes: Notes = PLAIN,
     folder: str = "",
 ) -> Path:
     """Leave the video for people in ``folder``; positions and F are of the body's particles, all frames.
@@ -89,20 +92,27 @@ def write_presentation(
     Returns:
         The video's path.
     """
-    pictures = draw_presentation(config, body, x, F, size)
+    pictures = draw_presentation(config, body, x, F, size, notes)
     return write_video(store.claimed(f"{PurePosixPath(folder, VIDEO)}"), pictures, 1 / config.timing.frame_dt)
 
 
 def write_clip(
-    store: RunStore, index: int, scene: CompiledScene, recording: Recording, size: tuple[int, int]
+    store: RunStore,
+    index: int,
+    scene: CompiledScene,
+    recording: Recording,
+    size: tuple[int, int],
+    notes: Notes = PLAIN,
 ) -> Path:
     """Leave the video for people of round ``index``; the first round's is at the top of the folder at once, too.
 
     Returns:
         The video's path in the round's folder.
     """
-    x, F = recording.x[:, scene.back], recording.F[:, scene.back]
-    path = write_presentation(store, scene.config, scene.body, x, F, size, folder=f"iterations/{index}")
+    x, F = simulate_ending(recording)
+    path = write_presentation(
+        store, scene.config, scene.body, x, F, size, notes=notes, folder=f"iterations/{index}"
+    )
     if index == 0:
         _put_on_top(store, index, [VIDEO])
     return path
@@ -145,18 +155,18 @@ def write_best(
     save_frames: bool,
     save_splats: SplatFormat | Literal[False],
     video_size: tuple[int, int] | None,
+    notes: Notes = PLAIN,
 ) -> None:
     """Put round ``index`` at the top of the folder, and what was asked for of the best round alone.
 
     A round without a video for people gets one, from its motion file.
     """
-    draws = video_size is not None and not (store.round_folder(index) / VIDEO).is_file()
-    if draws or save_splats:
+    missing = None if (store.round_folder(index) / VIDEO).is_file() else video_size
+    if missing is not None or save_splats:
         motion = read_motion(store.round_folder(index) / "motion.npz")
-        if draws:
-            write_presentation(
-                store, config, body, motion.x, motion.F, video_size, folder=f"iterations/{index}"
-            )
+        if missing is not None:
+            folder = f"iterations/{index}"
+            write_presentation(store, config, body, motion.x, motion.F, missing, notes=notes, folder=folder)
         if save_splats:
             write_splats(store, config, body, motion.x, motion.F, save_splats)
     put_best_on_top(store, index, save_frames=save_frames)

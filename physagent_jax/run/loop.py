@@ -209,7 +209,8 @@ def run_loop(
             if run.spec.probe:
                 force_field = loop.probe(template, body, reply)
             series = _Series(store, template, body, "round", loop.observer.judged)
-            attempts = list(loop.rounds(series, force_field, reply))
+            with loop.tell_warnings():  # of what is warned of beside the making of a scene
+                attempts = list(loop.rounds(series, force_field, reply))
         except AgentError:
             raise
         except UserError as error:
@@ -508,7 +509,7 @@ class _Loop:
         with stay_aside():
             if earnest and save.video_size is not None:
                 begun, stages = time.perf_counter(), self._watch.seconds()
-                clip = write_clip(store, index, scene, recording, save.video_size)
+                clip = write_clip(store, index, scene, recording, save.video_size, save.notes)
                 now = time.perf_counter()
                 if self._first_clip is None and index == 0:
                     times = {"seconds": now - self._begun, "draw": now - begun}
@@ -559,6 +560,7 @@ class _Loop:
                 save_frames=save.frames,
                 save_splats=save.splats,
                 video_size=save.video_size,
+                notes=save.notes,
             )
         self.save_costs(
             iterations=len(attempts),
@@ -586,8 +588,7 @@ class _Loop:
     def save_costs(self, **changes) -> None:
         """Write what the run has cost so far into the manifest, with ``changes`` to it."""
         costs = dict(stages=Stages(**self._watch.seconds()), agents=tuple(self._calls.costs.values()))
-        costs["first_clip"] = self._first_clip
-        self._store.update(**costs, reused_frames=self._reused, **changes)
+        self._store.update(**costs, first_clip=self._first_clip, reused_frames=self._reused, **changes)
 
     def _make_segment_prompt(self, camera: Camera) -> SegmentPrompt | None:
         """The prompt that marks the object in the pictures of ``camera``; None if the spec gives none."""

@@ -87,7 +87,7 @@ class FirstClip(Strict):
 
     Attributes:
         seconds: Since the run began, without the start of Python [s].
-        draw: Of these, from the end of the simulation on: drawing and writing the clip [s].
+        draw: The part of them in which the clip was drawn and written, after the simulation [s].
         stages: What was charged to stages until then.
     """
 

@@ -314,7 +314,10 @@ def _make_camera(choice: CameraChoice, card: ObjectCard, source: Source, domain:
     given = [each for each in (choice.azimuth_degrees, card.azimuth_degrees) if each is not None]
     azimuth = given[0] if given else find_broad_side(source, domain)
     return CameraConfig(
-        azimuth_degrees=azimuth, elevation_degrees=choice.elevation_degrees, follow=choice.follow
+        azimuth_degrees=azimuth,
+        elevation_degrees=choice.elevation_degrees,
+        follow=choice.follow,
+        turn=choice.azimuth_degrees is None,
     )
 
 

@@ -34,6 +34,7 @@ class Body:
         binding: Which particles each Gaussian follows.
         reading: How the object's file was read, in words; "" = it was not read from a file.
         loose: Pieces that nothing joins to the rest.
+        plain: The cloud in the colours that people see; None = in its own.
     """
 
     cloud: GaussianCloud
@@ -42,6 +43,7 @@ class Body:
     binding: Binding
     reading: str = ""
     loose: tuple[LoosePiece, ...] = ()
+    plain: GaussianCloud | None = None
 
     @property
     def low(self) -> np.ndarray:
@@ -79,6 +81,7 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
     loaded = load_object(source, base_dir)
     cloud, placement = place(loaded.cloud, source, domain, loaded.origin)
     check_cloud(cloud)
+    plain = None if loaded.plain is None else place(loaded.plain, source, domain, loaded.origin)[0]
     for text in diagnose_cloud(cloud):
         warnings.warn(text, stacklevel=2)
     particles, loose = fill(cloud, filling, dx=domain.dx), ()
@@ -90,7 +93,7 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
     reading = (
         f"{loaded.format_name}: {loaded.encoding}; {cloud.count:,} of {loaded.count_in_file:,} Gaussians kept"
     )
-    return Body(cloud, placement, particles, bind(cloud.means, particles.x), reading, loose)
+    return Body(cloud, placement, particles, bind(cloud.means, particles.x), reading, loose, plain)
 
 
 def _warn_if_sparse(particles: Particles, dx: float) -> None:

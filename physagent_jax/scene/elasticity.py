@@ -18,12 +18,13 @@ from scipy.sparse.csgraph import connected_components
 from physagent_jax.core.arrays import to_device
 from physagent_jax.mpm.kernels import use_cpu
 from physagent_jax.scene import conjugate
-from physagent_jax.scene.stiffness import MOST_COMPONENTS, assemble, factorise
+from physagent_jax.scene.stiffness import MOST_WORK, assemble, factorise
 
 TIE = 0.002  # stiffness against motions of nodes that no particle's strain sees, over that of the material
 INNER_ROUNDS = 500  # of conjugate gradients
 INNER_SHARE = 0.02  # of the residual that they leave
-PATIENCE = 150  # rounds after which a factorisation is the shorter way
+PATIENCE = 150  # rounds after which a factorisation is the shorter way where parts are thin
+FEW = 30  # rounds that take as long as another factorisation
 WORTH_COMPILING = 8000  # particles from which on conjugate gradients are a compiled program
 LEAST_MASS = 1e-4  # of the mean node's: lighter ones on the fringe carry nothing that particles feel
 
@@ -134,18 +135,29 @@ class GridElasticity:
             free: Components that can move, shape (m, 3).
             rounds: At most.
         """
-        if self.factors is not None:
-            return self._iterate(force, free, rounds, self.factors)
-        wait = min(rounds, PATIENCE) if free.sum() <= MOST_COMPONENTS else rounds
-        if len(self._x) >= WORTH_COMPILING:
-            u, done = self._solve_compiled(force, free, wait)
-        else:
-            u, done = self._iterate(force, free, wait)
-        if done < wait or wait == rounds:
-            return u, done
-        self.factorise(free)
-        assert self.factors is not None
-        return self._iterate(force, free, rounds, self.factors)
+        if self.factors is None:
+            wait = min(rounds, PATIENCE) if self._is_thin(free) else rounds
+            if len(self._x) >= WORTH_COMPILING:
+                u, done = self._solve_compiled(force, free, wait)
+            else:
+                u, done = self._iterate(force, free, wait)
+            if done < wait or wait == rounds:
+                return u, done
+            self.factorise(free)
+        u, done = self._iterate(force, free, min(rounds, FEW), self.factors)
+        if done == FEW < rounds:  # what is free has changed too much
+            self.factorise(free)
+            u, more = self._iterate(force, free, min(rounds, FEW), self.factors)
+            done += more
+        return u, done
+
+    def _is_thin(self, free) -> bool:
+        """Return whether factorising takes less time than many rounds: a front of nodes passes through the body."""
+        nodes = self._nodes[free.any(axis=1)]
+        if not len(nodes):
+            return False
+        widest = min(np.bincount(each - each.min()).max() for each in nodes.T)
+        return free.sum() * float(6 * widest) ** 2 <= MOST_WORK
 
     def factorise(self, free) -> Callable[[np.ndarray], np.ndarray]:
         """The inverse of the stiffness of the components that are ``free``, shape (m, 3); `solve` makes use of it."""

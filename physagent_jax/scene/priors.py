@@ -173,11 +173,11 @@ PRIORS: dict[str, Prior] = {
     "metal": Prior(
         ("metal", "can", "tin", "bucket", "kettle", "pan", "foil", "wire", "spoon", "steel", "copper",
          "aluminium", "aluminum"),
-        1.2e6, 0.3, 500.0,
-        "thin sheet around air (500 kg/m^3) that keeps its dents: it yields at a strain of 1.5 %, above its own weight "
-        "and below a fall; steel is 1e5 times stiffer: chosen for visible motion, stiffer than rubber and jelly",
+        3e5, 0.3, 500.0,
+        "thin sheet around air (500 kg/m^3) that keeps its dents: it yields at a strain of 2 %, above its own weight "
+        "and below a fall; steel is 1e6 times stiffer: chosen for visible motion",
         model=MaterialModel.VON_MISES,
-        parameters={"yield_stress": 1.8e4, "hardening_modulus": 1.2e5},
+        parameters={"yield_stress": 6e3, "hardening_modulus": 3e4},
     ),
     "sand": Prior(
         ("sand", "sandcastle", "dune", "gravel", "soil", "dirt"),

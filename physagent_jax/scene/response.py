@@ -10,8 +10,8 @@ the vector, turn about it, strain along it), and A the rate at which a rigid obj
     stretch:           k = s / u
 
 What stands is pushed and turned by less than slides or tips it where that bends it visibly; where it is too stiff, the
-whole is led as if it were pushed itself, with friction made up for. Weight makes what leans softer. No k strains more than a twentieth of the object, or of the part, beyond
-`MOST_STRAIN`.
+whole is led as if it were pushed itself, with friction made up for. Weight makes what leans softer. No k strains more
+than a twentieth of the object, or of the part, beyond `MOST_STRAIN`.
 """
 
 from __future__ import annotations

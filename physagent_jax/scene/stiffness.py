@@ -13,7 +13,7 @@ import numpy as np
 from scipy.sparse import bsr_matrix, csc_matrix
 from scipy.sparse.linalg import splu
 
-MOST_COMPONENTS = 24_000  # that are factorised: seconds, and some hundred MB for a compact body
+MOST_WORK = 2e10  # components times the square of those in a front, that are factorised in seconds
 _LEAST_RELATIVE = 1e-12  # of the mean diagonal, added where nothing else is
 
 

@@ -7,6 +7,12 @@ from physagent_jax.agents.rules.holding import should_hold
 from physagent_jax.motion.schema import AnchorRequest, Verdict
 from tests.agents.scenes import asked, brief, judge, read, rewrite, seen_in
 
+WENT_OVER = {
+    "displacement": (-0.9, 0, 0),
+    "turn": (0, 0, 170.0),
+    "stretch": ((2.4, 0, 0), (0, 1, 0), (0, 0, 1)),
+}
+
 
 def fail(prompt, scene, **motion):
     reply = read(prompt, scene)
@@ -38,12 +44,11 @@ def test_what_is_to_bend_and_falls_over_is_held(ground):
 
 def test_what_needs_to_be_free_is_never_held(ground):
     """What is pushed somewhere, what the user left free, what is said to be free, and what is held already."""
-    went = dict(displacement=(-0.9, 0, 0), turn=(0, 0, 170.0), stretch=((2.4, 0, 0), (0, 1, 0), (0, 0, 1)))
     prompt = "push the robot to the left"
-    reply, failed = fail(prompt, ground, **went)
+    reply, failed = fail(prompt, ground, **WENT_OVER)
     assert rewrite(prompt, reply, failed, ground).hold is None
     prompt = "push the top of the robot to the left"
-    reply, failed = fail(prompt, ground, **went)
+    reply, failed = fail(prompt, ground, **WENT_OVER)
     for scene in (brief(world="ground"), ground.model_copy(update={"anchored": "base"}), brief()):
         assert rewrite(prompt, reply, failed, scene).hold is None
     loose = reply.model_copy(update={"anchor": AnchorRequest(kind="none", words="loose")})

@@ -676,6 +676,14 @@ def test_what_hides_or_contradicts_what_was_asked_still_fails():
         assert not passes(expected(), seen, ground)
 
 
+def test_what_lands_may_be_squashed_but_not_stay_so():
+    """The deformation of a landing passes; what is out of shape from then on is not what was dropped."""
+    fall, squash = expected(KINDS.FALL, None), (-0.35, -0.35, 0.6)
+    passing = show(along(DOWN, 0.5), strain=lambda t: np.multiply(squash, 1.0 if 20 <= t <= 26 else 0.0))
+    assert passes(fall, passing)
+    assert not passes(fall, show(along(DOWN, 0.5), strain=along(squash, 1.0, 20, 24)))
+
+
 def test_what_hops_aside_goes_on_aside_as_it_falls():
     """A throw to the upper left comes down farther left; one that falls to the right does not."""
 

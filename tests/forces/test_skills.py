@@ -242,7 +242,7 @@ def test_a_particle_impulse_is_one_substep_long(per_frame, x64):
     changes = []
     for k in range(8 * per_frame):
         now = term.acceleration(jnp.zeros((4, 3)), jnp.zeros((4, 3)), jnp.ones(4), k * dt, dt)
-        changes.append(np.asarray(now * dt)[0])
+        changes.append(np.asarray(now * dt).mean(0))  # what is struck gets more, the whole as much
     (at,) = np.flatnonzero(np.abs(changes).sum(-1) > 0)
     assert at in (3 * per_frame, 3 * per_frame - 1)  # the clock k dt may be off by round-off
     np.testing.assert_allclose(changes[at], [0, 0, -0.7 * SCALING.impulse], rtol=1e-6)
@@ -285,12 +285,13 @@ def test_opposed_rotations_wring_every_section_in_proportion(x64):
     twist = ForceField.model_validate({"actions": [push], "constraints": ends})
     _, start, end = moved(twist, cells=(8, 3, 3), E=1e5, seconds=0.9 * DURATION, extent=0.4)
     along = np.asarray(start.x[:, 0], float)
-    middle, half = along.mean(), 0.5 * np.ptp(along)
+    middle = along.mean()
+    ends_middle = (along[along > along.min() + 0.8 * np.ptp(along)] - middle).mean()
     for section in np.unique(along.round(6)):
         inside = np.abs(along - section) < 1e-4
         a, b = (np.asarray(s.x)[inside] - np.asarray(s.x)[inside].mean(0) for s in (start, end))
         turn = np.arctan2((a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1]).sum(), (a[:, 1:] * b[:, 1:]).sum())
-        wanted = 0.8 * SCALING.rotation * 8 * FRAME_DT * (section - middle) / half
+        wanted = 0.8 * SCALING.rotation * 8 * FRAME_DT * (section - middle) / ends_middle
         np.testing.assert_allclose(turn, wanted, rtol=0.03, atol=1e-3)
         assert float((end.x - start.x)[inside, 1].mean()) > 0.1  # it has been pushed there
 
@@ -321,7 +322,11 @@ def test_a_thin_neck_stretches_as_much_as_what_is_thick(x64):
     change = motion.find_change(jnp.asarray(x), jnp.zeros_like(jnp.asarray(x)), jnp.asarray(x.mean(0)), 0.0)
     slope = np.asarray(change)[:, 0] / (x[:, 0] - x[:, 0].mean())
     np.testing.assert_allclose(slope, slope[0], rtol=1e-9)
-    np.testing.assert_allclose(slope[0] * np.ptp(x[:, 0]), 2 * SCALING.velocity * np.ptp(x[:, 0]) / np.ptp(x, axis=0).max(), rtol=1e-6)
+    np.testing.assert_allclose(
+        slope[0] * np.ptp(x[:, 0]),
+        2 * SCALING.velocity * np.ptp(x[:, 0]) / np.ptp(x, axis=0).max(),
+        rtol=1e-6,
+    )
     assert np.abs(np.asarray(change)[:, 1:]).max() == 0  # free across
 
 

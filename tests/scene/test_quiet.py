@@ -1,5 +1,7 @@
 """Half a second of nothing, as a viewer sees it: whatever is loaded stays where it is."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -40,7 +42,7 @@ def load(folder, name, hold, youngs_modulus, **size):
     if name in PROCEDURAL and not path.exists():
         write_ply(path, PROCEDURAL[name](0))
     found = {"path": str(path), "up": "+z"} if name in PROCEDURAL else export(name, folder)
-    parts = {} if youngs_modulus is None else {"material": {"youngs_modulus": youngs_modulus}}
+    parts: dict[str, Any] = {} if youngs_modulus is None else {"material": {"youngs_modulus": youngs_modulus}}
     return scene_of(found["path"], frames=FRAMES, object=found, anchor={"kind": hold}, **size, **parts)[0]
 
 

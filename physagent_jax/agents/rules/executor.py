@@ -40,7 +40,7 @@ class RuleExecutor(ExecutorAgent):
         shape is held first, with its force field as it is.
         """
         if should_hold(context, failed):
-            why = "It goes over as a whole where it should change its shape: it is held at its base, with the same forces."
+            why = "It goes over as a whole where it should change its shape: it is held at its base."
             return Reply(Rewrite(force_field=failed.force_field, hold="base", changes=(why,)))
         rounds = [*context.rounds, failed]
         tried = [each.force_field for each in rounds]

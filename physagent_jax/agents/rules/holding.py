@@ -14,8 +14,8 @@ _GOES_OVER = ("collateral", "part")
 def should_hold(context: AgentContext, failed: Round) -> bool:
     """Return whether the object should be held at its base in the next round.
 
-    It stands free, nothing in the sentence needs it so or says that it is, it is to change its shape or one of its parts
-    alone is to move, and as a whole it turns or goes somewhere that nobody asked for.
+    It stands free, and nothing in the sentence needs it so or says that it is. It is to change its shape, or one of its
+    parts alone is to move; but as a whole it turns or goes somewhere that nobody asked for.
     """
     brief, reading = context.brief, context.reading
     free = brief.anchored is None and brief.may_be_held and brief.world == "ground"

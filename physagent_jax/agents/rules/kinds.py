@@ -37,6 +37,7 @@ from physagent_jax.motion.vectors import clamp, cosine, scale
 
 SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinner one tears off what tapers
 MOVING = 0.6  # share of its window in which an end or a plate moves; in the rest it is held
+TURNING = 0.8  # the same of an end that is turned
 _VERTICAL = 0.7  # cosine
 _OPPOSED = -0.7
 _NO_WAY = (0.0, 0.0, 0.0)
@@ -305,7 +306,7 @@ def _make_turn(wish: Wish, cause: Cause) -> VelocityConstraint:
     expectation, (first, end) = wish.expectation, wish.get_span([cause])
     end = min(end, wish.last)
     assert expectation.part is not None
-    until = max(float(round(first + MOVING * (end - first))), first + 1.0)
+    until = max(float(round(first + TURNING * (end - first))), first + 1.0)
     magnitude, amount = cause.item.magnitude, expectation.amount
     if amount is not None and amount.unit == "degrees":
         needed = math.radians(amount.value) / TURN * wish.reference / (until - first)

@@ -32,6 +32,7 @@ class ParticleRotation(Skill):
 
     def make_pair(self, bound, other, sign):
         """The whole is wrung: every section turns in proportion to its distance from the middle."""
+        assert other is not None  # the ground is no partner of a turn
         return bound.wring(other, bound.scaling.rotation, sign)
 
     def draw_icon(self, reverse):

@@ -17,8 +17,8 @@ class Vortex(Skill):
 
     This is Kaufmann's smooth form of Rankine's vortex: tangential, solid at the axis, 1 / d far from it. The axis goes
     through the middle at rest and stays there: it is a place in space. <w> is the mean by moments of inertia, so that a
-    rigid body turns as by a torque, with k = 2 theta / T^2 and theta = `TURN`. What is soft is twisted. A part, and what
-    is held, is turned as by a torque.
+    rigid body turns as by a torque, with k = 2 theta / T^2 and theta = `TURN`. What is soft is twisted. A part,
+    and what is held, is turned as by a torque.
     """
 
     name = "vortex"

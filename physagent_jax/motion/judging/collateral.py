@@ -43,6 +43,9 @@ _TURN_TUMBLING = 500.0  # [degrees] of what is hit, dropped, or acted on at one 
 _TURN_HELD = 70.0  # [degrees] that the affine fit of a bent thing may show
 _STRAIN = 0.4  # [1] that a soft thing may deform while it is pushed
 _STRAIN_HIT = 0.6  # [1] the same when it turns, or bends while it is held
+_ANOTHER_SIDE = (
+    45.0  # [degrees] from which on another side is seen, so that the shape is told from fewer points
+)
 _STRAIN_TUMBLING = 1.0  # [1] the same of what tumbles, whose far side nobody sees from the start
 _UPRIGHT = re.compile(
     r"\bupright\b|\b(without|not|never)\b.{0,20}\b(fall|tip|toppl|roll)|n't (fall|tip|toppl|roll)"
@@ -195,8 +198,23 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     toward = view.brief.directions.toward
     hidden = None if any(w.stretch_view_axis_observable for w in view.report.windows) else toward
     strains = [(t, _find_largest_strain(S, hidden)) for t, S in tensors]
+    left = (
+        _find_left(view, strains)
+        if (swings or tumbles) and not view.anchored and not _is_partial(asked)
+        else []
+    )
+    if left and min(v for _, v in left) > _STRAIN:  # it swings or lands, and is out of shape from then on
+        return _check_lasting(view, "shape", left, _STRAIN, sigma)
     limit = _STRAIN_TUMBLING if tumbles else _STRAIN_HIT if yielding else _STRAIN
     return _check_lasting(view, "shape", strains, limit, sigma)
+
+
+def _find_left(view: View, strains: Signal) -> Signal:
+    """Strains at the end of the clip; none where it has turned so far that another side is seen than at first."""
+    turns = view.turns(0, view.last)
+    if not turns or norm(turns[-1][1]) > _ANOTHER_SIDE:
+        return []
+    return [(t, v) for t, v in strains if t >= _LATE * view.last]
 
 
 def _list_tensors(view: View) -> list[tuple[int, Matrix]]:

@@ -97,17 +97,19 @@ class View:
 
     @property
     def motionless(self) -> bool:
-        """Return whether nothing is seen to move, turn or deform in the whole clip."""
+        """Return whether nothing is seen to move, turn or deform in the whole clip, beyond what is noise."""
         course, turns = self.course(0, self.last), self.turns(0, self.last)
         moved = [norm(p) for _, p in course]
         for end in self.report.parts:
             moved += [norm(p) / 1.5 for _, p in self.course(0, self.last, end)]
-        if not course or max(moved) >= tolerances.VISIBLE:
+        if not course or max(moved) >= self.visible:
             return False
-        if max((norm(v) for _, v in turns), default=0.0) >= tolerances.VISIBLE_DEGREES:
+        if max((norm(v) for _, v in turns), default=0.0) >= max(
+            tolerances.VISIBLE_DEGREES, self.uncertainty("rotation")
+        ):
             return False
         strains = [abs(v) for axis in self.visible_axes for _, v in self.strains(axis, 0, self.last)]
-        return max(strains, default=0.0) < tolerances.VISIBLE_STRAIN
+        return max(strains, default=0.0) < max(tolerances.VISIBLE_STRAIN, self.uncertainty("stretch"))
 
     def find_topples(self) -> list[Vector]:
         """Ways that the top of what stands goes as it tips over: a turn about a level axis whose end is a fall."""

@@ -1,5 +1,4 @@
-"""Constraints on chosen particles within a substep: prescribed motions, rigid bodies, plates that press,
-and motions that grow from end to end.
+"""Constraints within a substep: prescribed motions, also from end to end, rigid bodies, plates that press.
 
 Each constraint acts at three places, in the order of `Model.constraints`: on the particles before P2G, on the
 grid velocities, and on the particles after G2P. Where two claim the same particles, the later one wins.
