@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from physagent_jax.motion.schema import DirectionTable, Part, SceneBrief
+from physagent_jax.forces.part import Part
+from physagent_jax.motion.schema import DirectionTable, SceneBrief
 from physagent_jax.scene.broad_side import find_long_axis
 from physagent_jax.scene.camera import find_viewer_directions
 from physagent_jax.scene.fuse import SceneTemplate

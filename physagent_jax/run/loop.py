@@ -27,8 +27,9 @@ from physagent_jax.agents.trace import AgentError, FailedCall, Reply, Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.naming import name_places
+from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.motion.schema import AnchorRequest, Judgement, Part, SceneBrief, Verdict
+from physagent_jax.motion.schema import AnchorRequest, Judgement, SceneBrief, Verdict
 from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.measure import perceive
 from physagent_jax.perception.protocols import PerceptionBackends, SegmentPrompt
@@ -50,7 +51,7 @@ from physagent_jax.run.forecast import Forecast
 from physagent_jax.run.key_frames import VideoKeyFrames
 from physagent_jax.run.manifest import STOP_REASONS, FirstClip, Stages, StopReason
 from physagent_jax.run.observer import Observer
-from physagent_jax.run.prompt import make_prompt, read_mask
+from physagent_jax.run.prompt import make_part_prompts, make_prompt, read_mask
 from physagent_jax.run.provenance import hash_settings, make_manifest
 from physagent_jax.run.reading import read_for_scene
 from physagent_jax.run.refused import REFUSED, RefusedReading
@@ -479,6 +480,7 @@ class _Loop:
                     windows=windows,
                     backends=self._backends,
                     prompt=self._make_segment_prompt(scene.camera),
+                    parts=make_part_prompts(context, series.body),
                 )
             with self._watch("write"):
                 writing.result()

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
+from physagent_jax.forces.part import Part
 from physagent_jax.gaussians.binding import Binding, bind
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.gaussians.diagnosis import check_cloud, diagnose_cloud
-from physagent_jax.motion.schema import Part
 from physagent_jax.scene.config import Domain, Filling, SceneConfig, Source
 from physagent_jax.scene.filling import Particles, fill
 from physagent_jax.scene.load import load_object

@@ -24,8 +24,9 @@ from physagent_jax.forces.calibration import (
     TURN,
     find_reference_time,
 )
+from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import CellsRegion, ConstraintType, VelocityConstraint
-from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, MotionKind, Part, SceneBrief
+from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import clamp, cosine, cross, dot, norm, normalise, scale, subtract
 
 _PLAIN = 45.0  # [degrees] that a plain word turns a limb by

@@ -9,8 +9,8 @@ import dataclasses
 
 import numpy as np
 
+from physagent_jax.forces.part import Part, PartRole
 from physagent_jax.forces.schema import CellsRegion
-from physagent_jax.motion.schema import Part, PartRole
 from physagent_jax.scene.parts.protrusions import Graph, Protrusion, find_protrusions, make_graph
 
 _LARGEST = 0.45  # share of the object: more is the object itself
