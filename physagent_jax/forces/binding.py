@@ -156,6 +156,8 @@ class Binding:
         first, last = values.window
         self.window = self.leaf(first * frame_dt), self.leaf(last * frame_dt)
         self.instant = self.leaf((first + AFTER) * frame_dt)
+        pivot = getattr(timed, "pivot", None)
+        self._pivot = None if pivot is None else rest.min(0) + np.asarray(pivot) * np.ptp(rest, axis=0)
         hold_end = getattr(timed, "held_until", None)
         self._held_until = None if hold_end is None else self.leaf(hold_end * frame_dt)
         self.whole = timed.region is None
@@ -296,11 +298,12 @@ class Binding:
         return xp.ptp(self._rest.astype(xp.result_type(float)) @ (axis / xp.linalg.norm(axis))) / extent
 
     def hold(self, velocity: jax.Array, angular_velocity: jax.Array) -> list[PrescribedMotion]:
-        """The particles move so during the window, about their own centre, and then stay if they are to be held."""
+        """The particles move so during the window, about pivot or own centre, and then stay if they are to be held."""
         with jax.ensure_compile_time_eval():  # places are known, also where numbers are traced
             particles = to_device(np.flatnonzero(self._mask), np.int32)
         still = self.leaf(np.zeros(3))
-        motions = [PrescribedMotion(particles, velocity, angular_velocity, None, *self.window)]
+        pivot = None if self._pivot is None else self.leaf(self._pivot)
+        motions = [PrescribedMotion(particles, velocity, angular_velocity, pivot, *self.window)]
         if self._held_until is not None:
             motions.append(PrescribedMotion(particles, still, still, still, self.window[1], self._held_until))
         return motions

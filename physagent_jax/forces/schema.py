@@ -61,7 +61,21 @@ class SphereRegion(Strict):
     radius: float = Field(ge=1e-6, le=1e6)
 
 
-Region = Annotated[BoxRegion | HalfSpaceRegion | SphereRegion, Field(discriminator="kind")]
+_Seeds = Annotated[tuple[_Place, ...], Field(min_length=1, max_length=512)]
+
+
+class CellsRegion(Strict):
+    """Particles whose nearest seed is one of ``inside`` (bounding-box fractions; distances in metres).
+
+    A part of any shape: the Voronoi cells of its own seeds among those of the whole object.
+    """
+
+    kind: Literal["cells"] = "cells"
+    inside: _Seeds
+    outside: _Seeds
+
+
+Region = Annotated[BoxRegion | HalfSpaceRegion | SphereRegion | CellsRegion, Field(discriminator="kind")]
 
 
 class _Timed(Strict):
@@ -127,11 +141,14 @@ class VelocityConstraint(_Timed):
         constraint_type: Which skill of those that prescribe velocities.
         held_until: Frame until which particles or plate then stay where they were brought; None = they are let go when
             the window ends. A sudden skill has none.
+        pivot: Point that particles turn about, for a rotation (bounding-box fractions): a joint; None = their own
+            centre.
         vector, magnitude, gain, active_time, region, object: as for `Action`.
     """
 
     constraint_type: ConstraintType
     held_until: _Frame | None = None
+    pivot: _Place | None = None
 
     @model_validator(mode="after")
     def _check_held(self) -> VelocityConstraint:

@@ -27,6 +27,8 @@ def find_hold(choice: AnchorChoice, kind: str, said: AnchorRequest) -> Hold | No
         kind: The object's kind.
         said: The sentence's words about holding.
     """
+    if choice.kind == "auto" and said.kind == "rest":
+        return Hold("rest", HoldOrigin.SENTENCE, said.words)
     place = choose_anchor(kind, said.kind).kind if choice.kind == "auto" else choice.kind
     if place == "none":
         return None

@@ -27,6 +27,7 @@ from physagent_jax.agents.trace import AgentError, FailedCall, Reply, Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.naming import name_places
+from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.schema import AnchorRequest, Judgement, SceneBrief, Verdict
 from physagent_jax.perception.backends import make_backends
@@ -50,7 +51,7 @@ from physagent_jax.run.forecast import Forecast
 from physagent_jax.run.key_frames import VideoKeyFrames
 from physagent_jax.run.manifest import STOP_REASONS, FirstClip, Stages, StopReason
 from physagent_jax.run.observer import Observer
-from physagent_jax.run.prompt import make_prompt, read_mask
+from physagent_jax.run.prompt import make_part_prompts, make_prompt, read_mask
 from physagent_jax.run.provenance import hash_settings, make_manifest
 from physagent_jax.run.reading import read_for_scene
 from physagent_jax.run.refused import REFUSED, RefusedReading
@@ -258,6 +259,7 @@ class _Loop:
         self._calls = AgentCalls(agents, store.manifest.agents)
         self._template = run.template
         self._restart_cache: RestartCache | None = None
+        self._parts: tuple[Part, ...] = ()
         self._reused = dict(store.manifest.reused_frames)
         self._warnings: tuple[str, ...] = ()
         self._stopped: StopReason | None = None
@@ -317,6 +319,7 @@ class _Loop:
         with self._watch("prepare"), self.tell_warnings():
             body = make_body(template.source, preset.filling, preset.domain, self._run.base_dir)
             self._template, _ = self._run.place(body)
+            self._parts = body.parts
         self.observer.assumed(f"the object's file was read as {body.reading}")
         return body
 
@@ -477,6 +480,7 @@ class _Loop:
                     windows=windows,
                     backends=self._backends,
                     prompt=self._make_segment_prompt(scene.camera),
+                    parts=make_part_prompts(context, series.body),
                 )
             with self._watch("write"):
                 writing.result()
@@ -604,7 +608,7 @@ class _Loop:
         return AgentContext(self._run.spec.prompt, self._make_brief(), self._skills, reading, tuple(rounds))
 
     def _make_brief(self) -> SceneBrief:
-        brief = make_brief(self._template, frames_fixed=self._run.frames_fixed)
+        brief = make_brief(self._template, frames_fixed=self._run.frames_fixed, parts=self._parts)
         return brief.model_copy(update={"may_be_held": self._run.spec.anchor.kind == "auto"})
 
 

@@ -249,6 +249,8 @@ def resolve_anchor(
     match choice.kind:
         case "auto":
             said = said or AnchorRequest()
+            if said.region is not None:
+                return Anchor(kind="region", region=said.region, reason=f"{said.words} alone is to move")
             return choose_anchor(kind, said.kind, said.words)
         case "box":
             return Anchor(kind="box", point=choice.point, half_size=choice.half_size, reason=reason)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from physagent_jax.forces.schema import CellsRegion
 from physagent_jax.mpm.constraints import MovingPlate, PrescribedMotion
 from physagent_jax.render.blocks import Block
 from physagent_jax.scene.body import Body
@@ -62,8 +63,12 @@ def make_plate(point: np.ndarray, normal: np.ndarray, x: np.ndarray, size: float
 
 
 def _compile_grips(config: SceneConfig, body: Body) -> tuple:
-    if not config.force_field.constraints:
-        return ()
+    drawn = tuple(each for each in config.force_field.constraints if not isinstance(each.region, CellsRegion))
+    if not drawn:
+        return ()  # what turns about its joint moves by itself
+    config = config.model_copy(
+        update=dict(force_field=config.force_field.model_copy(update=dict(constraints=drawn)))
+    )
     rest, volume = np.asarray(body.particles.x), np.asarray(body.particles.volume)
     return compile_skills(config, body, rest, volume)[1]
 

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import warnings
 from pathlib import Path
 
 import numpy as np
 
+from physagent_jax.forces.part import Part
 from physagent_jax.gaussians.binding import Binding, bind
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.gaussians.diagnosis import check_cloud, diagnose_cloud
 from physagent_jax.scene.config import Domain, Filling, SceneConfig, Source
 from physagent_jax.scene.filling import Particles, fill
 from physagent_jax.scene.load import load_object
+from physagent_jax.scene.parts import find_parts
 from physagent_jax.scene.pieces import LoosePiece, explain_loose, join_pieces
 from physagent_jax.scene.placement import Placement, place
 
@@ -56,6 +59,11 @@ class Body:
     def extent(self) -> float:
         """Longest side of the bounding box [m]."""
         return float((self.high - self.low).max())
+
+    @functools.cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """Parts that stick out of the object."""
+        return find_parts(np.asarray(self.particles.x, np.float64))
 
 
 def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | Path) -> Body:

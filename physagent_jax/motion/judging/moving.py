@@ -76,6 +76,7 @@ def check_move(asked: Asked) -> list[Check]:
     coasting = 0.0 if direction is None else max(dot(drift, direction), 0.0) * (peak_frame - first)
     seconds, at_end = view.seconds(first, until), asked.end is not None
     tolerance = tolerances.expect_move(motion, view.anchored, seconds=seconds, drift=coasting, end=at_end)
+    tolerance = view.fit_to_limb(tolerance, motion)
     if asked.obstacle is not None:
         tolerance = tolerance.limited(asked.obstacle.distance)
     lost = any(view.report.centroid[t] is None for t in range(first, until + 1))
@@ -179,6 +180,7 @@ def check_sway(asked: Asked) -> list[Check]:
     path = [dot(p, direction) for _, p in course]
     amplitude = (max(path) - min(path)) / 2.0
     tolerance = tolerances.expect_sway(asked.motion, asked.view.anchored, end=asked.end is not None)
+    tolerance = asked.view.fit_to_limb(tolerance, asked.motion)
     words = f"{amplitude:.2g} body lengths to either side"
     checks = []
     if amount is None or amount.unit == "seconds":

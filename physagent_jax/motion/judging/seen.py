@@ -12,6 +12,7 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.matching import share_time
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, ObstacleRequest, SceneBrief
+from physagent_jax.motion.tolerances import Tolerance
 from physagent_jax.motion.vectors import add, clamp, cosine, cross, dot, norm, normalise, scale, subtract
 from physagent_jax.perception.schema import Matrix, MotionReport, PartMotion, Uncertainty, WindowMotion
 
@@ -121,9 +122,16 @@ class View:
         ways = [cross(axis, self.brief.directions.up) for axis in ends]
         return [normalise(way) or way for way in ways if norm(way) > _TOPPLES]
 
+    def fit_to_limb(self, tolerance: Tolerance, motion: ExpectedMotion) -> Tolerance:
+        """A way's tolerance in lengths of the limb that is asked about; unchanged where none is."""
+        if motion.limb is None:
+            return tolerance
+        return tolerance.scaled(norm(self.brief.parts[motion.limb].arm), least=tolerances.VISIBLE)
+
     def find_end(self, direction: Vector) -> PartMotion | None:
         """The end towards a direction; None if the report tells no ends apart."""
-        ends = [p for p in self.report.parts if cosine(p.direction, direction) >= ALONG_END]
+        whole = [p for p in self.report.parts if p.limb is None]
+        ends = [p for p in whole if cosine(p.direction, direction) >= ALONG_END]
         return max(ends, key=lambda p: cosine(p.direction, direction), default=None)
 
     def window(self, first: int, last: int) -> WindowMotion | None:
