@@ -360,7 +360,7 @@ class Binding:
 
         Args:
             other: The other end.
-            k: Of both ends [rad/s].
+            k: Rate of both ends [rad/s].
             sign: 1 if this end lies in the vector's direction, -1 if the other does.
         """
         size, way = self._split()

@@ -59,7 +59,7 @@ class Setting:
 
     Attributes:
         body: The object at rest.
-        material: Of which the Young's modulus, Poisson's ratio and density count.
+        material: Its material; Young's modulus, Poisson's ratio and density count.
         anchor: What is held; a mask's path is absolute.
         stands: Whether it rests on the ground.
         weighs: Whether weight acts downwards on what stands or is held at its foot.
@@ -175,7 +175,7 @@ def _find_k(setting: Setting, measured: Measured, quantity: str, target: float) 
 
 
 def _find_swing(answer: float, time: float) -> float:
-    """How far a sudden push goes within ``time``, over where it would come to rest."""
+    """The way of a sudden push within ``time``, over where it would come to rest."""
     return min(OVERSHOOT, 1 - math.cos(min(time / math.sqrt(answer), math.pi)))
 
 

@@ -418,7 +418,7 @@ def test_what_leaves_the_range_of_M_is_calibrated_again():
 
 
 def test_a_gain_goes_on_from_round_to_round():
-    """What was calibrated again is a part of the effort that the next factor is of."""
+    """A k that was calibrated again is a part of the effort that the next factor is of."""
     field = with_magnitude("push it left", 1.6, gain=2.0)
     answer, _ = rewritten("push it left", field, displacement=(-0.24, 0, 0))
     (action,) = answer.force_field.actions
@@ -429,7 +429,7 @@ def test_a_gain_goes_on_from_round_to_round():
 
 
 def test_what_is_at_its_limit_is_said():
-    """Where k has its limit too; and nothing in any rewrite exceeds the range, alone or with others."""
+    """K has its limit too, and nothing in any rewrite exceeds the range, alone or with others."""
     limit = with_magnitude("a gust blows it left", 1.3, gain=45.0)
     answer, _ = rewritten("a gust blows it left", limit, displacement=(-0.35, 0, 0))
     said = [change for change in answer.changes if "cannot be made stronger" in change]

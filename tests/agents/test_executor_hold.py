@@ -43,7 +43,7 @@ def test_what_is_to_bend_and_falls_over_is_held(ground):
 
 
 def test_what_needs_to_be_free_is_never_held(ground):
-    """What is pushed somewhere, what the user left free, what is said to be free, and what is held already."""
+    """No hold for what is pushed somewhere, is left free by the user or the sentence, or is held already."""
     prompt = "push the robot to the left"
     reply, failed = fail(prompt, ground, **WENT_OVER)
     assert rewrite(prompt, reply, failed, ground).hold is None

@@ -142,7 +142,7 @@ def test_a_length_that_is_let_go_is_not_kept():
 
 
 def test_moved_ends_go_as_far_as_the_sentence_says():
-    """What lies between them follows in proportion, so that the whole is a fifth longer."""
+    """The middle follows in proportion, so that the whole is a fifth longer."""
     _, field, last = planned("stretch it sideways by 20 percent within half a second")
     one, two = field.constraints
     assert travelled(one, last) + travelled(two, last) == pytest.approx(0.2, rel=0.03)

@@ -46,7 +46,7 @@ USUAL = [
     ("plant", "base", None),
     ("jelly", "none", None),
 ]
-"""Of each kind of object one case; all of them take minutes."""
+"""One case of each kind of object; all of them take minutes."""
 
 
 def load(folder, name, hold, youngs_modulus, **size):

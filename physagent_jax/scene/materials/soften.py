@@ -107,7 +107,7 @@ def find_contrast(material: Material, *, dx: float, duration: float, at_most: in
     Args:
         material: The true material.
         dx: Cell length [m].
-        duration: Of the clip [s].
+        duration: Length of the clip [s].
         at_most: Number of substeps that a clip affords.
 
     Raises:
