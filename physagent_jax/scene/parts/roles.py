@@ -14,10 +14,15 @@ from physagent_jax.forces.schema import CellsRegion
 from physagent_jax.scene.parts.protrusions import Graph, Protrusion, find_protrusions, make_graph
 
 _LARGEST = 0.45  # share of the object: more is the object itself
+_LEAST = 0.004  # share of the object
 _SMALLEST = 0.04  # length over the object's
 _ON_GROUND = 0.06  # of the height
 _HEAD = 0.55  # of the height, above which the middle of a head lies
 _TOP = 0.8  # of the height, above which it is no tail
+_SLIM, _SLIM_BRANCHED = (
+    1.4,
+    2.0,
+)  # least slimness: boxes and cylinders have corners of up to 1.3, and ends of 1.7
 _MIRROR = 0.12  # of the length, by which two of a pair may miss each other's mirror image
 _JOINT = 0.3  # of the way from neck to tip that bends
 _SEEDS = 24  # that mark a part, at most
@@ -25,13 +30,23 @@ _SEEDS = 24  # that mark a part, at most
 
 @dataclasses.dataclass(frozen=True)
 class _Limb:
-    """A protrusion with its measures: centre, joint and tip [m], length and share of the object [1]."""
+    """A protrusion with its measures.
+
+    Attributes:
+        protrusion: Its nodes.
+        centre, joint, tip: Places [m], shape (3,).
+        length: From joint to tip, over the object's.
+        slimness: The length over the radius of gyration of the neck; about 1 for the corner of a box.
+        share: Share of the object.
+        low: Height of its lowest node [m].
+    """
 
     protrusion: Protrusion
     centre: np.ndarray
     joint: np.ndarray
     tip: np.ndarray
     length: float
+    slimness: float
     share: float
     low: float
 
@@ -52,7 +67,8 @@ def find_parts(points: np.ndarray) -> tuple[Part, ...]:
     parts = []
     for index, limb in enumerate(limbs):
         roles = _find_roles(index, limbs, low, high)
-        if roles and limb.length >= _SMALLEST:
+        slim = limb.slimness >= (_SLIM if not limb.protrusion.children else _SLIM_BRANCHED)
+        if roles and slim and limb.length >= _SMALLEST and limb.share >= _LEAST:
             parts.append(_make_part(graph, limb, roles, low, high, size))
     return tuple(parts)
 
@@ -63,7 +79,11 @@ def _measure(graph: Graph, protrusion: Protrusion, low: np.ndarray, size: float)
     centre = np.average(places, axis=0, weights=weights)
     joint, tip = graph.places[protrusion.neck].mean(0), graph.places[protrusion.tip]
     length = float(np.linalg.norm(tip - joint)) / size
-    return _Limb(protrusion, centre, joint, tip, length, float(weights.sum()), float(places[:, 2].min()))
+    width = np.sqrt(((graph.places[protrusion.neck] - joint) ** 2).sum(1).mean()) / size
+    slimness = length / max(float(width), 1e-9)
+    return _Limb(
+        protrusion, centre, joint, tip, length, slimness, float(weights.sum()), float(places[:, 2].min())
+    )
 
 
 def _find_roles(index: int, limbs: list[_Limb], low: np.ndarray, high: np.ndarray) -> tuple[PartRole, ...]:
