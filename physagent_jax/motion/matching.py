@@ -123,9 +123,11 @@ def find_own_causes(
     expectation: ExpectedMotion, expectations: Sequence[ExpectedMotion], force_field: ForceField
 ) -> list[Cause]:
     """Causes of an expected motion without those that serve another one: they are not to be turned from it."""
+    causes = find_causes(expectation, force_field)
+    if all(agrees(cause, expectation) for cause in causes):
+        return causes  # whatever else they serve
     others = [e for e in expectations if e is not expectation and e.kind is not MotionKind.SWAY]
     served = {c.name for e in others for c in find_causes(e, force_field) if agrees(c, e)}
-    causes = find_causes(expectation, force_field)
     return [c for c in causes if c.name not in served or agrees(c, expectation)]
 
 

@@ -37,6 +37,7 @@ _TIME = 1.0  # [s] in which a limb gets where it goes, at most
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them
 _DRIVEN = (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE)
 _THERE = 0.2  # cosine to a side from which on a limb is on it
+_MOST_SEEDS = 256  # of a region
 _NAMES = {"side": "part at its side"}
 
 
@@ -224,7 +225,12 @@ def _join_rest(limbs: list[Part]) -> CellsRegion:
     inside = tuple(
         seed for limb in limbs for seed in limb.rest.inside if all(_is_in_rest(seed, each) for each in limbs)
     )
-    return CellsRegion(inside=inside or limbs[0].rest.inside, outside=outside)
+    return CellsRegion(inside=_thin(inside or limbs[0].rest.inside), outside=_thin(outside))
+
+
+def _thin(seeds: tuple[Vector, ...]) -> tuple[Vector, ...]:
+    """At most as many of the seeds as a region holds, evenly."""
+    return seeds[:: -(-len(seeds) // _MOST_SEEDS)]
 
 
 def _is_in_rest(seed: Vector, limb: Part) -> bool:

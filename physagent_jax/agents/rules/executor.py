@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import islice
 
 from physagent_jax.agents.context import AgentContext, Round
 from physagent_jax.agents.hard_rules import Repair, apply_hard_rules
@@ -114,10 +115,10 @@ def _mend(
     for index, checks in failed.items():
         earlier = tuple(_list_gains(index, [each for each in rounds if each is not base]))
         case = Case(field, expectations[index], expectations, context.brief, checks, base.report, earlier)
-        options = list(_list_effective(case, context))
-        options = [each for change in options if (each := kept.spare(change, field))] or options
+        spared = (each for change in _list_effective(case, context) if (each := kept.spare(change, field)))
+        options = list(islice(spared, depth + 1)) or list(islice(_list_effective(case, context), depth + 1))
         if options:
-            changes.append(options[min(depth, len(options) - 1)])
+            changes.append(options[-1])
             field = changes[-1].force_field
     return changes
 

@@ -25,7 +25,7 @@ _SLIM, _SLIM_BRANCHED = (
 )  # least slimness: boxes and cylinders have corners of up to 1.3, and ends of 1.7
 _MIRROR = 0.12  # of the length, by which two of a pair may miss each other's mirror image
 _JOINT = 0.3  # of the way from neck to tip that bends
-_SEEDS = 24  # that mark a part, at most
+_SEEDS = 20  # that mark a part, at most
 
 
 @dataclasses.dataclass(frozen=True)
