@@ -277,7 +277,7 @@ class SkillScaling(Strict):
     damping_rate: NotNegative = 0.0
     opposition: Opposition | None = None
     holding: Holding | None = None
-    responses: tuple[Response, ...] = ()
+    responses: Annotated[tuple[Response, ...], Field(max_length=256)] = ()
     measured: bool = False
     share: Positive | None = None
     reason: str = ""

@@ -72,7 +72,8 @@ def test_a_run_leaves_every_file(finished):
         "judgement.json",
         "simulation.json",
     } <= first
-    assert read_video(finished / "video.mp4").shape == (FRAMES, 90, 160, 3)
+    clip = read_video(finished / "video.mp4")
+    assert clip.shape[1:] == (90, 160, 3) and FRAMES <= len(clip) <= FRAMES + 25  # until rest, 1 s at most
     assert read_video(finished / "perception.mp4").shape == (FRAMES, 96, 96, 3)
     assert len(list((finished / "frames").iterdir())) == FRAMES
     assert len(list((finished / "splats").glob("*.ply"))) == FRAMES
