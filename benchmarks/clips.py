@@ -13,7 +13,7 @@ from functools import partial
 from pathlib import Path
 
 from benchmarks import harness
-from benchmarks.first_results.catalogue import CASES, THINGS, Case, name_case
+from benchmarks.first_results.catalogue import FIRST, THINGS, Case, name_case
 from benchmarks.harness import Job, Row, Rows, table
 from physagent_jax.run.manifest import Manifest
 from physagent_jax.simulation.record import SimulationRecord
@@ -38,7 +38,7 @@ def list_jobs(
     folder = tempfile.TemporaryDirectory()
     place = Path(folder.name)
     _run_once(first, place)
-    for number, case in list(enumerate(CASES, 1))[::every]:
+    for number, case in list(enumerate(FIRST, 1))[::every]:
         file = THINGS[case.thing].find_file(data, place)
         name = name_case(number, case)
         if file is None:

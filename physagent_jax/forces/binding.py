@@ -327,7 +327,7 @@ class Binding:
 
         Args:
             other: The other end; None = it rests on the ground or is held.
-            k: Of both ends [m/s].
+            k: Speed of both ends [m/s].
             sign: 1 if the vector points out of the object at this end, -1 if into it.
         """
         size, way = self._split()
