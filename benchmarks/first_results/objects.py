@@ -49,7 +49,7 @@ class PinnedFile:
         return f"{_SITE}{self.folder}/{self.name}"
 
     def is_in(self, path: Path) -> bool:
-        """Whether ``path`` is this very file."""
+        """Return whether ``path`` is this very file."""
         return path.is_file() and hash_file(path) == self.sha256
 
 

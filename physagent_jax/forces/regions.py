@@ -37,7 +37,7 @@ def make_region_mask(region: Region, rest: np.ndarray, origin: str = "region") -
             mask = np.linalg.norm(rest - center, axis=1) <= region.radius * size.max()
         case CellsRegion():
             seeds = low + np.asarray((*region.inside, *region.outside)) * size
-            mask = KDTree(seeds).query(rest)[1] < len(region.inside)
+            mask = np.asarray(KDTree(seeds).query(rest)[1]) < len(region.inside)
     if not mask.any():
         raise UserError(
             f"`{origin}` selects no particle of the object",

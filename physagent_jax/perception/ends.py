@@ -39,7 +39,8 @@ class PartPrompt:
 
     def holds(self, points: np.ndarray) -> np.ndarray:
         """Return which points lie nearer to the part than to the rest, shape (n,)."""
-        return KDTree(np.concatenate([self.inside, self.outside])).query(points)[1] < len(self.inside)
+        nearest = np.asarray(KDTree(np.concatenate([self.inside, self.outside])).query(points)[1])
+        return nearest < len(self.inside)
 
 
 @dataclasses.dataclass

@@ -249,7 +249,7 @@ def resolve_anchor(
     match choice.kind:
         case "auto":
             said = said or AnchorRequest()
-            if said.region is not None:
+            if said.kind == "rest":
                 return Anchor(kind="region", region=said.region, reason=f"{said.words} alone is to move")
             return choose_anchor(kind, said.kind, said.words)
         case "box":
