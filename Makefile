@@ -1,4 +1,5 @@
 # make demo: from a fresh machine to the first video.   make test: the test suite.   make pictures: the README's.
+# make gallery: docs/gallery.md; OBJECTS is the folder that benchmarks.first_results.objects fills.
 # make evidence: measured pages whose code has changed since, and how to measure them again.
 PYTHON ?= python3
 VENV ?= .venv
@@ -7,7 +8,9 @@ PYTEST_ARGS ?= -n auto --dist worksteal
 DEMO_OUT ?= runs/demo
 DEMO_PROMPT ?= a strong wind pushes the robot to the left
 
-.PHONY: demo test lint pictures evidence clean
+OBJECTS ?= runs/objects
+
+.PHONY: demo test lint pictures gallery evidence clean
 
 demo: $(VENV)/.installed
 	$(RUN)/physagent run --object examples/assets/robot.ply --prompt "$(DEMO_PROMPT)" --out $(DEMO_OUT) --overwrite
@@ -24,6 +27,9 @@ lint: $(VENV)/.installed
 
 pictures: $(VENV)/.installed
 	$(RUN)/python examples/make_pictures.py docs/images
+
+gallery: $(VENV)/.installed
+	$(RUN)/python -m benchmarks.gallery --objects $(OBJECTS)
 
 evidence: $(VENV)/.installed
 	$(RUN)/python -m benchmarks.evidence

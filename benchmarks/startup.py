@@ -1,10 +1,13 @@
-"""`python -m benchmarks.startup [--json OUT] [--markdown MD] [--quick]`: time to a first result, and of an iteration.
+"""`python -m benchmarks.startup [--json OUT] [--data DIR] [--markdown MD] [--quick]`: time to a first result.
 
 Runs the job of `make demo` in a new process: first with an empty folder for compiled programs (cold), then again with
 what that run left there (warm); some rounds of both. What compilation adds is the difference of the two.
 
 What one iteration of the loop takes (simulate, render, perceive, decide), once all is compiled, is measured with a
 mesh that is filled with as many particles as ``--preset fast`` has at most.
+
+Part "clips" runs each sentence of the first results (`benchmarks.first_results`) for one round and notes when its clip
+was there. Objects that are not bundled and cannot be made are looked for in ``--data``.
 """
 
 from __future__ import annotations
@@ -24,7 +27,7 @@ from typing import Literal
 import trimesh
 import tyro
 
-from benchmarks import harness
+from benchmarks import clips, harness
 from benchmarks.harness import RAW, Job, Page, Row, Rows, provenance, table
 
 OBJECT = Path(__file__).resolve().parents[1] / "examples" / "assets" / "robot.ply"
@@ -34,7 +37,7 @@ ITERATION = ("simulate", "render", "perceive", "agents")  # stages
 SMALL = ("--frames", "8", "--particles", "1000", "--resolution", "96", "--max-iterations", "1")
 AIM = 0.5  # greatest share of the first result's time that compilation may have
 ITERATION_AIM = 10.0  # most seconds of an iteration
-PARTS = ("first", "iteration")
+PARTS = ("first", "iteration", "clips")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -43,8 +46,10 @@ class Command(harness.Command):
 
     json: Path = RAW / "startup.json"
     """File of the raw rows; those of other parts are kept."""
-    parts: tuple[Literal["first", "iteration"], ...] = PARTS
-    """The job of `make demo`, and one iteration of the loop."""
+    parts: tuple[Literal["first", "iteration", "clips"], ...] = PARTS
+    """The job of `make demo`, one iteration of the loop, and the first clips of all first results."""
+    data: Path | None = None
+    """Folder of objects that are not bundled and cannot be made."""
     rounds: int = 3
     """Pairs of a cold and a warm run, and iterations; quick: one."""
 
@@ -58,6 +63,9 @@ def main() -> int:
             Job(f"round {n + 1}", partial(_measure_first, n, (*JOB, *small))) for n in range(rounds)
         ],
         "iteration": lambda: [Job("iterations", partial(_measure_iterations, rounds, small))],
+        "clips": lambda: clips.list_jobs(
+            command.data, (*JOB, *small), small, every=6 if command.quick else 1
+        ),
     }
     return harness.main(command, parts, PAGE)
 
@@ -128,6 +136,8 @@ def write_tables(result: harness.Result) -> harness.Tables:
         tables |= _write_first_result(result["first"]["rows"])
     if "iteration" in result:
         tables |= _write_iteration(result["iteration"]["rows"])
+    if "clips" in result:
+        tables |= clips.write_tables(result["clips"]["rows"])
     return tables
 
 

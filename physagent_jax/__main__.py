@@ -1,7 +1,5 @@
 """`python -m physagent_jax`: the `physagent` command."""
 
-import sys
+from physagent_jax.cli.process import run_process
 
-from physagent_jax.cli import main
-
-sys.exit(main())
+run_process()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import shutil
 import tempfile
@@ -10,6 +11,8 @@ from typing import Any
 
 import jax
 import pytest
+from jax._src import compiler
+from jax._src.lib.mlir import ir
 
 from physagent_jax.kernels import programs
 
@@ -23,6 +26,10 @@ QUICK_TO_COMPILE = "--xla_backend_optimization_level=1" + (
     if jax.__version_info__ < (0, 11)
     else ""
 )
+
+
+RARELY = (100_000, 20, 50)
+"""Thresholds of the garbage collector: with Python's own, a seventh of the suite's time went into collecting."""
 
 
 def compile_quickly() -> None:
@@ -40,13 +47,52 @@ def compile_quickly() -> None:
         os.environ["XLA_FLAGS"] = given
 
 
+def repeats(program: Any) -> bool:
+    """Return whether a program has a loop, or calls what may have one."""
+    found = []
+
+    def look(operation):
+        if operation.name in ("stablehlo.while", "stablehlo.custom_call"):
+            found.append(operation)
+            return ir.WalkResult.INTERRUPT
+        return ir.WalkResult.ADVANCE
+
+    program.operation.walk(look)
+    return bool(found)
+
+
+def compile_what_runs_once_least() -> None:
+    """Has programs without a loop compiled with the fewest optimisations: nine of ten, such as single operations.
+
+    Compiling one takes half as long then, which is longer than it runs. This process only, as `compile_quickly`.
+    """
+    compiled = compiler.compile_or_get_cached
+
+    def compile_or_get_cached(backend, computation, devices, compile_options, *more, **named):
+        if not repeats(computation):
+            chosen = compile_options.executable_build_options.debug_options
+            chosen.xla_backend_optimization_level = 0
+            chosen.xla_llvm_disable_expensive_passes = True
+        return compiled(backend, computation, devices, compile_options, *more, **named)
+
+    compiler.compile_or_get_cached = compile_or_get_cached
+
+
 def pytest_configure(config):
     """Share compiled programs between processes: most of the suite's time goes into compiling."""
     compile_quickly()
+    compile_what_runs_once_least()
+    gc.set_threshold(*RARELY)
     if _SHARED not in os.environ:
         os.environ[_SHARED] = folder = tempfile.mkdtemp(prefix="physagent-tests-")
         config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
     programs.keep_on_disk(Path(os.environ[_SHARED]))
+
+
+def pytest_collection_finish():
+    """Leave modules and tests, which live to the end, out of what the garbage collector looks through."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(autouse=True, scope="module")

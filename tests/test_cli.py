@@ -1,6 +1,11 @@
 """The command line: every bad input gives one clear line and exit code 2, and leaves nothing behind."""
 
 import json
+import subprocess
+import sys
+import tomllib
+from importlib import import_module
+from pathlib import Path
 
 import pytest
 
@@ -357,3 +362,14 @@ def test_report_does_not_replace_a_page_of_another_hand(earlier_run, capsys):
     assert (earlier_run / "report.html").read_bytes() == b"<html>my own</html>"
     assert main(["report", str(earlier_run), "--overwrite"]) == 0
     assert main(["report", str(earlier_run)]) == 0  # its own page
+
+
+def test_the_command_that_is_installed_is_the_process_of_python_m(tmp_path):
+    root = Path(__file__).resolve().parents[1]
+    module, name = tomllib.loads((root / "pyproject.toml").read_text())["project"]["scripts"][
+        "physagent"
+    ].split(":")
+    assert callable(getattr(import_module(module), name))
+    for arguments, code in ((["materials"], 0), (["run", "--out", str(tmp_path / "run")], 2)):
+        done = subprocess.run([sys.executable, "-m", "physagent_jax", *arguments], capture_output=True)
+        assert done.returncode == code

@@ -1,13 +1,15 @@
 """The options of `physagent run` against the spec that they say, and what the terminal tells."""
 
 import dataclasses
+import sys
 import typing
+import warnings
 
 import pytest
 
 from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.cli import join_options
-from physagent_jax.cli.console import ConsoleObserver
+from physagent_jax.cli.console import ConsoleObserver, tell_warnings_plainly
 from physagent_jax.cli.options import OPTIONS, to_spec
 from physagent_jax.cli.run import Run
 from physagent_jax.cli.simulate import Simulate
@@ -39,7 +41,7 @@ def test_options_say_what_a_spec_says(tmp_path, robot_path):
 def test_every_option_sets_a_field():
     """But those that say where, at what price, and how it is told; four together set `agents.model`."""
     beside = {"out", "spec", "record", "anchor_box", "max_minutes", "max_memory", "overwrite", "json_line"}
-    beside |= {"llm", "model", "eyes", "replay"}
+    beside |= {"llm", "model", "eyes", "replay", "sentence"}
     attributes = {option.removeprefix("--").replace("-", "_") for option in OPTIONS.values()}
     assert attributes | beside == {field.name for field in dataclasses.fields(Run)}
 
@@ -101,3 +103,27 @@ def test_spec_files_of_before_are_read():
     assert SaveChoice.model_validate({"splats": True}).splats == "ply"
     assert SaveChoice.model_validate({"splats": False}) == SaveChoice()
     assert SaveChoice.model_validate({"splats": "spz"}).splats == "spz"
+
+
+@pytest.fixture
+def plain(monkeypatch):
+    """Warnings as the command line tells them; what showed them before comes back."""
+    monkeypatch.setattr(sys, "warnoptions", [])
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        tell_warnings_plainly()
+        yield
+
+
+def test_a_warning_that_nothing_caught_is_one_plain_line(plain, capsys):
+    for _ in range(2):
+        warnings.warn("raise `overrides.max_particles`: it may tear", stacklevel=1)
+    warnings.warn("invalid value in divide", RuntimeWarning, stacklevel=1)
+    assert capsys.readouterr().err == "warning: raise `--particles`: it may tear\n"
+
+
+def test_who_asks_python_for_warnings_gets_them_as_they_are(monkeypatch):
+    before = warnings.showwarning
+    monkeypatch.setattr(sys, "warnoptions", ["default"])
+    tell_warnings_plainly()
+    assert warnings.showwarning is before

@@ -37,6 +37,20 @@ def test_a_plan_in_json(robot_path, capsys):
     assert said["not_understood"] == ["melodiously"] and said["unsure"]
 
 
+def test_the_sentence_stands_alone_or_behind_its_option(robot_path, capsys):
+    """Both commands take both; two sentences that differ are refused."""
+    alone = plan(capsys, robot_path, "push it left", "--json")
+    assert plan(capsys, robot_path, "--prompt", "push it left", "--json") == alone
+    both = ["--object", str(robot_path), "push it left", "--prompt", "push it right"]
+    for command in (["plan"], ["run", "--out", "nowhere"]):
+        assert main([*command, *both]) == 2
+        assert "two sentences are given" in capsys.readouterr().err
+        assert main([*command, "--object", str(robot_path)]) == 2
+        assert "--prompt must be given" in capsys.readouterr().err
+    assert main(["run", "--out", "nowhere", "--object", str(robot_path), "be"]) == 2
+    assert "'be'" in capsys.readouterr().err  # it was read as the sentence
+
+
 def test_a_plan_says_where_the_object_will_be(robot_path, tmp_path, capsys):
     """On the ground if it stands there; the robot would fall over, so that it is held in the air, as in a run."""
     cube = tmp_path / "cube.obj"

@@ -1,7 +1,8 @@
 """`python -m benchmarks.executor [--quick] [--json OUT] [--markdown MD]`: from wrong force fields to right motions.
 
 `starts` begins with spoilt force fields and lets the offline executor mend them, with perfect perception: planner and
-executor read the particles' motion. `kinds` compares body forces with velocity constraints.
+executor read the particles' motion. `kinds` compares body forces with velocity constraints. `rescues` runs sentences
+whose first clip fails through the whole loop, with its pictures.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import tyro
 from benchmarks import harness
 from benchmarks.executor.kinds import COMPARISONS, compare_kind
 from benchmarks.executor.markdown import PAGE
+from benchmarks.executor.rescues import list_pairs, measure_rescue
 from benchmarks.executor.scenes import prepare, run_rounds
 from benchmarks.executor.tasks import FAULTS, TASKS, Task
 from benchmarks.harness import RAW, Job, Row
@@ -30,8 +32,10 @@ class Command(harness.Command):
 
     json: Path = RAW / "executor.json"
     """File of the raw rows; those of other parts are kept."""
-    parts: tuple[Literal["starts", "kinds"], ...] = ("starts", "kinds")
+    parts: tuple[Literal["starts", "kinds", "rescues"], ...] = ("starts", "kinds", "rescues")
     """Parts to measure."""
+    data: Path | None = None
+    """Folder with spot.obj and bunny.obj, for `rescues`; without them those objects are left out."""
 
 
 def main() -> int:
@@ -48,7 +52,12 @@ def main() -> int:
         chosen = COMPARISONS[::5] if command.quick else COMPARISONS
         return [Job(each.name, partial(compare_kind, each)) for each in chosen]
 
-    return harness.main(command, {"starts": list_starts, "kinds": list_kinds}, PAGE)
+    def list_rescues() -> list[Job]:
+        pairs = list_pairs(command.data)[:: 5 if command.quick else 1]
+        return [Job(f"{p.object}: {p.sentence}", partial(measure_rescue, p, command.data)) for p in pairs]
+
+    parts = {"starts": list_starts, "kinds": list_kinds, "rescues": list_rescues}
+    return harness.main(command, parts, PAGE)
 
 
 def measure_start(task: Task, fault: str) -> list[Row]:

@@ -11,12 +11,15 @@ _REWRITES = (0, 1, 2, 3)
 
 def write_tables(result: Result) -> Tables:
     """The tables of docs/executor.md."""
-    starts, kinds = (result.get(part, {}).get("rows", []) for part in ("starts", "kinds"))
-    tables = {"runs": provenance(result, ("starts", "kinds"))}
+    parts = ("starts", "kinds", "rescues")
+    starts, kinds, rescues = (result.get(part, {}).get("rows", []) for part in parts)
+    tables = {"runs": provenance(result, parts)}
     if starts:
         tables |= _write_starts(starts)
     if kinds:
         tables["kinds"] = _write_kinds(kinds)
+    if rescues:
+        tables["rescues"] = _write_rescues(rescues)
     return tables
 
 
@@ -78,6 +81,24 @@ def _write_kinds(rows: Sequence[Mapping]) -> str:
                 number(r["drift"]), number(r["turn"]), f"{r['min_J']:.2f} to {r['max_J']:.2f}",
             ]
             for r in rows
+        ],
+    )  # fmt: skip
+
+
+def _write_rescues(rows: Sequence[Mapping]) -> str:
+    failed = [r for r in rows if r["rewrites_to_success"] != 0]
+    rescued = [r for r in failed if r["rewrites_to_success"] is not None]
+    head = f"Of {len(rows)} sentences {len(failed)} fail in round 1; of these {len(rescued)} are right by round 3.\n"
+    at = [r["rewrites_to_success"] for r in rows]
+    return head + table(
+        ["object", "sentence", "right in round", "scores", "why round 1 fails", "what was tried last"],
+        [
+            [
+                r["object"], r["sentence"], "never" if k is None else str(k + 1),
+                ", ".join(number(score) for score in r["scores"]), one_line(r["why"][0]),
+                one_line(" ".join(r["changes"][-1] if r["changes"] else [])),
+            ]
+            for r, k in zip(rows, at)
         ],
     )  # fmt: skip
 

@@ -3,13 +3,40 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterable
 
+from benchmarks.first_results.catalogue import SETS
 from benchmarks.first_results.sheets import name_sheet
-from benchmarks.first_results.viewing import UNSEEN, VIEWS, Remarks, find_view, rank, read_remarks
+from benchmarks.first_results.totals import count_totals
+from benchmarks.first_results.viewing import (
+    UNSEEN,
+    VIEWS,
+    Remark,
+    Remarks,
+    find_remark,
+    find_view,
+    rank,
+    read_remarks,
+)
 from benchmarks.harness import Page, Result, Row, Tables, number, one_line, provenance, table
 
 _SENTENCES = ("#", "object", "preset", "sentence", "viewer", "what a viewer sees")
 _SENTENCES += ("verdict", "from the truth", "rounds", "seconds", "frames")
+
+_PAIRS = (
+    "#",
+    "object",
+    "sentence",
+    "shows it",
+    "would show",
+    "what a viewer sees",
+    "verdict",
+    "rounds",
+    "seconds",
+)
+_PAIRS += ("frames",)
+
+HELD_BACK = ("sixty", "twenty")
 
 _FIELDS = ("#", "force field", "perceived: farthest, last turn", "truth", "particles", "substeps")
 
@@ -24,29 +51,60 @@ def write_tables(result: Result, remarks: Remarks | None = None) -> Tables:
         result: The sections.
         remarks: What viewers have seen; None = what `seen.json` says.
     """
-    tables = {"runs": provenance(result, ("sentences",))}
-    if "sentences" not in result:
-        return tables
-    rows = result["sentences"]["rows"]
-    left_out = sorted({name for run in result["sentences"]["runs"] for name in run["left_out"]})
-    missing = [name for name in left_out if not any(row["object"] == name for row in rows)]
-    if missing:
-        tables["runs"] += f"\nLeft out, because there was no file: {', '.join(missing)}.\n"
     remarks = read_remarks() if remarks is None else remarks
+    tables = {"runs": provenance(result, tuple(SETS)), "totals": count_totals(result, remarks)}
+    tables["runs"] += _name_left_out(result)
+    if "sentences" in result:
+        tables |= _detail(result["sentences"]["rows"], remarks)
+    for group in HELD_BACK:
+        if group in result:
+            tables |= _list_pairs(group, result[group]["rows"], remarks)
+    return tables
+
+
+def _name_left_out(result: Result) -> str:
+    """A line about objects without files, of which there is no row from another run."""
+    left_out = {name for section in result.values() for run in section["runs"] for name in run["left_out"]}
+    known = {row["object"] for section in result.values() for row in section["rows"]}
+    missing = sorted(left_out - known)
+    return f"\nLeft out, because there was no file: {', '.join(missing)}.\n" if missing else ""
+
+
+def _detail(rows: list[Row], remarks: Remarks) -> Tables:
+    """The tables of the first set, with fields, perception and oddities."""
     views = {row["case"]: find_view(row, remarks) for row in rows}
     sheets = {row["case"]: name_sheet(index) for index, row in enumerate(rows)}
     ordered = sorted(rows, key=lambda row: (rank(row["verdict"], views[row["case"]][0]), row["case"]))
     made = [row for row in rows if row["video"] is not None]
-    return tables | {
+    return {
         "verdicts": _count_verdicts(rows, views),
         "sentences": table(_SENTENCES, [_sentence(row, views, sheets) for row in ordered]),
-        "sheets": "\n\n".join(
-            f"![Frames of the videos](images/{name})" for name in dict.fromkeys(sheets.values())
-        ),
+        "sheets": _show_sheets(sheets.values()),
         "fields": table(_FIELDS, [_field(row) for row in made]),
         "perception": table(_PERCEIVED, [_perception(row) for row in made]),
         "oddities": _list_oddities(rows, made),
     }
+
+
+def _list_pairs(group: str, rows: list[Row], remarks: Remarks) -> Tables:
+    """The pairs of a set that was held back, as they were written, and their sheets."""
+    sheets = [name_sheet(index, group) for index in range(len(rows))]
+    lines = [_pair(row, find_remark(row, remarks), sheet) for row, sheet in zip(rows, sheets)]
+    return {group: table(_PAIRS, lines), f"{group} sheets": _show_sheets(sheets)}
+
+
+def _pair(row: Row, remark: Remark | None, sheet: str) -> list:
+    seen = [remark.viewer, remark.would_show or "", one_line(remark.remark)] if remark else [UNSEEN, "", ""]
+    verdict = row["verdict"] if row["video"] is None else f"{row['verdict']} ({row['score']:.2f})"
+    said = f"{row['verdict'].lower()}: {one_line(row['message'])}" if row["video"] is None else ""
+    number = row["case"].split("-")[1]
+    head = [number, row["object"], row["sentence"], *seen[:2], "; ".join(filter(None, (seen[2], said)))]
+    frames = "" if row["video"] is None else f"[sheet](images/{sheet})"
+    return [*head, verdict, row.get("iterations", ""), f"{row['seconds']:.0f}", frames]
+
+
+def _show_sheets(names: Iterable[str]) -> str:
+    return "\n\n".join(f"![Frames of the videos](images/{name})" for name in dict.fromkeys(names))
 
 
 def _list_oddities(rows: list[Row], made: list[Row]) -> str:
@@ -64,7 +122,7 @@ def _count_verdicts(rows: list[Row], views: dict[str, tuple[str, str]]) -> str:
     """Counts of each verdict with each view."""
     lines = []
     for judge, key in (("from the pictures", "verdict"), ("from the truth", "true_verdict")):
-        counts = Counter((row[key], views[row["case"]][0]) for row in rows if key in row)
+        counts = Counter((row[key], views[row["case"]][0]) for row in rows if row.get(key))
         for verdict in sorted({verdict for verdict, _ in counts}, reverse=True):
             cells = [counts[verdict, view] for view in (*VIEWS, UNSEEN)]
             lines.append([f"{verdict} {judge}", *cells, sum(cells)])
@@ -84,7 +142,7 @@ def _sentence(row: Row, views: dict[str, tuple[str, str]], sheets: dict[str, str
     return [
         *head,
         f"{row['verdict']} ({row['score']:.2f})",
-        f"{row['true_verdict']} ({row['true_score']:.2f})",
+        f"{row['true_verdict']} ({row['true_score']:.2f})" if row["true_verdict"] else "",
         row["iterations"],
         f"{row['wall_s']['total']:.0f}",
         f"[sheet](images/{sheets[row['case']]})",
@@ -166,7 +224,7 @@ def _motion(centroid, rotation) -> str:
 
 PAGE = Page(
     "first-results",
-    "python -m benchmarks.first_results --data DIR --sheets docs/images",
+    "python -m benchmarks.first_results --parts sentences sixty twenty --data DIR --sheets docs/images",
     write_tables,
     ("physagent_jax",),
 )

@@ -6,13 +6,14 @@ import json
 import shutil
 import subprocess
 import sys
+import time
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks import harness
-from benchmarks.first_results.catalogue import Case
+from benchmarks.first_results.cases import Case
 from benchmarks.first_results.oddities import find_oddities
 from benchmarks.first_results.viewing import hash_video
 from benchmarks.harness import Row
@@ -46,13 +47,16 @@ def run_case(case: Case, name: str, thing: Sequence[str], out: Path) -> Row:
     arguments = [*thing, "--prompt", case.sentence, "--preset", case.preset.value, *case.options]
     arguments += ["--out", str(folder), "--json"]
     command = [sys.executable, "-m", "physagent_jax", "run", *arguments]
+    begun = time.perf_counter()
     done = subprocess.run(command, capture_output=True, text=True)
+    seconds = time.perf_counter() - begun
     row: Row = {
         "case": name,
         "object": case.thing,
         "sentence": case.sentence,
         "preset": case.preset.value,
         "options": list(case.options),
+        "seconds": round(seconds, 1),
     }
     if done.returncode == 0:
         row |= gather(open_run(folder), json.loads(done.stdout))
@@ -64,12 +68,13 @@ def run_case(case: Case, name: str, thing: Sequence[str], out: Path) -> Row:
 
 
 def gather(run: FinishedRun, summary: dict) -> Row:
-    """Row of a run; ``summary`` is the output of its command line."""
+    """Row of a run; ``summary`` is the output of its command line. A folder that is not whole gives a crashed row."""
     best = run.best
-    assert best and best.motion and best.simulation and best.judgement and best.force_field, run.problems
+    if not (best and best.motion and best.simulation and best.judgement and best.force_field and run.video):
+        return {"verdict": "CRASHED", "video": None, "message": " ".join(run.problems)[-_LONGEST:]}
     report, truth, judgement = best.motion, best.simulation.truth, best.judgement
-    assert truth is not None and run.video is not None
-    stretch, true_judgement = report.windows[0].stretch, judge_truth(run)
+    assert truth is not None
+    stretch = report.windows[0].stretch
     return {
         "video": hash_video(run.video),
         "force_field": best.force_field.model_dump(mode="json", exclude_none=True),
@@ -89,14 +94,25 @@ def gather(run: FinishedRun, summary: dict) -> Row:
         "verdict": summary["verdict"],
         "score": judgement.score,
         "failed_checks": list_failures(judgement),
-        "true_verdict": true_judgement.verdict.value,
-        "true_score": true_judgement.score,
-        "true_failed_checks": list_failures(true_judgement),
+        **_tell_truth(run),
         **{key: summary[key] for key in ("assumptions", "not_understood", "unsure")},
         "iterations": summary["iterations"],
         "particle_count": summary["particle_count"],
         "substeps": summary["substeps"],
         "wall_s": summary["wall_s"],
+    }
+
+
+def _tell_truth(run: FinishedRun) -> Row:
+    """Columns of the verdict from the truth; none, with the reason, where the run's own does not come again."""
+    try:
+        judgement = judge_truth(run)
+    except ValueError as error:
+        return {"true_verdict": None, "true_score": None, "true_failed_checks": [f"not judged: {error}"]}
+    return {
+        "true_verdict": judgement.verdict.value,
+        "true_score": judgement.score,
+        "true_failed_checks": list_failures(judgement),
     }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -23,11 +23,13 @@ class Remark(Strict):
     Attributes:
         video: Digest of the video; None = the sentence was refused, and there is none.
         viewer: Whether it shows what the sentence says.
+        would_show: Whether the viewer would show it to a colleague; None = nobody was asked.
         remark: What it shows.
     """
 
     video: str | None
     viewer: Literal["yes", "partly", "no"]
+    would_show: Literal["yes", "no"] | None = None
     remark: Annotated[str, Field(min_length=1)]
 
 
@@ -44,12 +46,24 @@ def read_remarks(path: Path = SEEN) -> dict[str, Remark]:
     return TypeAdapter(dict[str, Remark]).validate_json(path.read_bytes())
 
 
+def find_remark(row: Row, remarks: Remarks) -> Remark | None:
+    """The remark on this very video; None if nobody looked at it."""
+    remark = remarks.get(row["case"])
+    return None if remark is None or remark.video != row["video"] else remark
+
+
 def find_view(row: Row, remarks: Remarks) -> tuple[str, str]:
     """Return whether the viewer agrees with the sentence, and the remark; `UNSEEN` if nobody looked at this video."""
-    remark = remarks.get(row["case"])
-    if remark is None or remark.video != row["video"]:
-        return UNSEEN, ""
-    return remark.viewer, remark.remark
+    remark = find_remark(row, remarks)
+    return (UNSEEN, "") if remark is None else (remark.viewer, remark.remark)
+
+
+def list_unseen(rows: Iterable[Row], remarks: Remarks) -> dict[str, dict[str, str | None]]:
+    """Remarks to be written by hand, with the digests of the videos that nobody has looked at."""
+    blank = {"viewer": "", "would_show": "", "remark": ""}
+    return {
+        row["case"]: {"video": row["video"], **blank} for row in rows if find_remark(row, remarks) is None
+    }
 
 
 def rank(verdict: str, view: str) -> int:

@@ -20,7 +20,7 @@ from pydantic import ValidationError
 from physagent_jax.agents.stacking import find_room, fits, has_room
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces import schema as forces
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.calibration import GAIN_MAX, GAIN_MIN, MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import ForceField, is_too_short
 from physagent_jax.forces.skills import Skill, find_skill
 from physagent_jax.motion.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, overlaps
@@ -161,13 +161,18 @@ def unit_vectors(item: Entry, _group: str, _context: Context) -> Iterator[str]:
 
 @_on_each
 def magnitude_range(item: Entry, _group: str, _context: Context) -> Iterator[str]:
-    """0.4 <= |M| <= 1.6 with the sign kept; something that is no number becomes 1."""
+    """0.4 <= |M| <= 1.6 with the sign kept, and the gain inside its range; something that is no number becomes 1."""
     told = item.get("magnitude", 1.0)
     given = _read_numbers([told], 1)
     value = given[0] if given else 1.0
     item["magnitude"] = kept = math.copysign(clamp(abs(value), MAGNITUDE_MIN, MAGNITUDE_MAX), value)
     if not given or abs(kept - value) > 1e-9:
         yield f".magnitude {told} becomes {kept:g}"
+    if "gain" in item:
+        told, numbers = item["gain"], _read_numbers([item["gain"]], 1)
+        item["gain"] = gain = clamp(numbers[0], GAIN_MIN, GAIN_MAX) if numbers else 1.0
+        if gain != told:
+            yield f".gain {told} becomes {gain:g}"
 
 
 @_on_each

@@ -23,7 +23,13 @@ _UPWARD = 0.5  # cosine to the vertical from which on a way leads up
 _LEVEL = 0.7  # cosine to the vertical below which an axis is level
 _BENT = 90.0  # [degrees] that a held object may be bent by
 _TURNED_OVER = 180.0  # [degrees] about a level axis that no bending reaches
-_PLACES = {"base": "its base", "top": "its top", "box": "a box", "mask": "a mask"}
+_PLACES = {
+    "region": "all but the part that moves",
+    "base": "its base",
+    "top": "its top",
+    "box": "a box",
+    "mask": "a mask",
+}
 
 
 class HoldOrigin(enum.Enum):
@@ -44,7 +50,7 @@ class Hold:
         words: The sentence's words for it; empty for the other origins.
     """
 
-    place: Literal["base", "top", "box", "mask"]
+    place: Literal["base", "top", "box", "mask", "region"]
     origin: HoldOrigin
     words: str = ""
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field
 
 from physagent_jax.core.strict import Strict
@@ -61,10 +63,13 @@ class Rewrite(Strict):
 
     Attributes:
         force_field: The next force field, inside the hard rules.
+        hold: Where the object is held from the next round on; None = as before. A hold that the user or the sentence
+            chose, or excluded, is never changed.
         changes: What was changed and why, a sentence each.
         rules_applied: Names of the hard rules that shaped or overrode the result.
     """
 
     force_field: ForceField
+    hold: Literal["base"] | None = None
     changes: tuple[str, ...]
     rules_applied: tuple[str, ...] = ()

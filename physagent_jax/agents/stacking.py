@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, Region
+from physagent_jax.forces.schema import BoxRegion, CellsRegion, HalfSpaceRegion, Region
 from physagent_jax.motion.matching import Cause
 from physagent_jax.motion.vectors import cosine, dot
 
@@ -77,4 +78,7 @@ def _is_inside(region: Region, p: tuple[float, float, float]) -> bool:
     if isinstance(region, HalfSpaceRegion):
         x, y, z = (c - q for c, q in zip(p, region.point))
         return dot((x, y, z), region.normal) >= 0
+    if isinstance(region, CellsRegion):
+        near, far = (min(math.dist(p, seed) for seed in seeds) for seeds in (region.inside, region.outside))
+        return near < far
     return sum((c - q) ** 2 for c, q in zip(p, region.center)) <= region.radius**2

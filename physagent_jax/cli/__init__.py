@@ -57,7 +57,9 @@ def _execute(arguments: list[str], simulates: bool) -> int:
 
         compile_ahead()  # while the rest is imported
     from physagent_jax.cli.commands import COMMANDS, DESCRIPTION
+    from physagent_jax.cli.console import tell_warnings_plainly
 
+    tell_warnings_plainly()
     return _parse(COMMANDS, join_options(arguments) or ["--help"], DESCRIPTION)()
 
 

@@ -50,6 +50,8 @@ OPTIONS = {
     "ledger": "--ledger",
     "camera.follow": "--follow",
     "save.video_size": "--video-size",
+    "save.caption": "--caption",
+    "save.arrows": "--arrows",
     "save.frames": "--save-frames",
     "save.splats": "--save-splats",
 }
@@ -95,6 +97,19 @@ def to_spec(options: Mapping[str, Any]) -> RunSpec:
         raise format_validation_error(
             error, "command line", do="`physagent run --help` lists the options"
         ) from None
+
+
+def choose_prompt(prompt: str | None, sentence: str | None) -> str | None:
+    """The sentence of ``--prompt``, or the one that stands without an option.
+
+    Raises:
+        UserError: There are both, and they differ.
+    """
+    if prompt is not None and sentence is not None and prompt != sentence:
+        raise UserError(
+            "two sentences are given", got=f"{prompt!r} and {sentence!r}", do="Pass one, by --prompt"
+        )
+    return sentence if prompt is None else prompt
 
 
 def parse_size(text: str) -> tuple[int, int] | None:

@@ -10,7 +10,13 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
-from physagent_jax.cli.options import describe_unknown, name_options, report_as_options, to_spec
+from physagent_jax.cli.options import (
+    choose_prompt,
+    describe_unknown,
+    name_options,
+    report_as_options,
+    to_spec,
+)
 from physagent_jax.cli.run import Run
 from physagent_jax.scene.config import SignedAxis, SplatEncoding
 from physagent_jax.scene.presets import PresetName
@@ -29,10 +35,12 @@ class Plan:
     pictures would not show, is refused: exit code 2.
     """
 
-    prompt: tyro.conf.Positional[str]
-    """The wanted motion, in everyday English."""
     object: Path
     """3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply)."""
+    prompt: str | None = None
+    """The wanted motion, in everyday English."""
+    sentence: tyro.conf.Positional[str | None] = None
+    """In place of `--prompt`."""
     preset: PresetName = PresetName.FAST
     """As for `physagent run`."""
     up: SignedAxis | None = None
@@ -78,6 +86,7 @@ class Plan:
         from physagent_jax.scene.fuse import damp, fuse
 
         given = {name: value for name, value in vars(self).items() if value is not None}
+        given["prompt"] = choose_prompt(self.prompt, given.pop("sentence", None))
         with report_as_options():
             run = resolve(to_spec({**vars(Run(out=Path())), **given}), origin="command line")
         for text in run.warnings:
@@ -89,7 +98,7 @@ class Plan:
         with open_agents(run.spec, run.base_dir, record=self.record) as agents:
             reply = read_for_scene(run, body, agents.semantic.compile).value
         template, placed = run.place(body, reply)
-        after = make_brief(template, frames_fixed=run.frames_fixed)
+        after = make_brief(template, frames_fixed=run.frames_fixed, parts=body.parts)
         damped = damp(template, body)[1]
         pictured = ()
         if is_in_doubt(body):  # to draw a picture takes as long as all else
@@ -144,8 +153,9 @@ def describe_plan(reply: SemanticReply, brief: SceneBrief, reading: str = "") ->
         where = ", on a part of it" if item.region is not None else ""
         until = item.held_until if isinstance(item, VelocityConstraint) else None
         then = "" if until is None else f", then held until frame {until:g}"
+        again = "" if item.gain == 1.0 else f" (k x {item.gain:.3g})"
         done.append(
-            f"{describe_effect(item, table)}: magnitude {abs(item.magnitude):.3g}, {when}{where}{then}"
+            f"{describe_effect(item, table)}: magnitude {abs(item.magnitude):.3g}{again}, {when}{where}{then}"
         )
     lines += [f"  {each}" for each in done or ["nothing"]]
     if reading:

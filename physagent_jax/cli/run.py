@@ -13,7 +13,7 @@ from typing import Annotated, Literal
 import tyro
 
 from physagent_jax.cli.console import ConsoleObserver, stderr, warn
-from physagent_jax.cli.options import name_options, read_whole_spec, report_as_options, to_spec
+from physagent_jax.cli.options import choose_prompt, name_options, read_whole_spec, report_as_options, to_spec
 from physagent_jax.scene.config import SignedAxis, SplatEncoding
 from physagent_jax.scene.presets import PresetName
 
@@ -35,6 +35,8 @@ class Run:
     """3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply)."""
     prompt: str | None = None
     """The wanted motion, in everyday English."""
+    sentence: tyro.conf.Positional[str | None] = None
+    """In place of `--prompt`."""
     spec: Path | None = None
     """JSON or YAML that says all of the run, in place of the options that do (`physagent schema run`)."""
     preset: PresetName = PresetName.FAST
@@ -86,6 +88,10 @@ class Run:
     """Width and height of the pictures that perception gets; default: the preset's."""
     video_size: str = "1280x720"
     """Width and height of the video, which is drawn for people; off: none is."""
+    caption: bool = False
+    """Write the sentence into the video."""
+    arrows: bool = False
+    """Draw arrows into the video where something acts."""
     max_iterations: Annotated[int, tyro.conf.arg(aliases=("--rounds",))] = 3
     """Rounds at most; they end earlier where none of the last two improved anything."""
     reader: Literal["grammar", "model", "both"] = "grammar"
@@ -130,9 +136,10 @@ class Run:
     def __call__(self) -> int:
         """Run the command; return the exit code."""
         # Imported here, so that --help does not wait for JAX.
-        from physagent_jax.report.html import write_report
+        from physagent_jax.report.formats import format_plural
         from physagent_jax.run.chosen_agents import open_agents
         from physagent_jax.run.loop import run_loop
+        from physagent_jax.run.manifest import STOP_REASONS
         from physagent_jax.run.resolve import resolve
         from physagent_jax.run.store import PLAIN_VIDEO, VIDEO
         from physagent_jax.scene.cost import Limits
@@ -141,7 +148,8 @@ class Run:
         limits = Limits(self.max_minutes, self.max_memory)
         if self.spec is None:
             with report_as_options():
-                run = resolve(to_spec(vars(self)), origin="command line")
+                prompt = choose_prompt(self.prompt, self.sentence)
+                run = resolve(to_spec({**vars(self), "prompt": prompt}), origin="command line")
         else:
             changed = [
                 each.name for each in dataclasses.fields(self) if getattr(self, each.name) != each.default
@@ -164,6 +172,8 @@ class Run:
                 )
         finally:
             observer.close()
+        from physagent_jax.report.html import write_report  # nobody waits for it before the clip is there
+
         report = write_report(store.path)
         for text in store.manifest.warnings:
             if text not in run.warnings and text not in observer.told:
@@ -173,7 +183,8 @@ class Run:
             print(json.dumps(summary))
         else:
             stderr.print(
-                f"[bold]{summary['verdict']}[/] after {summary['iterations']} round(s): {summary['stopped']}"
+                f"[bold]{summary['verdict']}[/] after {format_plural(summary['iterations'], 'round')}: "
+                f"{STOP_REASONS[summary['stopped']]}"
             )
             video = PLAIN_VIDEO if run.spec.save.video_size is None else VIDEO
             print(f"video:  {store.path / video}\nreport: {report}")

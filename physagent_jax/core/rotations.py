@@ -5,12 +5,27 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+_ONES, _MIRROR = np.ones(3), np.array([1.0, 1.0, -1.0])
+
 
 def polar(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Split ``matrix`` = R S into a rotation and a symmetric stretch, both (3, 3)."""
     u, s, vt = np.linalg.svd(matrix)
-    flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt))])
-    return u @ flip @ vt, vt.T @ np.diag(s) @ flip @ vt
+    flip = _find_flip(u @ vt)
+    return (u * flip) @ vt, (vt.T * (s * flip)) @ vt
+
+
+def find_rotation(matrix: np.ndarray) -> np.ndarray:
+    """The rotation R of ``matrix`` = R S (`polar`), shape (3, 3)."""
+    u, _, vt = np.linalg.svd(matrix)
+    return (u * _find_flip(u @ vt)) @ vt
+
+
+def _find_flip(turn: np.ndarray) -> np.ndarray:
+    """Signs of the singular values with which an orthogonal matrix becomes a rotation, shape (3,)."""
+    (a, b, c), (d, e, f), (g, h, i) = turn.tolist()
+    determinant = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)  # 1 or -1
+    return _MIRROR if determinant < 0 else _ONES
 
 
 def unwrap(rotations: list[np.ndarray | None]) -> list[np.ndarray | None]:
@@ -25,11 +40,13 @@ def unwrap(rotations: list[np.ndarray | None]) -> list[np.ndarray | None]:
         Rotation vectors [rad], shape (3,), None where unknown.
     """
     previous, vectors = np.zeros(3), []
+    known = [matrix for matrix in rotations if matrix is not None]
+    given = iter(Rotation.from_matrix(np.stack(known)).as_rotvec() if known else ())
     for matrix in rotations:
         if matrix is None:
             vectors.append(None)
             continue
-        vector = Rotation.from_matrix(matrix).as_rotvec()
+        vector = next(given)
         angle = float(np.linalg.norm(vector))
         axis = vector / angle if angle > 1e-9 else _normalise(previous)
         turns = np.round((previous @ axis - angle) / (2 * np.pi))

@@ -23,7 +23,7 @@ from physagent_jax.forces.schema import Action, Opposition, SkillScaling, Veloci
 from physagent_jax.forces.sections import find_stress_concentration
 from physagent_jax.forces.terms import PushCompensation, TurnCompensation
 from physagent_jax.mpm.boundaries import HalfSpace
-from physagent_jax.mpm.constraints import MovingPlate, PrescribedMotion
+from physagent_jax.mpm.constraints import GradedRotation, GradedTranslation, MovingPlate, PrescribedMotion
 
 PLATE_FRICTION = (
     0.4  # Coulomb's coefficient of a `moving_plate`: the material may spread under it, but not slip away
@@ -110,6 +110,7 @@ class Binding:
         instant: The moment of what acts at once: just after its window begins [s].
         weight: 1 inside the region, 0 outside, shape (n,); None = everywhere.
         whole: Whether it acts on the whole object.
+        upwards: Vertical component of its own way, whatever numbers stand in its place.
     """
 
     def __init__(
@@ -155,9 +156,12 @@ class Binding:
         first, last = values.window
         self.window = self.leaf(first * frame_dt), self.leaf(last * frame_dt)
         self.instant = self.leaf((first + AFTER) * frame_dt)
+        pivot = getattr(timed, "pivot", None)
+        self._pivot = None if pivot is None else rest.min(0) + np.asarray(pivot) * np.ptp(rest, axis=0)
         hold_end = getattr(timed, "held_until", None)
         self._held_until = None if hold_end is None else self.leaf(hold_end * frame_dt)
         self.whole = timed.region is None
+        self.upwards = float(np.copysign(timed.vector[2], timed.vector[2] * timed.magnitude))
         self.weight = None if self.whole else self.leaf(self._mask)
 
     def leaf(self, value) -> jax.Array:
@@ -166,8 +170,8 @@ class Binding:
 
     @property
     def opposition(self) -> Opposition | None:
-        """The opposition that is made up for; None for a part, which moves against the rest of the object."""
-        return self.scaling.opposition if self.whole else None
+        """The opposition that is made up for; None for a part that moves against the rest of the object."""
+        return self.scaling.opposition if self.whole or self.scaling.share is not None else None
 
     @property
     def directed(self) -> tuple[Array, Array]:
@@ -183,7 +187,7 @@ class Binding:
         return self.leaf(_direct(k, self.values))
 
     def stress_concentration(self) -> Array | float:
-        """The strain of a `scale` in the weakest section over that in a uniform bar's middle; at least 1."""
+        """The strain of a `scale` in the weakest section over that in the middle of a bar along the longest side."""
         inside = self._mask
         return find_stress_concentration(
             self._rest[inside], self._volume[inside], self.values.vector, np.ptp(self._rest, axis=0).max()
@@ -203,7 +207,7 @@ class Binding:
         if opposition is None or not opposition.friction:
             return []
         size, way = self._split()
-        push, start = self.leaf(k * size), self.leaf(np.zeros(()) if before is None else before)
+        push, start = self.leaf(k * self.share * size), self.leaf(np.zeros(()) if before is None else before)
         friction = self.leaf(find_friction(opposition, way))
         lever = self.leaf(0.0 if self._turned else opposition.lever)
         drag = self.leaf(opposition.damping_rate)
@@ -217,10 +221,15 @@ class Binding:
         if opposition is None or not opposition.turning:
             return []
         size, way = self._split()
-        friction, turn = self.leaf(find_rubbing(opposition, way)), self.leaf(k * size)
+        friction, turn = self.leaf(find_rubbing(opposition, way)), self.leaf(k * self.share * size)
         return [
             TurnCompensation(self.leaf(way), friction, turn, self.leaf(opposition.damping_rate), *self.window)
         ]
+
+    @property
+    def share(self) -> float:
+        """Share of the entry's acceleration that the whole object gains."""
+        return 1.0 if self.scaling.share is None else self.scaling.share
 
     def _split(self) -> tuple[Array, Array]:
         """abs(M), and the vector with its sign."""
@@ -236,6 +245,34 @@ class Binding:
     def centre(self) -> np.ndarray:
         """The centre of the particles at rest [m], shape (3,)."""
         return np.average(self._rest[self._mask].astype(float), axis=0, weights=self._volume[self._mask])
+
+    def concentrate(self, peak: float, depth: float, width: float) -> jax.Array:
+        """Weights of the particles of the whole that are largest on the side from which the vector comes.
+
+        Their mean by mass is 1 and they give no spin, so that the whole moves as if they were even.
+
+        Args:
+            peak: Largest weight.
+            depth: Share of the extent along the vector in which they fall to 1 / e of their excess.
+            width: The same across, in body lengths, of a Gaussian.
+        """
+        way = self._split()[1]
+        xp = jnp if _is_traced(way) else np
+        x, volume = self._rest.astype(float), self._volume.astype(float)
+        arm = x - np.average(x, axis=0, weights=volume)
+        along = arm @ way
+        across = arm - along[:, None] * way
+        reach = xp.maximum(xp.ptp(along), _TINY)
+        excess = xp.exp(-(along - along.min()) / (depth * reach))
+        excess = excess * xp.exp(-0.5 * (across**2).sum(1) / max(width * self.extent, _TINY) ** 2)
+        moments = xp.concatenate([xp.ones((len(x), 1)), across], axis=1)
+        weighted = moments * volume[:, None]
+        # Across has rank 2: the way itself is added, so that the matrix can be inverted.
+        axis = xp.concatenate([xp.zeros(1), way])
+        matrix = weighted.T @ moments + volume.sum() * reach**2 * (axis[:, None] * axis)
+        matrix = matrix + 1e-9 * xp.trace(matrix) * xp.eye(4)
+        excess = excess - moments @ xp.linalg.solve(matrix, weighted.T @ excess)
+        return self.leaf(1 + (peak - 1) * excess / xp.maximum(excess.max(), _TINY))
 
     def average_turn(self, profile: Callable[[Array], Array]) -> Array:
         """Angular acceleration of a rigid body to which a field gives its profile of them around the axis.
@@ -261,11 +298,12 @@ class Binding:
         return xp.ptp(self._rest.astype(xp.result_type(float)) @ (axis / xp.linalg.norm(axis))) / extent
 
     def hold(self, velocity: jax.Array, angular_velocity: jax.Array) -> list[PrescribedMotion]:
-        """The particles move so during the window, about their own centre, and then stay if they are to be held."""
+        """The particles move so during the window, about pivot or own centre, and then stay if they are to be held."""
         with jax.ensure_compile_time_eval():  # places are known, also where numbers are traced
             particles = to_device(np.flatnonzero(self._mask), np.int32)
         still = self.leaf(np.zeros(3))
-        motions = [PrescribedMotion(particles, velocity, angular_velocity, None, *self.window)]
+        pivot = None if self._pivot is None else self.leaf(self._pivot)
+        motions = [PrescribedMotion(particles, velocity, angular_velocity, pivot, *self.window)]
         if self._held_until is not None:
             motions.append(PrescribedMotion(particles, still, still, still, self.window[1], self._held_until))
         return motions
@@ -283,6 +321,67 @@ class Binding:
             stop = point + velocity * (end - start)
             plates.append(MovingPlate(HalfSpace(stop, normal, friction, end, self._held_until)))
         return plates
+
+    def change_length(self, other: Binding | None, k: float | Array, sign: float) -> list[GradedTranslation]:
+        """The object gets longer or shorter evenly along the vector, as its two ends say, and then stays if held.
+
+        Args:
+            other: The other end; None = it rests on the ground or is held.
+            k: Speed of both ends [m/s].
+            sign: 1 if the vector points out of the object at this end, -1 if into it.
+        """
+        size, way = self._split()
+        axis = self.leaf(way)
+        speed = self.leaf(sign * k * (size + (0.0 if other is None else other._split()[0])))
+        along = self.leaf(self._rest) @ axis
+        length = along.max() - along.min()
+        point = None
+        if other is None:  # the far end, towards which the plate moves
+            middle = self.leaf(self._rest.mean(0))
+            point = middle + (along.max() - middle @ axis) * axis
+        start, end = self.window
+        motions = [
+            GradedTranslation(axis=axis, speed=speed, length=length, point=point, start=start, end=end)
+        ]
+        if self._held_until is not None:
+            now = length + speed * (end - start)
+            still = self.leaf(np.zeros(()))
+            motions.append(
+                GradedTranslation(
+                    axis=axis, speed=still, length=now, point=point, start=end, end=self._held_until
+                )
+            )
+        return motions
+
+    def wring(self, other: Binding, k: float | Array, sign: float) -> list[GradedRotation]:
+        """The two ends turn against each other about the vector, what lies between them in proportion.
+
+        The particles of each end turn at the given rate on average.
+
+        Args:
+            other: The other end.
+            k: Rate of both ends [rad/s].
+            sign: 1 if this end lies in the vector's direction, -1 if the other does.
+        """
+        size, way = self._split()
+        axis = self.leaf(way)
+        along = self.leaf(self._rest) @ axis
+        weight = self.leaf(self._volume)
+        reach = [jnp.average(along[end._mask], weights=weight[end._mask]) for end in (self, other)]
+        parting = jnp.abs(reach[0] - reach[1]) / (
+            along.max() - along.min()
+        )  # of the ends' middles, over the length
+        rate = self.leaf(sign * 0.5 * k * (size + other._split()[0])) / parting
+        middle = np.average(self._rest.astype(float), axis=0, weights=self._volume)
+        ends = (other, self) if sign > 0 else (self, other)
+        offset = self.leaf(np.stack([end.centre - middle for end in ends]))
+        shape = dict(axis=axis, length=along.max() - along.min(), offset=offset)
+        start, end = self.window
+        motions = [GradedRotation(**shape, rate=rate, start=start, end=end)]
+        if self._held_until is not None:
+            still = self.leaf(np.zeros(()))
+            motions.append(GradedRotation(**shape, rate=still, start=end, end=self._held_until))
+        return motions
 
 
 def _normalise(values: ActionParameters) -> ActionParameters:

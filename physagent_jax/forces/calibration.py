@@ -17,6 +17,9 @@ MAGNITUDE_MIN = 0.4
 MAGNITUDE_MAX = 1.6
 """Greatest abs(M): the paper's. Stronger carries the object out of the picture."""
 
+GAIN_MIN, GAIN_MAX = 0.02, 50.0
+"""Range of the factor on k that one entry may have (`forces.schema.Action.gain`): beyond it another skill is needed."""
+
 # --- what M = 1 does --------------------------------------------------------------------------------------------------
 
 TRAVEL = 1.0
@@ -57,14 +60,30 @@ EXPECTED_HELD_SHIFT = 0.17
 """[L] by which the centre of something held moves when it is pushed."""
 
 HELD_RANGE = 8.0
-"""[1] how many times more or less than 2 L / `HELD_TIME`^2 a push of something held may be: what is stiffer is not bent
-visibly, what is softer is not blown away."""
+"""[1] how many times less than 2 L / `HELD_TIME`^2 a push of something held may be: what is soft is not blown away."""
+
+HELD_MOST = 100.0
+"""[1] how many times more it may be: what is stiffer is not bent visibly."""
 
 EXPECTED_HELD_TURN = 25.0
 """[degrees] by which something held turns: it twists and springs back."""
 
 EXPECTED_SWAY = 0.1
 """[L] to either side when something held sways."""
+
+# --- what M = 1 shows of a part, and of what is held and turned or stretched (`scene.response`) -----------------------
+
+PART_SHIFT = 0.3
+"""[L] by which a part moves when it is pushed or hit."""
+
+PART_BEND = 0.8
+"""[1] the same in lengths of the part itself, at most: a short ear cannot go farther."""
+
+PART_TURN = 45.0
+"""[degrees] by which a part, or what is held, is turned."""
+
+PART_STRAIN = 0.16
+"""[1] linear strain of a part, or of what is held."""
 
 # --- where the object will be (`scene.fuse`) --------------------------------------------------------------------------
 

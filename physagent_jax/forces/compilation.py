@@ -9,11 +9,13 @@ from __future__ import annotations
 import numpy as np
 
 from physagent_jax.forces.binding import Binding, Circumstances
+from physagent_jax.forces.pairs import find_pairs
 from physagent_jax.forces.parameters import ForceFieldParameters, check_entries
+from physagent_jax.forces.responses import scale_entry
 from physagent_jax.forces.schema import Action, ForceField, SkillScaling
 from physagent_jax.forces.skills import get_skill
 from physagent_jax.forces.swinging import find_strokes
-from physagent_jax.mpm.constraints import MovingPlate, PrescribedMotion
+from physagent_jax.mpm.protocols import Constraint
 
 
 def compile_force_field(
@@ -25,7 +27,7 @@ def compile_force_field(
     frame_dt: float,
     frame_count: int,
     parameters: ForceFieldParameters | None = None,
-) -> tuple[tuple, tuple[PrescribedMotion | MovingPlate, ...]]:
+) -> tuple[tuple, tuple[Constraint, ...]]:
     """Turn a force field into terms for `Model.forces` and constraints for `Model.constraints`.
 
     Args:
@@ -47,17 +49,29 @@ def compile_force_field(
     if parameters is None:
         parameters = ForceFieldParameters.of(field, frame_count)
     check_entries(parameters, field)
+    parameters = parameters.with_gains(field)
     forces, constraints = [], []
     strokes = find_strokes(field, parameters.actions, scaling, frame_dt)
+
+    def bind(group: str, index: int) -> Binding:
+        entry, values = getattr(field, group)[index], getattr(parameters, group)[index]
+        turned = isinstance(entry, Action) and _is_turned_meanwhile(entry, field)
+        stroke = strokes.get(index) if group == "actions" else None
+        about = Circumstances(scale_entry(scaling, entry), frame_dt, frame_count, stroke, turned)
+        return Binding(entry, values, f"force_field.{group}[{index}]", rest, volume, about)
+
+    pairs = {pair.first: pair for pair in find_pairs(field, scaling, rest)}
+    partners = {pair.second for pair in pairs.values()}
     for group in ("actions", "constraints"):
-        for index, (entry, values) in enumerate(zip(getattr(field, group), getattr(parameters, group))):
-            turned = isinstance(entry, Action) and _is_turned_meanwhile(entry, field)
-            stroke = strokes.get(index) if group == "actions" else None
-            about = Circumstances(scaling, frame_dt, frame_count, stroke, turned)
-            bound = Binding(entry, values, f"force_field.{group}[{index}]", rest, volume, about)
-            skill = get_skill(entry)
-            forces += skill.make_forces(bound)
-            constraints += skill.make_constraints(bound)
+        for index, entry in enumerate(getattr(field, group)):
+            bound, skill = bind(group, index), get_skill(entry)
+            if group == "actions" or index not in {*pairs, *partners}:
+                forces += skill.make_forces(bound)
+                constraints += skill.make_constraints(bound)
+            elif index in pairs:
+                pair = pairs[index]
+                other = None if pair.second is None else bind(group, pair.second)
+                constraints += skill.make_pair(bound, other, pair.sign)
     return tuple(forces), tuple(constraints)
 
 

@@ -74,6 +74,19 @@ class ForceFieldParameters:
             tuple(ActionParameters.of(item, frame_count) for item in force_field.constraints),
         )
 
+    def with_gains(self, force_field: ForceField) -> ForceFieldParameters:
+        """The parameters with each magnitude times its entry's gain, as forces are made of them."""
+
+        def apply(values: ActionParameters, item: Action | VelocityConstraint) -> ActionParameters:
+            if item.gain == 1.0:
+                return values
+            return dataclasses.replace(values, magnitude=item.gain * values.magnitude)
+
+        return ForceFieldParameters(
+            tuple(map(apply, self.actions, force_field.actions)),
+            tuple(map(apply, self.constraints, force_field.constraints)),
+        )
+
     def to_force_field(self, force_field: ForceField, frame_count: int) -> ForceField:
         """The force field with these numbers, each moved to the nearest that the library allows.
 

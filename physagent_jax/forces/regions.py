@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import jax
 import numpy as np
+from scipy.spatial import KDTree
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, Region, SphereRegion
+from physagent_jax.forces.schema import BoxRegion, CellsRegion, HalfSpaceRegion, Region, SphereRegion
 
 
 def make_region_mask(region: Region, rest: np.ndarray, origin: str = "region") -> np.ndarray:
@@ -34,6 +35,9 @@ def make_region_mask(region: Region, rest: np.ndarray, origin: str = "region") -
         case SphereRegion():
             center = low + np.asarray(region.center) * size
             mask = np.linalg.norm(rest - center, axis=1) <= region.radius * size.max()
+        case CellsRegion():
+            seeds = low + np.asarray((*region.inside, *region.outside)) * size
+            mask = np.asarray(KDTree(seeds).query(rest)[1]) < len(region.inside)
     if not mask.any():
         raise UserError(
             f"`{origin}` selects no particle of the object",

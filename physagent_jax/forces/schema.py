@@ -7,12 +7,18 @@ constraints, of which the paper's executor emits two (appendix B.2, "Skill-Speci
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
 
 from physagent_jax.core.strict import Direction, Positive, Strict
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, TURN
+from physagent_jax.forces.calibration import GAIN_MAX, GAIN_MIN, MAGNITUDE_MAX, MAGNITUDE_MIN, TURN
 from physagent_jax.forces.names import ActionType as ActionType
 from physagent_jax.forces.names import ConstraintType as ConstraintType
 
@@ -55,12 +61,27 @@ class SphereRegion(Strict):
     radius: float = Field(ge=1e-6, le=1e6)
 
 
-Region = Annotated[BoxRegion | HalfSpaceRegion | SphereRegion, Field(discriminator="kind")]
+_Seeds = Annotated[tuple[_Place, ...], Field(min_length=1, max_length=256)]
+
+
+class CellsRegion(Strict):
+    """Particles whose nearest seed is one of ``inside`` (bounding-box fractions; distances in metres).
+
+    A part of any shape: the Voronoi cells of its own seeds among those of the whole object.
+    """
+
+    kind: Literal["cells"] = "cells"
+    inside: _Seeds
+    outside: _Seeds
+
+
+Region = Annotated[BoxRegion | HalfSpaceRegion | SphereRegion | CellsRegion, Field(discriminator="kind")]
 
 
 class _Timed(Strict):
     vector: Direction
     magnitude: float = 1.0
+    gain: float = Field(default=1.0, ge=GAIN_MIN, le=GAIN_MAX)
     active_time: tuple[_Frame, _Frame] | None = None
     region: Region | None = None
     object: Annotated[str, Field(max_length=200)] | None = None
@@ -74,6 +95,14 @@ class _Timed(Strict):
                 "the sign reverses the action"
             )
         return value
+
+    @model_serializer(mode="wrap")
+    def _leave_out_usual(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Leave a gain of 1 unsaid: files and prompts hold it only where k was calibrated again."""
+        data = write(self)
+        if data.get("gain") == 1.0:
+            del data["gain"]
+        return data
 
     @field_validator("active_time")
     @classmethod
@@ -96,6 +125,7 @@ class Action(_Timed):
             input, zero refused.
         magnitude: Dimensionless M with 0.4 <= abs(M) <= 1.6; the sign reverses (push/stretch > 0,
             pull/squeeze < 0). What M = 1 means: `forces.calibration`; in SI units: `forces.scaling`.
+        gain: Factor on k for this entry, calibrated again by the executor where M alone cannot bring about the motion.
         active_time: ``[first, last]`` in frames; None = the whole clip.
         region: Which particles; None = the whole object.
         object: Object id in a scene of several; None = all.
@@ -111,11 +141,14 @@ class VelocityConstraint(_Timed):
         constraint_type: Which skill of those that prescribe velocities.
         held_until: Frame until which particles or plate then stay where they were brought; None = they are let go when
             the window ends. A sudden skill has none.
-        vector, magnitude, active_time, region, object: as for `Action`.
+        pivot: Point that particles turn about, for a rotation (bounding-box fractions): a joint; None = their own
+            centre.
+        vector, magnitude, gain, active_time, region, object: as for `Action`.
     """
 
     constraint_type: ConstraintType
     held_until: _Frame | None = None
+    pivot: _Place | None = None
 
     @model_validator(mode="after")
     def _check_held(self) -> VelocityConstraint:
@@ -186,6 +219,32 @@ class Holding(Strict):
     most: Positive
 
 
+class Response(Strict):
+    """The k of a skill on a part, or on what is held, as a coarse probe measured it (`scene.response`).
+
+    Attributes:
+        quantity: Field of `SkillScaling` whose place it takes.
+        region: Region of the entries that it holds for; None = the whole.
+        vector: Their direction or axis.
+        k: The skill's k.
+        share: Share of its acceleration that the whole gains, where it is too stiff to bend and the whole is led;
+            None = it bends.
+        note: What M = 1 cannot show, for people; empty where it shows.
+    """
+
+    quantity: Literal["translation", "scale", "impulse", "torque"]
+    region: Region | None = None
+    vector: Direction
+    k: Positive
+    share: Positive | None = None
+    note: str = ""
+
+    @property
+    def key(self) -> str:
+        """Everything that entries are told by."""
+        return self.model_dump_json(exclude={"k", "share", "note"})
+
+
 class SkillScaling(Strict):
     """The meaning of a magnitude of 1 in SI units; recorded in a scene, so that it replays exactly.
 
@@ -202,6 +261,9 @@ class SkillScaling(Strict):
         opposition: What works against the motion, which pushes, blows and turns of the whole object make up for;
             None = nothing.
         holding: How far it gives way where it is held, which pushes and blows of either kind go by; None = not known.
+        responses: The same for entries on parts, and for turns and stretches of what is held (`scale_entry`).
+        measured: Whether these numbers are those of one entry, as a probe measured them.
+        share: As `Response.share`, of that entry.
         reason: How they were found.
     """
 
@@ -215,6 +277,9 @@ class SkillScaling(Strict):
     damping_rate: NotNegative = 0.0
     opposition: Opposition | None = None
     holding: Holding | None = None
+    responses: Annotated[tuple[Response, ...], Field(max_length=256)] = ()
+    measured: bool = False
+    share: Positive | None = None
     reason: str = ""
 
 

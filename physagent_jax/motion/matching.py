@@ -50,6 +50,11 @@ class Cause:
         return get_skill(self.item)
 
     @property
+    def turns_limb(self) -> bool:
+        """Return whether it turns a part about its joint, whatever way that moves the part."""
+        return isinstance(self.item, VelocityConstraint) and self.item.pivot is not None
+
+    @property
     def pushes(self) -> bool:
         """Return whether it is a force that lasts and moves the whole of its particles along a direction."""
         return self.group == "actions" and "move" in self.skill.causes and not self.skill.is_sudden
@@ -103,6 +108,8 @@ def is_thrown_up(
 def find_causes(expectation: ExpectedMotion, force_field: ForceField) -> list[Cause]:
     """Entries of a fitting type that act in the window: those along the expected line, else all of them."""
     acting = [c for c in list_causes(force_field) if overlaps(c, expectation.window)]
+    if expectation.limb is not None and (turning := [c for c in acting if c.turns_limb]):
+        return turning
     fitting = [c for c in acting if expectation.kind in c.skill.causes]
     if expectation.kind in AXIAL:  # a translation of something else than an end does neither
         fitting = [c for c in fitting if c.group == "actions" or _moves_ends(c) is not None]
@@ -116,9 +123,11 @@ def find_own_causes(
     expectation: ExpectedMotion, expectations: Sequence[ExpectedMotion], force_field: ForceField
 ) -> list[Cause]:
     """Causes of an expected motion without those that serve another one: they are not to be turned from it."""
+    causes = find_causes(expectation, force_field)
+    if all(agrees(cause, expectation) for cause in causes):
+        return causes  # whatever else they serve
     others = [e for e in expectations if e is not expectation and e.kind is not MotionKind.SWAY]
     served = {c.name for e in others for c in find_causes(e, force_field) if agrees(c, e)}
-    causes = find_causes(expectation, force_field)
     return [c for c in causes if c.name not in served or agrees(c, expectation)]
 
 
@@ -185,6 +194,8 @@ def _brakes(cause: Cause, serving: Sequence[Cause]) -> bool:
 
 def agrees(cause: Cause, expectation: ExpectedMotion) -> bool:
     """Return whether a cause drives the motion the way that the sentence says (its sign, for stretch and squeeze)."""
+    if expectation.limb is not None and cause.turns_limb:
+        return True
     if expectation.kind in AXIAL:
         if cause.group == "constraints":
             return _moves_ends(cause) is expectation.kind

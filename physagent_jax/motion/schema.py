@@ -13,6 +13,8 @@ from pydantic import Field
 
 from physagent_jax.core.strict import Count, Direction, Number, Numbers, Strict
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.part import Part
+from physagent_jax.forces.schema import CellsRegion
 
 _Frame = Annotated[float, Field(ge=0, le=1e5)]
 
@@ -61,6 +63,7 @@ class SceneBrief(Strict):
         object_kind: Class with a physical prior: "plant", "food", "jelly", "robot", "instrument", "animal", "object".
         object_nouns: Nouns that may name it beside its name: those of its kind, or of all kinds if that is unknown.
         anchored: What is held fixed, in words; None if the object is free.
+        may_be_held: Whether a later round may hold what is free: the user has not chosen.
         frame_count: Number of frames of the clip.
         frames_fixed: Whether the user fixed that number; else the semantic agent may ask for another
             (`SemanticReply.frame_count`).
@@ -76,6 +79,7 @@ class SceneBrief(Strict):
     object_kind: str = "object"
     object_nouns: tuple[str, ...] = ()
     anchored: str | None = None
+    may_be_held: bool = False
     frame_count: int = Field(ge=1, le=10_000)
     frames_fixed: bool = False
     frame_dt: float = Field(ge=1e-6, le=100)
@@ -83,19 +87,22 @@ class SceneBrief(Strict):
     long_axis: Numbers | None = None
     world: Literal["ground", "free"] = "free"
     directions: DirectionTable
+    parts: tuple[Part, ...] = ()
 
 
 class AnchorRequest(Strict):
     """A request of the prompt to hold or release the object.
 
     Attributes:
-        kind: "base" (a slab at the foot), "top", "none" (explicitly free), or None (says nothing).
+        kind: "base" (a slab at the foot), "top", "rest" (``region``: all but the parts that move), "none" (explicitly
+            free), or None (says nothing).
         described: True if a word describes the object so ("potted"); False if the sentence asks that it be held.
     """
 
-    kind: Literal["base", "top", "none"] | None = None
+    kind: Literal["base", "top", "rest", "none"] | None = None
     words: str = ""
     described: bool = False
+    region: CellsRegion | None = None
 
 
 class ObstacleRequest(Strict):
@@ -156,6 +163,7 @@ class ExpectedMotion(Strict):
         partial: True if only a part of the object is acted on, so that the whole moves less.
         part: The end that is named (unit world vector towards it: the top is up); None = the whole, or a part that is
             no end.
+        limb: Place in the brief's parts of the part that is asked about; None = none of them.
         excludes_part: True if ``part`` is the one that should not move ("everything except the head").
         stays: True if it is to stay where it was brought ("and hold it there").
         even: True if it is to go at one speed ("evenly", "at a constant speed").
@@ -173,6 +181,7 @@ class ExpectedMotion(Strict):
     sudden: bool = False
     partial: bool = False
     part: Numbers | None = None
+    limb: Count | None = None
     excludes_part: bool = False
     stays: bool = False
     even: bool = False

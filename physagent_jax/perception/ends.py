@@ -24,35 +24,59 @@ FEWEST = 9
 """Pairs of points below which an end's motion is not fitted."""
 
 
-@dataclasses.dataclass
-class Ends:
-    """The poses of the six ends.
+@dataclasses.dataclass(frozen=True)
+class PartPrompt:
+    """The place of a part in frame 0, as a click or a mask tells it.
 
     Attributes:
-        centers: Mean of each end's surface in frame 0 [m], shape (6, 3).
+        limb: Number of the part.
+        inside, outside: Points in the world on the part, and on the rest of the object [m], shape (k, 3), (m, 3).
+    """
+
+    limb: int
+    inside: np.ndarray
+    outside: np.ndarray
+
+    def holds(self, points: np.ndarray) -> np.ndarray:
+        """Return which points lie nearer to the part than to the rest, shape (n,)."""
+        nearest = np.asarray(KDTree(np.concatenate([self.inside, self.outside])).query(points)[1])
+        return nearest < len(self.inside)
+
+
+@dataclasses.dataclass
+class Ends:
+    """The poses of the six ends, and of parts that are asked for.
+
+    Attributes:
+        prompts: The parts.
+        centers: Mean of each end's surface in frame 0 [m], shape (6 + p, 3).
         limits: Least coordinate along its direction that belongs to an end [m], shape (6,).
         poses: Per frame and end, the map from frame 0; None where unknown.
     """
 
+    prompts: tuple[PartPrompt, ...]
     centers: np.ndarray
     limits: np.ndarray
     poses: list[list[Affine | None]]
     _base: list[Affine | None] = dataclasses.field(default_factory=list)
-    _belongs: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros((0, 6), bool))
+    _belongs: np.ndarray = dataclasses.field(default_factory=lambda: np.zeros((0, 0), bool))
     _last: tuple[np.ndarray, np.ndarray] | None = None
 
     @classmethod
-    def split(cls, surface: np.ndarray, frame_count: int) -> Ends:
+    def split(cls, surface: np.ndarray, frame_count: int, prompts: tuple[PartPrompt, ...] = ()) -> Ends:
         """The ends of a surface.
 
         Args:
             surface: World points seen in frame 0 [m], shape (n, 3), n >= 1.
             frame_count: How many frames will be followed.
+            prompts: Parts to follow as well; those that are not seen are left out.
         """
         along = surface @ DIRECTIONS.T
         limits = np.quantile(along, 1 - SHARE, axis=0)
-        centers = np.stack([surface[far].mean(0) for far in (along >= limits).T])
-        return cls(centers, limits, [[None] * len(DIRECTIONS) for _ in range(frame_count)])
+        prompts = tuple(each for each in prompts if each.holds(surface).any())
+        seen = [*(along >= limits).T, *(each.holds(surface) for each in prompts)]
+        centers = np.stack([surface[one].mean(0) for one in seen])
+        return cls(prompts, centers, limits, [[None] * len(seen) for _ in range(frame_count)])
 
     def start_link(self, frame: int, points: np.ndarray) -> None:
         """Says which ends new points belong to.
@@ -62,10 +86,12 @@ class Ends:
             points: World positions [m], nan where unknown, shape (N, 3).
         """
         known = np.isfinite(points[:, 0])
-        belongs = np.zeros((len(points), len(DIRECTIONS)), bool)
+        belongs = np.zeros((len(points), len(self.centers)), bool)
         if frame == 0:
-            belongs[known] = points[known] @ DIRECTIONS.T >= self.limits
-            self.poses[0] = [Affine.identity()] * len(DIRECTIONS)
+            belongs[known, : len(DIRECTIONS)] = points[known] @ DIRECTIONS.T >= self.limits
+            for k, prompt in enumerate(self.prompts, len(DIRECTIONS)):
+                belongs[known, k] = prompt.holds(points[known])
+            self.poses[0] = [Affine.identity()] * len(self.centers)
         elif self._last is not None and known.any():
             places, whose = self._last
             belongs[known] = whose[KDTree(places).query(points[known])[1]]
@@ -97,15 +123,18 @@ class Ends:
         self._last = None
 
     def describe(self, size: float) -> tuple[PartMotion, ...]:
-        """Motion of each end, for the report; ``size`` is the body length [m]."""
-        return tuple(self._describe(k, size) for k in range(len(DIRECTIONS)))
+        """Motion of each end and part, for the report; ``size`` is the body length [m]."""
+        return tuple(self._describe(k, size) for k in range(len(self.centers)))
 
     def _describe(self, k: int, size: float) -> PartMotion:
         poses = [frame[k] for frame in self.poses]
         turns = unwrap([None if p is None else p.rotation for p in poses])
-        center = self.centers[k]
+        center, prompt = self.centers[k], self.prompts[k - len(DIRECTIONS)] if k >= len(DIRECTIONS) else None
+        away = center - self.centers[: len(DIRECTIONS)].mean(0)
+        direction = DIRECTIONS[k] if prompt is None else away / max(float(np.linalg.norm(away)), 1e-12)
         return PartMotion(
-            direction=tuple(DIRECTIONS[k].tolist()),
+            direction=tuple(direction.tolist()),
+            limb=None if prompt is None else prompt.limb,
             centroid=tuple(
                 None if p is None else tuple(((p(center) - center) / size).tolist()) for p in poses
             ),

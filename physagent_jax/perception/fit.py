@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import KDTree
 
-from physagent_jax.core.rotations import polar
+from physagent_jax.core.rotations import find_rotation
 
 NEIGHBOURS = 6
 """Points that a point is compared with."""
@@ -90,13 +90,13 @@ def fit_affine(
         x, y = a - a0, b - b0
         pull = max(total * (prior * extent) ** 2, LEAST_PULL)
         cross, square = (w[:, None] * y).T @ x, (w[:, None] * x).T @ x
-        rotation = polar(cross if matrix is None else matrix)[0]  # of the cross covariance: Kabsch's
+        rotation = find_rotation(cross if matrix is None else matrix)  # of the cross covariance: Kabsch's
         matrix = (cross + pull * rotation) @ np.linalg.inv(square + pull * np.eye(3))
         off = x @ matrix.T - y
-        distance = np.linalg.norm(off, axis=1)
+        distance = _measure_lengths(off)
         fitted = Affine(matrix, b0 - matrix @ a0, rotation, float(np.sqrt(trust @ distance**2 / trust.sum())))
         if beside is not None and k >= iterations // 2:
-            distance = np.linalg.norm(off - _find_median(off[beside]), axis=1)
+            distance = _measure_lengths(off - _find_median(off[beside]))
         before, w = w, trust * huber(distance, floor=0.003 * float(extent))
         if k >= iterations // 2 and np.abs(w - before).max() < 1e-2:
             break
@@ -109,6 +109,11 @@ def _find_neighbours(a: np.ndarray) -> np.ndarray:
     return tree.query(a, k=NEIGHBOURS + 1)[1][:, 1:]
 
 
+def _measure_lengths(vectors: np.ndarray) -> np.ndarray:
+    """Lengths of vectors, shape (n, 3) -> (n,)."""
+    return np.sqrt((vectors * vectors).sum(axis=1))
+
+
 def _find_median(values: np.ndarray) -> np.ndarray:
     """Over the second axis, whose length is even; a sort is faster than `numpy.median` for so few."""
     middle = values.shape[1] // 2
@@ -117,7 +122,10 @@ def _find_median(values: np.ndarray) -> np.ndarray:
 
 def huber(distance: np.ndarray, *, floor: float) -> np.ndarray:
     """Huber weights for residuals, full up to two robust standard deviations, at least ``floor``."""
-    limit = max(2 * 1.4826 * float(np.median(distance)), floor, LEAST_PULL)
+    half = len(distance) // 2  # `numpy.median` takes as long as the rest of a fit to so few points
+    ordered = np.sort(distance)
+    middle = ordered[half] if len(ordered) % 2 else 0.5 * (ordered[half - 1] + ordered[half])
+    limit = max(2 * 1.4826 * float(middle), floor, LEAST_PULL)
     return limit / np.maximum(distance, limit)
 
 

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from physagent_jax.perception import lift
-from physagent_jax.perception.ends import Ends
+from physagent_jax.perception.ends import Ends, PartPrompt
 from physagent_jax.perception.fit import Affine, fit_affine
 from physagent_jax.perception.protocols import EncodedClip, Tracker, Tracks
 from physagent_jax.render.camera import Camera
@@ -58,7 +58,12 @@ class Path:
 
 
 def follow(
-    frames: np.ndarray, masks: np.ndarray, depths: np.ndarray, camera: Camera, tracker: Tracker
+    frames: np.ndarray,
+    masks: np.ndarray,
+    depths: np.ndarray,
+    camera: Camera,
+    tracker: Tracker,
+    parts: tuple[PartPrompt, ...] = (),
 ) -> Path:
     """Follow the object through the clip.
 
@@ -68,6 +73,7 @@ def follow(
         depths: Trusted z-depth [m], nan elsewhere, shape (T, H, W).
         camera: The camera.
         tracker: Follows points in pictures.
+        parts: Parts of the object to follow as well.
     """
     count = len(frames)
     clip = tracker.encode(frames, masks)
@@ -77,7 +83,7 @@ def follow(
         np.zeros(count),
         np.zeros((count, 0, 2)),
         np.zeros((count, 0), bool),
-        ends=Ends.split(lift.unproject_surface(depths[0], camera), count)
+        ends=Ends.split(lift.unproject_surface(depths[0], camera), count, parts)
         if np.isfinite(depths[0]).any()
         else None,
     )

@@ -11,6 +11,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.perception import lift, timing
 from physagent_jax.perception.assemble import assemble, in_view
 from physagent_jax.perception.backends import make_backends
+from physagent_jax.perception.ends import PartPrompt
 from physagent_jax.perception.extents import choose_directions, describe_extents, find_disagreement
 from physagent_jax.perception.follow import follow
 from physagent_jax.perception.pieces import count_pieces
@@ -66,6 +67,7 @@ def perceive(
     windows: Sequence[tuple[int, int]] = (),
     backends: PerceptionBackends | None = None,
     prompt: SegmentPrompt | None = None,
+    parts: Sequence[PartPrompt] = (),
 ) -> Perception:
     """Measures how the object in the pictures moves.
 
@@ -79,6 +81,7 @@ def perceive(
         windows: Further windows of interest as (first, last) frames, inclusive.
         backends: What finds the object, its depth and its points; those that need no weights by default.
         prompt: Which object is meant; None = the only one, for which a prompt is made if the segmenter needs one.
+        parts: Parts of it that are followed by themselves, by their place in frame 0.
 
     Returns:
         The report with masks and tracks.
@@ -107,7 +110,7 @@ def perceive(
     if why := explain_outline(masks[0]) or explain_depth(trusted[0], camera):
         report = report_nothing(masks, why, frame_dt, spans, notes)
         return Perception(report, masks, np.zeros((len(rgb), 0, 2)), np.zeros((len(rgb), 0), bool))
-    path = follow(rgb, masks, trusted, camera, backends.tracker)
+    path = follow(rgb, masks, trusted, camera, backends.tracker, tuple(parts))
     if path.texture < LEAST_TEXTURE:
         notes.append(
             "The surface has little texture: rotation and shape are guessed from its outline and shading."

@@ -81,14 +81,18 @@ class Oscillation(Strict):
 class PartMotion(Strict):
     """Motion of one end of the object: the third of its surface that lies farthest along ``direction`` in frame 0.
 
+    Or of a part that was asked for by its place in frame 0.
+
     Attributes:
-        direction: Unit world axis: one of +-x, +-y, +-z.
+        direction: Unit world axis: one of +-x, +-y, +-z; of a part, where it is.
+        limb: Number of the part that was asked for; None = an end.
         centroid: Per frame, displacement from frame 0 [body lengths]; None where not observable.
         rotation: Per frame, rotation vector from frame 0 (world axis times unwrapped angle) [deg]; None where not
             observable.
     """
 
     direction: tuple[Number, Number, Number]
+    limb: Count | None = None
     centroid: tuple[tuple[Number, Number, Number] | None, ...]
     rotation: tuple[tuple[Number, Number, Number] | None, ...]
 

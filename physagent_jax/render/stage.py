@@ -7,13 +7,22 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+from collections.abc import Sequence
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 
 from physagent_jax.gaussians.cloud import Splats
-from physagent_jax.render.blocks import COLOUR, OPACITY, Block, cast_at_block
+from physagent_jax.render.blocks import (
+    ACTOR_COLOUR,
+    ACTOR_OPACITY,
+    COLOUR,
+    OPACITY,
+    Block,
+    cast_at_block,
+    find_window,
+)
 from physagent_jax.render.camera import Camera
 from physagent_jax.render.renderer import RenderedImage, to_uint8
 from physagent_jax.render.shadow import ShadowMap, cast_shadow
@@ -84,7 +93,9 @@ def make_backdrop(stage: Stage, camera: Camera) -> Backdrop:
     return Backdrop(stage, camera, rgb, to_uint8(rgb), slope, ground if grounded else None, solid)
 
 
-def compose(image: RenderedImage, splats: Splats, backdrop: Backdrop) -> np.ndarray:
+def compose(
+    image: RenderedImage, splats: Splats, backdrop: Backdrop, actors: Sequence[Block] = ()
+) -> np.ndarray:
     """Put a rendered object on its stage.
 
     What is below the ground is hidden by it, but for a depth that contact may have.
@@ -93,6 +104,7 @@ def compose(image: RenderedImage, splats: Splats, backdrop: Backdrop) -> np.ndar
         image: Rendered over black, from the backdrop's camera.
         splats: What was rendered; they cast the shadow.
         backdrop: Backdrop of that camera.
+        actors: Solids that act, drawn translucent.
 
     Returns:
         The picture, uint8, shape (h, w, 3).
@@ -120,7 +132,26 @@ def compose(image: RenderedImage, splats: Splats, backdrop: Backdrop) -> np.ndar
         shown = _find_shown(backdrop, np.asarray(image.depth)[part], part)
         cover = (shown * alpha[part])[..., None]
         levels[part] = to_uint8(shown[..., None] * rgb[part] + (1 - cover) * behind)
+    for block in sorted(actors, key=lambda each: -float(backdrop.camera.forward @ each.center)):
+        _draw_actor(block, levels, alpha, np.asarray(image.depth), backdrop)
     return levels
+
+
+def _draw_actor(
+    block: Block, levels: np.ndarray, alpha: np.ndarray, depth: np.ndarray, backdrop: Backdrop
+) -> None:
+    """Draw a translucent solid into ``levels``, in place; what is before it, and the ground, hide it."""
+    camera, stage = backdrop.camera, backdrop.stage
+    part = find_window(block, camera)
+    hit, brightness = cast_at_block(block, camera, part)
+    cover = np.where(np.isfinite(hit), ACTOR_OPACITY, 0.0)
+    cover = cover * (1 - alpha[part] * (depth[part] < hit))
+    if backdrop.ground is not None and stage.ground is not None:
+        cover = cover * (
+            camera.center[2] - stage.ground + np.where(np.isfinite(hit), hit, 0) * backdrop.slope[part] > 0
+        )
+    colour = 255 * np.clip(brightness[..., None] * ACTOR_COLOUR, 0, 1)
+    levels[part] = np.rint(levels[part] + cover[..., None] * (colour - levels[part])).astype(np.uint8)
 
 
 def _draw_blocks(stage: Stage, camera: Camera, slope: np.ndarray, rgb: np.ndarray) -> np.ndarray:

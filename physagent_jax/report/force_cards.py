@@ -7,8 +7,9 @@ from collections.abc import Callable
 from typing import Any
 
 from physagent_jax.forces.binding import Stroke
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.calibration import GRAVITY, MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.parameters import ForceFieldParameters
+from physagent_jax.forces.responses import scale_entry
 from physagent_jax.forces.schema import Action, ForceField, SkillScaling, VelocityConstraint
 from physagent_jax.forces.skills import get_skill
 from physagent_jax.forces.swinging import find_strokes
@@ -144,7 +145,7 @@ def _make_card(
     )
     rows = [
         ("axis" if skill.is_axis else "direction", _show_direction(item, old)),
-        ("magnitude", _show_magnitude(item, old, setting.scaling, stroke)),
+        ("magnitude", _show_magnitude(item, old, setting, stroke)),
         ("active", _show_window(item, old, setting)),
         ("acts on", [describe_region(item.region), f" of {item.object}" if item.object else None]),
     ]
@@ -155,9 +156,7 @@ def _show_direction(item: Timed, old: Timed | None) -> list:
     return [span("mono", format_vector(item.vector)), _show_previous(old, item, "vector", format_vector)]
 
 
-def _show_magnitude(
-    item: Timed, old: Timed | None, scaling: SkillScaling | None, stroke: Stroke | None
-) -> list:
+def _show_magnitude(item: Timed, old: Timed | None, setting: Setting, stroke: Stroke | None) -> list:
     ghost = None
     if old is not None and old.magnitude != item.magnitude:
         ghost = tag("i", class_="ghost", style=f"left:{_place_magnitude(old.magnitude):.1f}%")
@@ -174,18 +173,45 @@ def _show_magnitude(
         span("quiet", note) if note else None,
         _show_previous(old, item, "magnitude", format_fixed),
         bar,
-        _show_physical(item, scaling, stroke),
+        _show_physical(item, setting, stroke),
     ]
 
 
-def _show_physical(item: Timed, scaling: SkillScaling | None, stroke: Stroke | None) -> Markup | None:
-    """The magnitude in SI units, if the run recorded what 1 means."""
+def _show_physical(item: Timed, setting: Setting, stroke: Stroke | None) -> list[Markup] | None:
+    """The magnitude in SI units, if the run recorded what 1 means, and the acceleration beside gravity."""
+    scaling = setting.scaling
     if scaling is None:
         return None
     skill, swing = get_skill(item), float(stroke.k) if stroke is not None and stroke.swings else None
-    one, meaning = skill.explain_one(scaling, item.vector, swing)
-    text = f"{format_number(abs(item.magnitude) * one)} {skill.unit} (1 means {format_number(one)})"
-    return span("quiet", text, title=f"1 means {meaning}")
+    one, meaning = skill.explain_one(scale_entry(scaling, item), item.vector, swing)
+    one *= item.gain
+    again = f", k calibrated again: x {format_number(item.gain)}" if item.gain != 1.0 else ""
+    text = f"{format_number(abs(item.magnitude) * one)} {skill.unit} (1 means {format_number(one)}{again})"
+    shown = [span("quiet", text, title=f"1 means {meaning}")]
+    acceleration = find_acceleration(item, abs(item.magnitude) * one, setting)
+    if acceleration is not None:
+        blow = f"{format_number(acceleration)} m/s\u00b2 while it lasts, " if skill.unit == "m/s" else ""
+        shown.append(span("acceleration", f"{blow}{format_number(acceleration / GRAVITY, 2)} times gravity"))
+    return shown
+
+
+def find_acceleration(item: Timed, value: float, setting: Setting) -> float | None:
+    """The acceleration that an action gives to matter [m/s^2]; None where it sets velocities, or turns.
+
+    Args:
+        item: The action.
+        value: Its strength in the unit of its skill.
+        setting: For the time within which a blow is dealt.
+    """
+    if isinstance(item, VelocityConstraint):
+        return None
+    unit = get_skill(item).unit
+    if unit == "m/s\u00b2":
+        return value
+    if unit != "m/s" or item.active_time is None or setting.frame_dt is None:
+        return None
+    first, last = item.active_time
+    return value / ((last - first) * setting.frame_dt) if last > first else None
 
 
 def _show_window(item: Timed, old: Timed | None, setting: Setting) -> list:

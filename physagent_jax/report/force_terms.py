@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from physagent_jax.forces.schema import BoxRegion, HalfSpaceRegion, Region
+from physagent_jax.forces.schema import BoxRegion, CellsRegion, HalfSpaceRegion, Region
 from physagent_jax.motion.schema import DirectionTable
 from physagent_jax.report.directions import describe_direction
 from physagent_jax.report.formats import format_number, format_quantity, format_seconds, format_vector
@@ -97,6 +97,8 @@ def describe_region(region: Region | None) -> str:
         return f"a box from {format_vector(region.low)} to {format_vector(region.high)} of the bounding box"
     if isinstance(region, HalfSpaceRegion):
         return f"beyond {format_vector(region.point)} of the bounding box, towards {format_vector(region.normal)}"
+    if isinstance(region, CellsRegion):
+        return "a part that sticks out"
     ball = f"a ball of radius {format_number(region.radius)} body lengths"
     return f"{ball} about {format_vector(region.center)} of the bounding box"
 

@@ -12,6 +12,8 @@ from pathlib import Path
 from physagent_jax import __version__
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
+from physagent_jax.core.text import split_reason
+from physagent_jax.forces.naming import name_places
 from physagent_jax.report.agent_traces import show_agent_traces, show_refused_readings
 from physagent_jax.report.charts import draw_motion_charts, draw_physics_charts
 from physagent_jax.report.facts import (
@@ -26,6 +28,7 @@ from physagent_jax.report.formats import format_count, format_fixed, format_seco
 from physagent_jax.report.layout import (
     make_badge,
     make_facts,
+    make_fold,
     make_json_fold,
     make_list,
     make_paragraphs,
@@ -152,9 +155,20 @@ def _make_header(run: FinishedRun) -> Markup:
     # The quotation marks belong to the page, not to the prompt.
     title = tag("h1", join("\u201c", run.prompt, "\u201d") if run.prompt else "A run without a prompt")
     kicker = tag("p", " \u00b7 ".join(filter(None, ["PhysAgent run", name])), class_="kicker")
-    return tag(
-        "header", kicker, title, make_badge(verdict), tag("nav", *links, class_="contents"), class_="page"
-    )
+    verdict_line = tag("p", make_badge(verdict), explain_verdict(run), class_="verdict")
+    return tag("header", kicker, title, verdict_line, tag("nav", *links, class_="contents"), class_="page")
+
+
+def explain_verdict(run: FinishedRun) -> str:
+    """Two plain sentences on a failure: why it is one, and why the run ended; one on a success."""
+    manifest, best = run.manifest, run.best
+    if manifest is None or best is None or best.judgement is None or not manifest.complete:
+        return ""
+    if manifest.verdict == "SUCCESS":
+        return "The clip shows what the sentence asks for."
+    why = split_reason(name_places(best.judgement.suggestion, best.force_field))[0]
+    why = why or "The clip does not show what the sentence asks for."
+    return f"{why} No further round was made: {STOP_REASONS[manifest.stopped]}." if manifest.stopped else why
 
 
 def _make_notices(run: FinishedRun) -> list[Markup | None]:
@@ -174,9 +188,10 @@ def _make_notices(run: FinishedRun) -> list[Markup | None]:
 def _make_hero(run: FinishedRun, players: _Players) -> Markup:
     best = run.best
     text = best.motion.text if best and best.motion else ""
-    story = make_paragraphs(text) if text else note_missing("The motion report is missing.")
+    story = make_fold("The motion in figures", make_paragraphs(text)) if text else None
+    story = story or note_missing("The motion report is missing.")
     strip = embed_filmstrip(players.hero_clip, run.frame_dt) if players.hero_clip else None
-    side = div("side", tag("h2", "What happened"), story, tag("h2", "At a glance"), _make_glance(run))
+    side = div("side", tag("h2", "At a glance"), _make_glance(run), tag("h2", "What happened"), story)
     return tag("section", div("hero-grid", div("clip", players.hero()), side), strip, class_="hero")
 
 

@@ -10,6 +10,7 @@ import dataclasses
 import itertools
 import math
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 from physagent_jax.report.formats import format_fixed, format_number, format_power_of_ten
 from physagent_jax.report.markup import Markup, div, join, span, tag
@@ -126,16 +127,16 @@ class _Frame:
     high: float
     last: int
 
-    @property
+    @cached_property
     def step(self) -> float:
         return choose_step(self.low, self.high)
 
-    @property
+    @cached_property
     def decimals(self) -> int:
         """Decimals that tell two ticks apart."""
         return max(0, -math.floor(math.log10(self.step) + 1e-9))
 
-    @property
+    @cached_property
     def left(self) -> int:
         """The left end of the axis: right of the widest label, in the larger type of narrow screens too."""
         labels = [format_fixed(t, self.decimals) for t in place_ticks(self.low, self.high, self.step)]

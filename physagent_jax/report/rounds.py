@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from physagent_jax.agents.schema import Rewrite
+from physagent_jax.core.text import split_reason
+from physagent_jax.forces.naming import name_places
+from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.schema import Check, Judgement, Stage, StageVerdict
 from physagent_jax.perception.schema import MotionReport, Oscillation, WindowMotion
 from physagent_jax.report.agent_traces import show_agent_traces
@@ -69,7 +72,7 @@ def make_probe_table(probe: Sequence[FinishedRound], best: int | None) -> list[M
                 join(str(round_.number), taken),
                 format_fixed(judgement.score if judgement else None),
                 make_badge(judgement.verdict if judgement else None),
-                judgement.suggestion or UNKNOWN if judgement else UNKNOWN,
+                name_places(judgement.suggestion, round_.force_field) or UNKNOWN if judgement else UNKNOWN,
                 format_count(record.particle_count) if record else UNKNOWN,
             ]
         )
@@ -104,7 +107,7 @@ def make_round_card(
         div("split", div("clip", video), _show_forces(round_, previous, setting)),
         _describe_reuse(round_),
         _show_overlay(round_),
-        _show_judgement(round_.judgement),
+        _show_judgement(round_.judgement, round_.force_field),
         _show_rewrite(round_.rewrite, round_.number + 1),
         show_agent_traces(
             {"planner": round_.planner_trace, "executor": round_.executor_trace}, round_.failed_calls
@@ -163,31 +166,35 @@ def _show_overlay(round_: FinishedRound) -> Markup | None:
     )
 
 
-def _show_judgement(judgement: Judgement | None) -> list[Markup | None] | Markup:
+def _show_judgement(
+    judgement: Judgement | None, force_field: ForceField | None
+) -> list[Markup | None] | Markup:
     if judgement is None:
         return note_missing("The planner\u2019s judgement of this round is missing.")
-    rows = [_show_check(check) for check in judgement.checks]
+    rows = [_show_check(check, force_field) for check in judgement.checks]
     suggestion = None
     if judgement.suggestion:
-        suggestion = div(
-            "callout", tag("strong", "The planner suggests"), make_paragraphs(judgement.suggestion)
+        why, rest = split_reason(name_places(judgement.suggestion, force_field))
+        details = (
+            make_fold("In figures, and what the planner suggests", make_paragraphs(rest)) if rest else None
         )
+        suggestion = div("callout", tag("p", tag("strong", why), class_="why"), details)
     checks = make_table(
         ["question", "expected", "observed", "result", "margin", "confidence", "score"],
         rows,
         class_="checks",
         numeric=(4, 5, 6),
     )
-    title = tag("h4", "What the planner checked")
     notes = make_list("What the planner says of it", judgement.notes)
     if not rows:
-        return [title, tag("p", "It gave its verdict without single checks."), notes, suggestion]
+        return [suggestion, tag("p", "The planner gave its verdict without single checks."), notes]
     stages = _show_stages(judgement.stages)
     note = (
         "Margin: how far inside of its limits a value lies, in tolerances; 1 is what is aimed at, below 0 is outside. "
         "Confidence: the chance that the result would be the same without errors of perception."
     )
-    return [*stages, title, checks, tag("p", note, class_="quiet"), notes, suggestion]
+    fold = make_fold("What the planner checked", *stages, checks, tag("p", note, class_="quiet"), notes)
+    return [suggestion, fold]
 
 
 def _show_stages(stages: Sequence[Stage]) -> list[Markup]:
@@ -204,9 +211,9 @@ def _show_stages(stages: Sequence[Stage]) -> list[Markup]:
     return [tag("h4", "The sentence stage by stage"), table]
 
 
-def _show_check(check: Check) -> list[Child]:
+def _show_check(check: Check, force_field: ForceField | None) -> list[Child]:
     kind, word = MARKS[check.passed]
-    remedy = tag("small", check.remedy, class_="remedy") if check.remedy else None
+    remedy = tag("small", name_places(check.remedy, force_field), class_="remedy") if check.remedy else None
     result = span(f"result {kind}", word)
     return [
         join(check.question, remedy),
@@ -226,7 +233,8 @@ def _show_rewrite(rewrite: Rewrite | None, next_round: int) -> Markup | None:
     if rewrite.rules_applied:
         chips = [span("rule", spell_out(name)) for name in rewrite.rules_applied]
         rules = div("rules", span("quiet", "hard rules applied:"), join(*chips))
-    changes = tag("ul", [tag("li", change) for change in rewrite.changes])
+    told = [name_places(change, rewrite.force_field) for change in rewrite.changes]
+    changes = tag("ul", [tag("li", change) for change in told])
     if not rewrite.changes:
         changes = tag("p", "Nothing was changed.")
     title = tag("strong", f"The executor changed, for round {next_round}")

@@ -7,9 +7,12 @@ import re
 from collections.abc import Sequence
 
 from physagent_jax.agents.schema import Evidence, SemanticReply
+from physagent_jax.forces.naming import name_places
+from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.schema import ExpectedMotion
 from physagent_jax.report.expectations import describe_motion, list_details
 from physagent_jax.report.force_cards import Setting, make_force_cards
+from physagent_jax.report.formats import spell_out
 from physagent_jax.report.layout import make_list, make_table
 from physagent_jax.report.markup import Markup, div, join, span, tag
 
@@ -54,7 +57,7 @@ def make_words_section(prompt: str, reply: SemanticReply, setting: Setting) -> l
     return [
         tag("p", _mark_prompt(prompt, highlights), class_="prompt"),
         _make_topic_legend({highlight.topic for highlight in highlights}),
-        _make_evidence_table(reply.evidence, marked),
+        _make_evidence_table(reply.evidence, marked, reply.force_field),
         div(
             "listings",
             make_list(
@@ -152,7 +155,7 @@ def _make_topic_legend(topics: set[str]) -> Markup | None:
     return div("topics", join(*keys))
 
 
-def _make_evidence_table(evidence: Sequence[Evidence], marked: set[int]) -> Markup:
+def _make_evidence_table(evidence: Sequence[Evidence], marked: set[int], force_field: ForceField) -> Markup:
     if not evidence:
         return tag("p", "The agent gave no evidence for its choices.", class_="quiet")
     rows, ids = [], []
@@ -160,13 +163,13 @@ def _make_evidence_table(evidence: Sequence[Evidence], marked: set[int]) -> Mark
         words = span(f"topic {find_topic(item.field)}", item.words or "\u2014")
         if index not in marked:
             words = join(words, span("quiet", " (not literally in the sentence)"))
-        rows.append([str(index + 1), words, _link_field(item.field), item.value, item.why])
+        rows.append([str(index + 1), words, _link_field(item.field, force_field), item.value, item.why])
         ids.append(f"evidence-{index}")
     return make_table(["", "words", "led to", "value", "because"], rows, ids=ids, class_="evidence")
 
 
-def _link_field(field: str) -> Markup:
-    """The value's place, linked to its card if it has one."""
+def _link_field(field: str, force_field: ForceField) -> Markup:
+    """The value's name, linked to its card if it has one."""
     match = re.match(r"(actions|constraints)\[(\d+)\]", field)
-    code = tag("code", field)
-    return tag("a", code, href=f"#compiled-{match[1]}-{match[2]}") if match else code
+    name = span("", name_places(field, force_field) if match else spell_out(field).replace(".", ", "))
+    return tag("a", name, href=f"#compiled-{match[1]}-{match[2]}") if match else name

@@ -20,7 +20,9 @@ from physagent_jax.run.store import PLAIN_VIDEO, VIDEO, RunStore
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile import CompiledScene
 from physagent_jax.scene.config import SceneConfig, dump_scene
-from physagent_jax.simulation.presentation import draw_presentation
+from physagent_jax.simulation.ending import simulate_ending
+from physagent_jax.simulation.notes import Notes
+from physagent_jax.simulation.presentation import PLAIN, draw_presentation
 from physagent_jax.simulation.recording import Recording
 
 FILMSTRIP_FRAMES = 6
@@ -75,11 +77,73 @@ def write_verdict(
 
 
 def write_presentation(
-    store: RunStore, config: SceneConfig, body: Body, x: np.ndarray, F: np.ndarray, size: tuple[int, int]
-) -> None:
-    """Leave the video for people at the top of the folder; positions and F are of the body's particles, all frames."""
-    pictures = draw_presentation(config, body, x, F, size)
-    write_video(store.claimed(VIDEO), pictures, 1 / config.timing.frame_dt)
+    store: RunStore,
+    config: SceneConfig,
+    body: Body,
+    x: np.ndarray,
+    F: np.ndarray,
+    size: tuple[int, int],
+    *,
+    notes: Notes = PLAIN,
+    folder: str = "",
+) -> Path:
+    """Leave the video for people in ``folder``; positions and F are of the body's particles, all frames.
+
+    Returns:
+        The video's path.
+    """
+    pictures = draw_presentation(config, body, x, F, size, notes)
+    return write_video(store.claimed(f"{PurePosixPath(folder, VIDEO)}"), pictures, 1 / config.timing.frame_dt)
+
+
+def write_clip(
+    store: RunStore,
+    index: int,
+    scene: CompiledScene,
+    recording: Recording,
+    size: tuple[int, int],
+    notes: Notes = PLAIN,
+) -> Path:
+    """Leave the video for people of round ``index``; the first round's is at the top of the folder at once, too.
+
+    Returns:
+        The video's path in the round's folder.
+    """
+    x, F = simulate_ending(recording)
+    path = write_presentation(
+        store, scene.config, scene.body, x, F, size, notes=notes, folder=f"iterations/{index}"
+    )
+    if index == 0:
+        _put_on_top(store, index, [VIDEO])
+    return path
+
+
+def rehearse_clip(scene: CompiledScene, size: tuple[int, int]) -> None:
+    """Draw the rest pose for people, and drop it: the programs are then there when the clip is drawn."""
+    x, F = (np.asarray(each)[scene.back][None] for each in (scene.state.x, scene.state.F))
+    next(iter(draw_presentation(scene.config, scene.body, x, F, size)), None)
+
+
+def put_best_on_top(store: RunStore, index: int, *, save_frames: bool) -> None:
+    """Put what round ``index`` has left at the top of the folder, its large files under a second name."""
+    folder = store.round_folder(index)
+    frames = sorted(path.name for path in (folder / "frames").glob("*.png")) if save_frames else []
+    shown = [VIDEO] if (folder / VIDEO).is_file() else []
+    _put_on_top(
+        store,
+        index,
+        ["scene.json", PLAIN_VIDEO, "motion.npz", *shown, *(f"frames/{name}" for name in frames)],
+    )
+
+
+def _put_on_top(store: RunStore, index: int, names: list[str]) -> None:
+    store.claim(*names)
+    for name in names:
+        with replace_file(store.path / name) as temporary:
+            # A scene file is edited by people, who do not expect another one to change with it.
+            (shutil.copyfile if name == "scene.json" else link_or_copy)(
+                store.round_folder(index) / name, temporary
+            )
 
 
 def write_best(
@@ -91,24 +155,21 @@ def write_best(
     save_frames: bool,
     save_splats: SplatFormat | Literal[False],
     video_size: tuple[int, int] | None,
+    notes: Notes = PLAIN,
 ) -> None:
-    """Put round ``index`` at the top of the folder, its large files under a second name, and what was asked for.
+    """Put round ``index`` at the top of the folder, and what was asked for of the best round alone.
 
-    The video for people is drawn here, from the motion file, and so for this round alone.
+    A round without a video for people gets one, from its motion file.
     """
-    folder = store.round_folder(index)
-    frames = sorted(path.name for path in (folder / "frames").glob("*.png")) if save_frames else []
-    copied = ["scene.json", PLAIN_VIDEO, "motion.npz", *(f"frames/{name}" for name in frames)]
-    store.claim(*copied)
-    for name in copied:
-        with replace_file(store.path / name) as temporary:
-            # A scene file is edited by people, who do not expect another one to change with it.
-            (shutil.copyfile if name == "scene.json" else link_or_copy)(folder / name, temporary)
-    motion = read_motion(folder / "motion.npz")
-    if video_size is not None:
-        write_presentation(store, config, body, motion.x, motion.F, video_size)
-    if save_splats:
-        write_splats(store, config, body, motion.x, motion.F, save_splats)
+    missing = None if (store.round_folder(index) / VIDEO).is_file() else video_size
+    if missing is not None or save_splats:
+        motion = read_motion(store.round_folder(index) / "motion.npz")
+        if missing is not None:
+            folder = f"iterations/{index}"
+            write_presentation(store, config, body, motion.x, motion.F, missing, notes=notes, folder=folder)
+        if save_splats:
+            write_splats(store, config, body, motion.x, motion.F, save_splats)
+    put_best_on_top(store, index, save_frames=save_frames)
 
 
 def write_splats(

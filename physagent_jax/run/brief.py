@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from physagent_jax.forces.part import Part
 from physagent_jax.motion.schema import DirectionTable, SceneBrief
 from physagent_jax.scene.broad_side import find_long_axis
 from physagent_jax.scene.camera import find_viewer_directions
@@ -9,12 +10,15 @@ from physagent_jax.scene.fuse import SceneTemplate
 from physagent_jax.scene.priors import list_nouns
 
 
-def make_brief(template: SceneTemplate, *, frames_fixed: bool = False) -> SceneBrief:
+def make_brief(
+    template: SceneTemplate, *, frames_fixed: bool = False, parts: tuple[Part, ...] = ()
+) -> SceneBrief:
     """The facts about a scene that agents may use.
 
     Args:
         template: The scene without its force field.
         frames_fixed: Whether the clip's length is the user's.
+        parts: Parts that stick out of the object.
     """
     timing, anchor = template.preset.timing, template.anchor
     return SceneBrief(
@@ -29,4 +33,5 @@ def make_brief(template: SceneTemplate, *, frames_fixed: bool = False) -> SceneB
         long_axis=find_long_axis(template.source, template.preset.domain),
         world="ground" if template.world.gravity == "down" and template.world.ground else "free",
         directions=DirectionTable(**find_viewer_directions(template.camera)),
+        parts=parts,
     )

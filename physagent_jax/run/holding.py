@@ -27,7 +27,10 @@ def find_hold(choice: AnchorChoice, kind: str, said: AnchorRequest) -> Hold | No
         kind: The object's kind.
         said: The sentence's words about holding.
     """
-    place = choose_anchor(kind, said.kind).kind if choice.kind == "auto" else choice.kind
+    if choice.kind == "auto" and said.kind == "rest":
+        return Hold("region", HoldOrigin.SENTENCE, said.words)
+    told = None if said.kind == "rest" else said.kind
+    place = choose_anchor(kind, told).kind if choice.kind == "auto" else choice.kind
     if place == "none":
         return None
     if choice.kind != "auto":

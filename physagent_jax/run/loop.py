@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NoReturn
+from typing import Literal, NoReturn
 
 from physagent_jax.agents.context import AgentContext, Observation, Round
 from physagent_jax.agents.progress import find_best_round, has_stalled
@@ -25,22 +26,32 @@ from physagent_jax.agents.schema import Rewrite, SemanticReply
 from physagent_jax.agents.trace import AgentError, FailedCall, Reply, Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_skills
+from physagent_jax.forces.naming import name_places
+from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.motion.schema import Judgement, SceneBrief, Verdict
+from physagent_jax.motion.schema import AnchorRequest, Judgement, SceneBrief, Verdict
 from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.measure import perceive
 from physagent_jax.perception.protocols import PerceptionBackends, SegmentPrompt
 from physagent_jax.perception.schema import MotionReport
 from physagent_jax.render.camera import Camera
 from physagent_jax.run.agent_calls import AgentCalls
-from physagent_jax.run.artifacts import write_best, write_rollout, write_verdict
+from physagent_jax.run.artifacts import (
+    put_best_on_top,
+    rehearse_clip,
+    write_best,
+    write_clip,
+    write_rollout,
+    write_verdict,
+)
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.chosen_agents import open_agents
 from physagent_jax.run.first_picture import check_first_picture
+from physagent_jax.run.forecast import Forecast
 from physagent_jax.run.key_frames import VideoKeyFrames
-from physagent_jax.run.manifest import Stages, StopReason
+from physagent_jax.run.manifest import STOP_REASONS, FirstClip, Stages, StopReason
 from physagent_jax.run.observer import Observer
-from physagent_jax.run.prompt import make_prompt, read_mask
+from physagent_jax.run.prompt import make_part_prompts, make_prompt, read_mask
 from physagent_jax.run.provenance import hash_settings, make_manifest
 from physagent_jax.run.reading import read_for_scene
 from physagent_jax.run.refused import REFUSED, RefusedReading
@@ -50,14 +61,16 @@ from physagent_jax.run.store import PLAIN_VIDEO, PROBE, RunStore
 from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.camera import make_reference_camera
 from physagent_jax.scene.coarse import coarsen
-from physagent_jax.scene.compile import compile_scene
+from physagent_jax.scene.compile import CompiledScene, compile_scene
 from physagent_jax.scene.config import CameraConfig, SceneConfig
-from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
+from physagent_jax.scene.cost import Cost, Limits, check_cost, estimate_cost
 from physagent_jax.scene.fuse import SceneTemplate, damp, fuse
 from physagent_jax.simulation.ahead import compile_ahead
-from physagent_jax.simulation.recording import RestartCache
+from physagent_jax.simulation.recording import Recording, RestartCache
 from physagent_jax.simulation.simulate import simulate_scene
-from physagent_jax.simulation.stopwatch import Stopwatch
+from physagent_jax.simulation.stopwatch import Stopwatch, stay_aside
+
+_FARTHER = 1.5  # times the distance from which the object was seen to leave the picture
 
 
 @dataclasses.dataclass(frozen=True)
@@ -78,18 +91,36 @@ def backends_of(spec: RunSpec) -> PerceptionBackends:
     return make_backends(**{role: (each.name, each.options) for role, each in chosen.items()})
 
 
-def find_stop(judgements: Sequence[Judgement], cap: int) -> StopReason | None:
+def find_stop(judgements: Sequence[Judgement], cap: int, *, doubts: bool = False) -> StopReason | None:
     """The reason to make no further round, as far as the judgements tell; None = go on.
 
     Args:
         judgements: Judgements of the rounds so far, oldest first.
         cap: Number of rounds at most.
+        doubts: Whether the sentence is not understood for certain: what fails then is not the force.
     """
     if judgements[-1].verdict is Verdict.SUCCESS:
         return "success"
     if has_stalled(judgements):
         return "no improvement"
-    return "cap" if len(judgements) >= cap else None
+    if len(judgements) >= cap:
+        return "cap"
+    return "doubts" if doubts else None
+
+
+def _widen(attempt: Attempt) -> CameraConfig:
+    """The camera of a round; from farther away if the object has left its picture."""
+    camera = attempt.scene.camera
+    if attempt.round.report.quality.leaves_frame is None:
+        return camera
+    return camera.model_copy(update={"distance": _FARTHER * camera.distance})
+
+
+def explain_rest(judgement: Judgement) -> StopReason:
+    """The reason for which an executor leaves a force field as it is."""
+    unseen = any(check.passed is None for check in judgement.checks)
+    failed = any(check.passed is False for check in judgement.checks)
+    return "not observable" if unseen and not failed else "nothing left to try"
 
 
 def run_loop(
@@ -162,7 +193,9 @@ def run_loop(
             template = loop.apply_reply(reply, body)
             with loop.tell_warnings():
                 config = fuse(template, body, reply.force_field)
-            check_cost(estimate_cost(config, body, run.spec.save.video_size), limits or Limits())
+            cost = estimate_cost(config, body, run.spec.save.video_size)
+            check_cost(cost, limits or Limits())
+            loop.expect(cost)
             loop.check_pictures(config, body)
         except UserError as error:
             loop.refuse(reading, error)
@@ -177,7 +210,8 @@ def run_loop(
             if run.spec.probe:
                 force_field = loop.probe(template, body, reply)
             series = _Series(store, template, body, "round", loop.observer.judged)
-            attempts = list(loop.rounds(series, force_field, reply))
+            with loop.tell_warnings():  # of what is warned of beside the making of a scene
+                attempts = list(loop.rounds(series, force_field, reply))
         except AgentError:
             raise
         except UserError as error:
@@ -225,9 +259,18 @@ class _Loop:
         self._calls = AgentCalls(agents, store.manifest.agents)
         self._template = run.template
         self._restart_cache: RestartCache | None = None
+        self._parts: tuple[Part, ...] = ()
         self._reused = dict(store.manifest.reused_frames)
         self._warnings: tuple[str, ...] = ()
         self._stopped: StopReason | None = None
+        self._begun = time.perf_counter()
+        self._forecast: Forecast | None = None
+        self._rehearsed = False  # whether the clip's programs are there
+        self._first_clip: FirstClip | None = store.manifest.first_clip
+
+    def expect(self, cost: Cost) -> None:
+        """Begin to say how long the run will take, from what a round should cost."""
+        self._forecast = Forecast(cost, self._run.spec.rounds)
 
     def read_sentence(self, body: Body) -> Reply[SemanticReply]:
         """The semantic agent's reply, from the folder if it is there."""
@@ -276,6 +319,7 @@ class _Loop:
         with self._watch("prepare"), self.tell_warnings():
             body = make_body(template.source, preset.filling, preset.domain, self._run.base_dir)
             self._template, _ = self._run.place(body)
+            self._parts = body.parts
         self.observer.assumed(f"the object's file was read as {body.reading}")
         return body
 
@@ -346,20 +390,49 @@ class _Loop:
         self._restart_cache = None
         for index in range(self._run.spec.rounds):
             context = self._make_context(reply, [attempt.round for attempt in attempts])
-            attempt = self.recall(series, index) or self.attempt(series, index, force_field, context)
+            try:
+                attempt = self.recall(series, index) or self.attempt(series, index, force_field, context)
+            except AgentError:
+                raise
+            except UserError as error:
+                if not attempts:
+                    raise
+                self._leave_out(f"{series.name} {index + 1}", error)  # the rounds before it are worth keeping
+                break
             attempts.append(attempt)
-            series.judged(index, attempt.round.judgement)
+            series.judged(index, _name_in(attempt.round.judgement, attempt.round.force_field))
+            if series.store is self._store:
+                best = find_best_round([each.round.judgement for each in attempts])
+                put_best_on_top(self._store, best, save_frames=self._run.spec.save.frames)
             yield attempt
-            self._stopped = find_stop([each.round.judgement for each in attempts], self._run.spec.rounds)
+            judgements = [each.round.judgement for each in attempts]
+            self._stopped = find_stop(judgements, self._run.spec.rounds, doubts=bool(reply.unsure))
             if self._stopped is not None:
                 break
             # The camera stays, so that the rounds' pictures can be compared, as long as it shows what will happen.
-            series = dataclasses.replace(series, camera=attempt.scene.camera)
+            series = dataclasses.replace(series, camera=_widen(attempt))
             rewrite = self.rewrite(series, index, context, attempt.round)
-            if rewrite.force_field == force_field:
-                self._stopped = "nothing left to try"  # another round would only repeat this one
+            if rewrite.hold is not None and series.store is self._store:
+                series = self._hold(series, reply, rewrite.hold)
+            elif rewrite.force_field == force_field:
+                self._stopped = explain_rest(judgements[-1])  # another round would only repeat this one
                 break
             force_field = rewrite.force_field
+        if self._stopped not in (None, "success", "cap") and series.store is self._store:
+            self.observer.ended(STOP_REASONS[self._stopped])
+
+    def _hold(self, series: _Series, reply: SemanticReply, place: Literal["base"]) -> _Series:
+        """The same rounds with the object held from now on."""
+        held = reply.model_copy(update={"anchor": AnchorRequest(kind=place)})
+        self._template, _ = self._run.place(series.body, held)
+        self._restart_cache = None
+        return dataclasses.replace(series, template=self._template)
+
+    def _leave_out(self, name: str, error: UserError) -> None:
+        """Note a round that could not be simulated."""
+        self._stopped, note = "failed round", f"{name} is left out: {error}"
+        self._warnings += (note,)
+        self.observer.warned(note)
 
     def attempt(self, series: _Series, index: int, force_field: ForceField, context: AgentContext) -> Attempt:
         """Simulate ``force_field``, look at the pictures, judge them, and leave the round's files."""
@@ -367,23 +440,35 @@ class _Loop:
             config = fuse(series.template, series.body, force_field, keep=series.camera)
             scene = compile_scene(config, series.body, self._run.base_dir)
         name = f"{series.name} {index + 1}"
+        earnest = series.store is self._store
+        forecast = self._forecast if earnest else None
+        if forecast is not None:
+            forecast.begin_round(index)
+
+        def tell_frame(done: int, total: int) -> None:
+            if forecast is not None:
+                forecast.count_frame(done, total)
+                self.observer.remaining(*forecast.find_left())
+            self.observer.frame(done, total)
+
         self.observer.stage(f"{name}: simulating and rendering")
-        recording = simulate_scene(
-            scene,
-            watch=self._watch,
-            progress=self.observer.frame,
-            restart_cache=self._restart_cache,
-        )
+        with ThreadPoolExecutor(1) as pool:
+            if earnest:
+                pool.submit(self._rehearse, scene)
+            recording = simulate_scene(
+                scene,
+                watch=self._watch,
+                progress=tell_frame,
+                restart_cache=self._restart_cache,
+            )
         self._restart_cache = recording.restart_cache
         if recording.reused_frames:
             folder = series.store.round_folder(index).relative_to(self._store.path).as_posix()
             self._reused[folder] = recording.reused_frames
-        earnest = series.store is self._store
-        frames = self._run.spec.save.frames and earnest
+        if forecast is not None:
+            forecast.end_simulation()
         with ThreadPoolExecutor(1) as pool:
-            writing = pool.submit(
-                write_rollout, series.store, index, scene, recording, save_motion=earnest, save_frames=frames
-            )
+            writing = pool.submit(self._write_recording, series.store, index, scene, recording)
             self.observer.stage(f"{name}: measuring the motion")
             windows = self._agents.planner.windows(context)
             with self._watch("perceive"):
@@ -395,6 +480,7 @@ class _Loop:
                     windows=windows,
                     backends=self._backends,
                     prompt=self._make_segment_prompt(scene.camera),
+                    parts=make_part_prompts(context, series.body),
                 )
             with self._watch("write"):
                 writing.result()
@@ -404,8 +490,39 @@ class _Loop:
         with self._watch("write"):
             series.store.write(f"iterations/{index}/planner_trace.json", answer.trace)
             write_verdict(series.store, index, recording.rgb, seen, answer.value)
+        if forecast is not None:
+            forecast.end_round()
         self.save_costs()
         return Attempt(config, Round(force_field, seen.report, key_frames, answer.value))
+
+    def _rehearse(self, scene: CompiledScene) -> None:
+        """Compile what the clip needs on a core that the simulation leaves free; errors come when it is drawn."""
+        size = self._run.spec.save.video_size
+        if size is not None and not self._rehearsed:
+            self._rehearsed = True
+            with stay_aside():
+                rehearse_clip(scene, size)
+
+    def _write_recording(
+        self, store: RunStore, index: int, scene: CompiledScene, recording: Recording
+    ) -> None:
+        """Leave what was simulated, the clip for people first; meanwhile another thread measures the motion."""
+        earnest, save = store is self._store, self._run.spec.save
+        with stay_aside():
+            if earnest and save.video_size is not None:
+                begun, stages = time.perf_counter(), self._watch.seconds()
+                clip = write_clip(store, index, scene, recording, save.video_size, save.notes)
+                now = time.perf_counter()
+                if self._first_clip is None and index == 0:
+                    times = {"seconds": now - self._begun, "draw": now - begun}
+                    self._first_clip = FirstClip(
+                        **{name: round(each, 4) for name, each in times.items()}, stages=Stages(**stages)
+                    )
+                if self._forecast is not None:
+                    self._forecast.show_clip()
+                self.observer.shown(index, clip)
+            frames = save.frames and earnest
+            write_rollout(store, index, scene, recording, save_motion=earnest, save_frames=frames)
 
     def recall(self, series: _Series, index: int) -> Attempt | None:
         """Round ``index`` from the folder, if it is complete."""
@@ -445,6 +562,7 @@ class _Loop:
                 save_frames=save.frames,
                 save_splats=save.splats,
                 video_size=save.video_size,
+                notes=save.notes,
             )
         self.save_costs(
             iterations=len(attempts),
@@ -472,7 +590,7 @@ class _Loop:
     def save_costs(self, **changes) -> None:
         """Write what the run has cost so far into the manifest, with ``changes`` to it."""
         costs = dict(stages=Stages(**self._watch.seconds()), agents=tuple(self._calls.costs.values()))
-        self._store.update(**costs, reused_frames=self._reused, **changes)
+        self._store.update(**costs, first_clip=self._first_clip, reused_frames=self._reused, **changes)
 
     def _make_segment_prompt(self, camera: Camera) -> SegmentPrompt | None:
         """The prompt that marks the object in the pictures of ``camera``; None if the spec gives none."""
@@ -490,4 +608,10 @@ class _Loop:
         return AgentContext(self._run.spec.prompt, self._make_brief(), self._skills, reading, tuple(rounds))
 
     def _make_brief(self) -> SceneBrief:
-        return make_brief(self._template, frames_fixed=self._run.frames_fixed)
+        brief = make_brief(self._template, frames_fixed=self._run.frames_fixed, parts=self._parts)
+        return brief.model_copy(update={"may_be_held": self._run.spec.anchor.kind == "auto"})
+
+
+def _name_in(judgement: Judgement, force_field: ForceField) -> Judgement:
+    """The judgement with the names of actions for people in its suggestion."""
+    return judgement.model_copy(update=dict(suggestion=name_places(judgement.suggestion, force_field)))

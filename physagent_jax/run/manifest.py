@@ -14,11 +14,13 @@ run/iterations/k/executor_trace.json   how the rewrite came about
 run/iterations/k/planner_failed_n.json executor's and, at the top, semantic's likewise: a call without an answer,
                                        `agents.trace.FailedCall`; n counts those of the agent
 run/iterations/k/simulation.json       `SimulationRecord`
+run/iterations/k/video.mp4             the round drawn for people: ground, shadow, horizon, a camera of its own
 run/iterations/k/perception.mp4        the plain pictures that perception and agents get
 run/iterations/k/motion.npz            particles and Gaussians, frame by frame
-run/probe/iterations/k/...             the same but motion.npz, on a coarse version of the scene, if that was asked for
-run/video.mp4                          the best round drawn for people: ground, shadow, horizon, a camera of its own
-run/perception.mp4, motion.npz         the best round's
+run/probe/iterations/k/...             the same but motion.npz and video.mp4, on a coarse version of the scene, if that
+                                       was asked for
+run/video.mp4, perception.mp4,         the best round's, of those so far; the first round's video.mp4 is there
+    motion.npz                         before the round is judged
 run/frames/                            its plain pictures, on request
 run/report.html
 run/refused.json                       `run.refused.RefusedReadings`: of no run in particular, so in no list of files
@@ -40,11 +42,15 @@ MOST_ROUNDS = 1000
 Rounds = Annotated[int, Field(ge=0, le=MOST_ROUNDS)]
 
 
-StopReason = Literal["success", "cap", "no improvement", "nothing left to try"]
+StopReason = Literal[
+    "success", "cap", "no improvement", "nothing left to try", "doubts", "not observable", "failed round"
+]
 """Reasons for which no further round is made.
 
 "success": the planner is satisfied; "no improvement": the last rounds brought none (`agents.progress.has_stalled`);
-"cap": there were as many rounds as may be; "nothing left to try": the executor changed nothing.
+"cap": there were as many rounds as may be; "nothing left to try": the executor changed nothing; "doubts": the sentence
+is not understood for certain; "not observable": nothing that was seen failed, but something asked for cannot be seen;
+"failed round": the next round could not be simulated.
 """
 
 
@@ -53,6 +59,9 @@ STOP_REASONS: dict[StopReason, str] = {
     "cap": "as many rounds as were allowed",
     "no improvement": "the last rounds brought no improvement",
     "nothing left to try": "the executor has nothing left to try",
+    "doubts": "the sentence is not understood for certain, so no other force can make it right",
+    "not observable": "all that can be seen is right, and what is left cannot be seen whatever the force",
+    "failed round": "the next round could not be simulated",
 }
 """The reasons in words."""
 
@@ -71,6 +80,20 @@ class Stages(Strict):
     perceive: float = 0.0
     agents: float = 0.0
     write: float = 0.0
+
+
+class FirstClip(Strict):
+    """Seconds until the first clip for people was there.
+
+    Attributes:
+        seconds: Since the run began, without the start of Python [s].
+        draw: The part of them in which the clip was drawn and written, after the simulation [s].
+        stages: What was charged to stages until then.
+    """
+
+    seconds: float
+    draw: float
+    stages: Stages
 
 
 class AgentCost(Strict):
@@ -118,6 +141,7 @@ class Manifest(Strict):
         probe_iterations: How many coarse rounds came before.
         probe_best: Which of them gave the force field of the first round; None = none, it is the sentence's.
         stages: Wall time summed over rounds.
+        first_clip: When the first clip was there; None if there is none, or a stopped run was taken up before it was.
         reused_frames: Frames, frame 0 among them, that a round's folder took over from the round before, which
             had the same forces until then; other figures are of all frames alike.
         agents: Cost per agent.
@@ -142,6 +166,7 @@ class Manifest(Strict):
     probe_iterations: Rounds = 0
     probe_best: Rounds | None = None
     stages: Stages = Stages()
+    first_clip: FirstClip | None = None
     reused_frames: dict[str, int] = {}
     agents: tuple[AgentCost, ...] = ()
     warnings: tuple[str, ...] = ()

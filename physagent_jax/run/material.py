@@ -13,7 +13,7 @@ from physagent_jax.run.spec import MaterialChoice
 from physagent_jax.scene.config import Material, MaterialModel
 from physagent_jax.scene.config.material import MODEL_PARAMETERS, WITHOUT_STRESS
 from physagent_jax.scene.materials import LIBRARY, count_substeps, find_material, soften_material, stable_step
-from physagent_jax.scene.materials.soften import explain_softening, find_softening
+from physagent_jax.scene.materials.soften import explain_softening, find_contrast, find_softening
 from physagent_jax.scene.physgm import import_physgm
 from physagent_jax.scene.presets import Preset
 from physagent_jax.scene.priors import PRIORS, choose_material
@@ -48,8 +48,8 @@ def resolve_material(
     duration = (preset.timing.frame_count - 1) * preset.timing.frame_dt
     hard = material
     if choice.soften == "auto" or (choice.soften is None and said is not None):
-        factor = find_softening(material, dx=dx, duration=duration, at_most=AFFORDABLE)
-        material = soften_material(material, factor)
+        find = find_softening if choice.soften == "auto" else find_contrast
+        material = soften_material(material, find(material, dx=dx, duration=duration, at_most=AFFORDABLE))
     elif choice.soften is not None:
         material = soften_material(material, choice.soften)
     if (seen := explain_softening(hard, material)) is not None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.motion.schema import Judgement
 
@@ -24,8 +26,17 @@ class Observer:
     def frame(self, done: int, total: int) -> None:
         """``done`` of ``total`` frames are simulated and rendered."""
 
+    def remaining(self, clip: float, run: float) -> None:
+        """Estimated seconds until this round's clip is there, and until the end of a run that makes all rounds [s]."""
+
+    def shown(self, index: int, clip: Path) -> None:
+        """The video of round ``index`` for people is there; called from a thread, while the round is measured."""
+
     def judged(self, index: int, judgement: Judgement) -> None:
         """Round ``index``, counted from 0, was judged."""
+
+    def ended(self, why: str) -> None:
+        """No further round is made, although none was a success and more were allowed."""
 
     def probed(self, index: int, judgement: Judgement) -> None:
         """Round ``index`` on the coarse version of the scene was judged."""

@@ -7,10 +7,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from physagent_jax.agents.context import AgentContext
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.npy import read_npy
+from physagent_jax.perception.ends import PartPrompt
 from physagent_jax.perception.protocols import SegmentPrompt
 from physagent_jax.run.spec import PromptChoice
+from physagent_jax.scene.body import Body
 
 MASK_BYTES = 256 * 2**20  # one per pixel
 
@@ -35,6 +38,18 @@ def make_prompt(
         points=None if choice.points is None else np.array(choice.points) * size,
         labels=None if choice.labels is None else np.array(choice.labels),
         box=None if choice.box is None else (np.array(choice.box).reshape(2, 2) * size).ravel(),
+    )
+
+
+def make_part_prompts(context: AgentContext, body: Body) -> tuple[PartPrompt, ...]:
+    """The places of the parts that the sentence names, in frame 0, as somebody who points at them tells them."""
+    rest = np.asarray(body.particles.x, float)
+    low, size = rest.min(0), np.ptp(rest, axis=0)
+    asked = {each.limb for each in context.expectations if each.limb is not None}
+    parts = {limb: context.brief.parts[limb].moved for limb in sorted(asked)}
+    return tuple(
+        PartPrompt(limb, low + np.array(region.inside) * size, low + np.array(region.outside) * size)
+        for limb, region in parts.items()
     )
 
 

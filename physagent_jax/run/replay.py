@@ -18,6 +18,7 @@ from physagent_jax.scene.config import SceneConfig
 from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
 from physagent_jax.scene.load import hash_file
 from physagent_jax.simulation.ahead import compile_ahead
+from physagent_jax.simulation.ending import simulate_ending
 from physagent_jax.simulation.record import SimulationRecord
 from physagent_jax.simulation.simulate import Progress, simulate_scene
 from physagent_jax.simulation.stopwatch import Stopwatch
@@ -69,7 +70,7 @@ def replay_scene(
             write_recording(store, scene, recording, save_frames=save_frames)
             x, F = recording.x[:, scene.back], recording.F[:, scene.back]
             if video_size is not None:
-                write_presentation(store, config, body, x, F, video_size)
+                write_presentation(store, config, body, *simulate_ending(recording), video_size)
             if save_splats:
                 write_splats(store, config, body, x, F, save_splats)
         stages = Stages(**watch.seconds())

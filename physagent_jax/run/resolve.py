@@ -77,7 +77,7 @@ class ResolvedRun:
     def place(self, body: Body, reply: SemanticReply | None = None) -> tuple[SceneTemplate, tuple[str, ...]]:
         """The scene in which the object stays as it was captured, and in words what had to be changed for that.
 
-        An object that cannot stand is held or made stiffer, unless the sentence wants gravity.
+        An object that cannot stand is made stiffer, or its weight is left out unless the sentence wants gravity.
 
         Args:
             body: The object at rest.
@@ -87,19 +87,17 @@ class ResolvedRun:
             UserError: What is held cannot make a motion that the reply plans.
         """
         if reply is None:
-            return self._make_stand(self.template, body)
+            return make_stand(self.template, body, keep_material=self.spec.material.says_stiffness)
         template, told = self._apply(reply)
         hold = self.find_hold(reply)
         held = () if hold is None else check_hold(hold, template.anchor, body, reply, self.base_dir)
-        if reply.world.gravity is not None:
-            return template, (*told, *held)
-        template, notes = self._make_stand(template, body, said=self.find_material(reply).preset is not None)
+        template, notes = make_stand(
+            template,
+            body,
+            keep_material=self.spec.material.says_stiffness,
+            keep_weight=reply.world.gravity is not None,
+        )
         return template, (*told, *held, *notes)
-
-    def _make_stand(
-        self, template: SceneTemplate, body: Body, *, said: bool = False
-    ) -> tuple[SceneTemplate, tuple[str, ...]]:
-        return make_stand(template, body, keep_material=self.spec.material.says_stiffness or said)
 
     def find_material(self, reply: SemanticReply) -> SaidMaterial:
         """The material that the sentence chooses, given its ``reply``."""
@@ -251,6 +249,8 @@ def resolve_anchor(
     match choice.kind:
         case "auto":
             said = said or AnchorRequest()
+            if said.kind == "rest":
+                return Anchor(kind="region", region=said.region, reason=f"{said.words} alone is to move")
             return choose_anchor(kind, said.kind, said.words)
         case "box":
             return Anchor(kind="box", point=choice.point, half_size=choice.half_size, reason=reason)
@@ -314,7 +314,10 @@ def _make_camera(choice: CameraChoice, card: ObjectCard, source: Source, domain:
     given = [each for each in (choice.azimuth_degrees, card.azimuth_degrees) if each is not None]
     azimuth = given[0] if given else find_broad_side(source, domain)
     return CameraConfig(
-        azimuth_degrees=azimuth, elevation_degrees=choice.elevation_degrees, follow=choice.follow
+        azimuth_degrees=azimuth,
+        elevation_degrees=choice.elevation_degrees,
+        follow=choice.follow,
+        turn=choice.azimuth_degrees is None,
     )
 
 

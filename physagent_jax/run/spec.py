@@ -17,6 +17,7 @@ from physagent_jax.scene.config import MOST_FRAMES, SignedAxis, SplatEncoding
 from physagent_jax.scene.config.common import Degrees, Friction, HalfSize, Length, Point
 from physagent_jax.scene.config.common import Path as FilePath
 from physagent_jax.scene.presets import PresetName
+from physagent_jax.simulation.notes import Notes
 
 
 class ObjectChoice(Strict):
@@ -272,12 +273,21 @@ class SaveChoice(Strict):
     Attributes:
         video_size: Width and height of the video for people [px]; None = there is none, only perception's pictures.
         frames: Perception's pictures as PNG.
+        caption: Whether the sentence is written into the video.
+        arrows: Whether arrows in it show what acts.
         splats: Format of one file of 3D Gaussians per frame; False = none is left. True = "ply".
     """
 
     video_size: VideoSize | None = VIDEO_SIZE
+    caption: bool = False
+    arrows: bool = False
     frames: bool = False
     splats: Literal["ply", "spz", "glb", False] = False
+
+    @property
+    def notes(self) -> Notes:
+        """The choice of what is drawn over the video."""
+        return Notes(self.caption, self.arrows)
 
     @field_validator("splats", mode="before")
     @classmethod

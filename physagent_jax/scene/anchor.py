@@ -9,6 +9,7 @@ from scipy.spatial import KDTree
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.npy import read_npy
+from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.scene.config import Anchor
 
 MASK_BYTES = 256 * 2**20  # one per Gaussian
@@ -43,6 +44,8 @@ def select_anchored(
         return np.zeros(len(x_rest), bool)
     if anchor.kind in ("base", "top"):
         return _select_slab(x_rest[:, 2], anchor.fraction, top=anchor.kind == "top")
+    if anchor.region is not None:
+        return make_region_mask(anchor.region, x_rest, "anchor.region")
     if anchor.kind == "box":
         return _select_box(np.asarray(anchor.point), np.asarray(anchor.half_size), x_rest)
     return _read_mask(

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import warnings
 from pathlib import Path
 
 import numpy as np
 
+from physagent_jax.forces.part import Part
 from physagent_jax.gaussians.binding import Binding, bind
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.gaussians.diagnosis import check_cloud, diagnose_cloud
 from physagent_jax.scene.config import Domain, Filling, SceneConfig, Source
 from physagent_jax.scene.filling import Particles, fill
 from physagent_jax.scene.load import load_object
+from physagent_jax.scene.parts import find_parts
 from physagent_jax.scene.pieces import LoosePiece, explain_loose, join_pieces
 from physagent_jax.scene.placement import Placement, place
 
@@ -31,6 +34,7 @@ class Body:
         binding: Which particles each Gaussian follows.
         reading: How the object's file was read, in words; "" = it was not read from a file.
         loose: Pieces that nothing joins to the rest.
+        plain: The cloud in the colours that people see; None = in its own.
     """
 
     cloud: GaussianCloud
@@ -39,6 +43,7 @@ class Body:
     binding: Binding
     reading: str = ""
     loose: tuple[LoosePiece, ...] = ()
+    plain: GaussianCloud | None = None
 
     @property
     def low(self) -> np.ndarray:
@@ -54,6 +59,11 @@ class Body:
     def extent(self) -> float:
         """Longest side of the bounding box [m]."""
         return float((self.high - self.low).max())
+
+    @functools.cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """Parts that stick out of the object."""
+        return find_parts(np.asarray(self.particles.x, np.float64))
 
 
 def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | Path) -> Body:
@@ -71,6 +81,7 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
     loaded = load_object(source, base_dir)
     cloud, placement = place(loaded.cloud, source, domain, loaded.origin)
     check_cloud(cloud)
+    plain = None if loaded.plain is None else place(loaded.plain, source, domain, loaded.origin)[0]
     for text in diagnose_cloud(cloud):
         warnings.warn(text, stacklevel=2)
     particles, loose = fill(cloud, filling, dx=domain.dx), ()
@@ -82,7 +93,7 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
     reading = (
         f"{loaded.format_name}: {loaded.encoding}; {cloud.count:,} of {loaded.count_in_file:,} Gaussians kept"
     )
-    return Body(cloud, placement, particles, bind(cloud.means, particles.x), reading, loose)
+    return Body(cloud, placement, particles, bind(cloud.means, particles.x), reading, loose, plain)
 
 
 def _warn_if_sparse(particles: Particles, dx: float) -> None:

@@ -48,18 +48,24 @@ def find_viewer_directions(config: CameraConfig) -> dict[str, tuple[float, float
 
 
 def frame_camera(
-    points: np.ndarray, camera: CameraConfig, rendering: Rendering, *, start: np.ndarray | None = None
+    points: np.ndarray,
+    camera: CameraConfig,
+    rendering: Rendering,
+    *,
+    start: np.ndarray | None = None,
+    least: float = LEAST_HEIGHT,
 ) -> CameraConfig:
     """Move ``camera`` (along its direction, and sideways) until it just shows ``points``.
 
     With ``start``, it goes no nearer than that the object fills `MOST_HEIGHT` of the picture's height at first, and no
-    farther than that it fills `LEAST_HEIGHT`: what then does not fit is cut off, but never the object at first.
+    farther than that it fills ``least``: what then does not fit is cut off, but never the object at first.
 
     Args:
         points: World points that should be visible [m], shape (m, 3).
         camera: Its direction and field of view are kept.
         rendering: For the aspect ratio.
         start: The object's points in the first frame [m], shape (k, 3); None = it may be of any size.
+        least: Share of the picture's height that they fill at least.
     """
     centre = 0.5 * (points.min(0) + points.max(0))
     axes, half = _find_axes(camera), _find_half_picture(camera, rendering)
@@ -68,7 +74,7 @@ def frame_camera(
         local = (start - centre) @ axes
         centred = local - 0.5 * (local.min(0) + local.max(0)) * [1, 1, 0]
         distance = max(distance, _find_distance_of_height(centred, MOST_HEIGHT, half[1]))
-        farthest = _find_distance_of_height(centred, LEAST_HEIGHT, half[1])
+        farthest = _find_distance_of_height(centred, least, half[1])
         distance = min(distance, max(farthest, _find_distance(centred, MARGIN * half)))
         centre = centre + axes[:, :2] @ _find_shift(local, distance, MARGIN * half)
     return camera.model_copy(
@@ -84,12 +90,12 @@ def shows_points(points: np.ndarray, camera: CameraConfig, rendering: Rendering)
     return bool((np.abs(local[:, :2]) <= reach).all())
 
 
-def measure_height(points: np.ndarray, camera: CameraConfig) -> float:
-    """The share of the picture's height that ``points``, shape (m, 3), span; they may reach beyond it."""
+def measure_share(points: np.ndarray, camera: CameraConfig, rendering: Rendering) -> float:
+    """The share of the picture's height or width that ``points``, shape (m, 3), span, whichever is more."""
     assert camera.target is not None
     local = (points - np.asarray(camera.target)) @ _find_axes(camera)
-    rows = local[:, 1] / np.maximum(camera.distance + local[:, 2], 1e-6)
-    return float(np.ptp(rows) / (2 * np.tan(0.5 * np.radians(camera.fov_degrees))))
+    places = local[:, :2] / np.maximum(camera.distance + local[:, 2:], 1e-6)
+    return float((np.ptp(places, axis=0) / (2 * _find_half_picture(camera, rendering))).max())
 
 
 def _find_axes(camera: CameraConfig) -> np.ndarray:

@@ -11,7 +11,6 @@ import numpy as np
 
 from physagent_jax.core.recent import Recent
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces import calibration
 from physagent_jax.scene.anchor import select_anchored
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.config import Anchor, Material
@@ -21,7 +20,6 @@ MOST_PARTICLES = 3000
 PER_CELL = 6  # particles in a cell of the probe's grid
 SHARE = 0.02  # of the residual that is left
 ROUNDS = 400  # of conjugate gradients for a direction
-TOUCHING = 1.5  # cells above the lowest nodes that the ground holds
 
 Matrix = tuple[Vector, Vector, Vector]
 
@@ -67,23 +65,6 @@ def measure_compliance(body: Body, material: Material, anchor: Anchor) -> Matrix
     compliance = np.array(columns)
     compliance = 0.5 * (compliance + compliance.T)
     return tuple(tuple(float(each) for each in row) for row in compliance)  # type: ignore[return-value]
-
-
-def measure_lean(body: Body, material: Material) -> float:
-    """The turn and strain of a standing body under its own weight, to first order [1].
-
-    The displacement gradient's norm, which 5 % of the particles exceed; inversely proportional to the stiffness.
-
-    Args:
-        body: The object at rest; its feet stick to the ground.
-        material: As for `measure_compliance`.
-    """
-    grid, mass, _ = _make_grid(body, material)
-    fixed = grid.height <= grid.height[~grid.light].min() + TOUCHING * grid.dx
-    free = np.repeat((~(fixed | grid.light) & grid.find_borne(fixed))[:, None], 3, axis=1)
-    weight = (grid.spread @ mass)[:, None] * np.array([0.0, 0.0, -calibration.GRAVITY])
-    u, _ = grid.solve(np.where(free, weight, 0.0), free, ROUNDS)
-    return float(np.percentile(np.linalg.norm(grid.find_gradient(u), axis=(1, 2)), 95))
 
 
 def _make_grid(body: Body, material: Material) -> tuple[GridElasticity, np.ndarray, int]:

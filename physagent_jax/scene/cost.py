@@ -38,12 +38,14 @@ class Cost:
         seconds: Wall time on two cores [s].
         memory: Memory of the host [bytes].
         largest: What takes most of the time, and what takes most of the memory, in words.
+        watching: Seconds of them that pictures and video take, all but the simulation [s].
     """
 
     substeps: float
     seconds: float
     memory: float
     largest: tuple[str, str]
+    watching: float = 0.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -74,9 +76,9 @@ def estimate_cost(config: SceneConfig, body: Body, video_size: tuple[int, int] |
     )
     pixels = timing.frame_count * picture.width * picture.height
     particles = body.particles.count + body.cloud.count
+    simulating = substeps * (particles * SECONDS_PER_PARTICLE_STEP + nodes * SECONDS_PER_NODE_STEP)
     seconds = {
-        f"{substeps:,.0f} substeps of {body.particles.count:,} particles": substeps
-        * (particles * SECONDS_PER_PARTICLE_STEP + nodes * SECONDS_PER_NODE_STEP),
+        f"{substeps:,.0f} substeps of {body.particles.count:,} particles": simulating,
         f"{timing.frame_count:,} pictures of {picture.width} x {picture.height}": pixels * SECONDS_PER_PIXEL,
     }
     if video_size is not None:
@@ -90,7 +92,8 @@ def estimate_cost(config: SceneConfig, body: Body, video_size: tuple[int, int] |
         f"a grid of {nodes:,.0f} nodes": nodes * BYTES_PER_NODE,
     }
     largest = max(seconds, key=seconds.__getitem__), max(memory, key=memory.__getitem__)
-    return Cost(substeps, sum(seconds.values()), BASE_BYTES + sum(memory.values()), largest)
+    total = sum(seconds.values())
+    return Cost(substeps, total, BASE_BYTES + sum(memory.values()), largest, total - simulating)
 
 
 def find_stable_step(config: SceneConfig, body: Body) -> float:

@@ -1,25 +1,30 @@
 """Linear elasticity on the grid nodes under particles: small displacements that answer forces.
 
 The same nodes, weights and gradients as the simulation's (`mpm.transfer`), as sparse matrices in double precision;
-where there are many particles, equations are solved by the transfers themselves (`scene.conjugate`). Node motions that
-no particle's strain sees are tied to the linear field of each particle over them.
+where there are many particles, equations are solved by the transfers themselves (`scene.conjugate`), and where that
+takes long, because parts are thin, by a factorisation (`scene.stiffness`). Node motions that no particle's strain sees
+are tied to the linear field of each particle over them.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_matrix, csr_matrix
+from scipy.sparse import bsr_matrix, coo_matrix, csr_matrix
 from scipy.sparse.csgraph import connected_components
 
 from physagent_jax.core.arrays import to_device
 from physagent_jax.mpm.kernels import use_cpu
 from physagent_jax.scene import conjugate
+from physagent_jax.scene.stiffness import MOST_WORK, assemble, factorise
 
 TIE = 0.002  # stiffness against motions of nodes that no particle's strain sees, over that of the material
 INNER_ROUNDS = 500  # of conjugate gradients
 INNER_SHARE = 0.02  # of the residual that they leave
+PATIENCE = 150  # rounds after which a factorisation is the shorter way where parts are thin
+FEW = 30  # rounds that take as long as another factorisation
 WORTH_COMPILING = 8000  # particles from which on conjugate gradients are a compiled program
 LEAST_MASS = 1e-4  # of the mean node's: lighter ones on the fringe carry nothing that particles feel
 
@@ -36,8 +41,10 @@ class GridElasticity:
         light: Nodes that carry nothing, shape (m,).
     """
 
-    def __init__(self, x, volume, mass, mu, lam, *, dx: float, form: str, share: float = INNER_SHARE):
-        """Arrays of one entry per particle in SI units; ``form`` is `Model.stress_form`; ``share`` as `INNER_SHARE`."""
+    def __init__(
+        self, x, volume, mass, mu, lam, *, dx: float, form: str, share: float = INNER_SHARE, tie: float = TIE
+    ):
+        """Arrays of one entry per particle in SI units; ``form`` is `Model.stress_form`; others as their defaults."""
         x = np.asarray(x, np.float64)
         self._x, self._form = x, form
         self._volume, self._mu, self._lam = (np.asarray(each, np.float64) for each in (volume, mu, lam))
@@ -48,6 +55,8 @@ class GridElasticity:
         count, inverse = len(x), inverse.reshape(len(x), -1)
         rows = np.repeat(np.arange(count), inverse.shape[1])
         shape = (count, len(unique))
+        self._stencil = inverse, weights, reach
+        self.factors: Callable[[np.ndarray], np.ndarray] | None = None
         self.weight = csr_matrix((weights.ravel(), (rows, inverse.ravel())), shape)
         rows = (3 * np.arange(count)[:, None, None] + np.arange(3)).repeat(inverse.shape[1], 1)
         columns = np.repeat(inverse[..., None], 3, axis=2)
@@ -58,7 +67,7 @@ class GridElasticity:
         self._particle_mass = np.asarray(mass, np.float64)
         self.mass = self.spread @ self._particle_mass
         self.light = self.mass < LEAST_MASS * self.mass.mean()
-        self._tie = TIE * self._volume * (self._lam + 2 * self._mu) * 4 / dx**2
+        self._tie = tie * self._volume * (self._lam + 2 * self._mu) * 4 / dx**2
         self._tied = (self.spread @ self._tie)[:, None]
         self._slope_stiffness = 0.25 * dx**2 * np.repeat(self._tie, 3)[:, None]
         self._diagonal = self._find_diagonal()
@@ -126,23 +135,69 @@ class GridElasticity:
             free: Components that can move, shape (m, 3).
             rounds: At most.
         """
-        if len(self._x) >= WORTH_COMPILING:
-            return self._solve_compiled(force, free, rounds)
+        if self.factors is None:
+            wait = min(rounds, PATIENCE) if self._is_thin(free) else rounds
+            if len(self._x) >= WORTH_COMPILING:
+                u, done = self._solve_compiled(force, free, wait)
+            else:
+                u, done = self._iterate(force, free, wait)
+            if done < wait or wait == rounds:
+                return u, done
+            self.factorise(free)
+        u, done = self._iterate(force, free, min(rounds, FEW), self.factors)
+        if done == FEW < rounds:  # what is free has changed too much
+            self.factorise(free)
+            u, more = self._iterate(force, free, min(rounds, FEW), self.factors)
+            done += more
+        return u, done
+
+    def _is_thin(self, free) -> bool:
+        """Return whether factorising takes less time than many rounds: a front of nodes passes through the body."""
+        nodes = self._nodes[free.any(axis=1)]
+        if not len(nodes):
+            return False
+        widest = min(np.bincount(each - each.min()).max() for each in nodes.T)
+        return free.sum() * float(6 * widest) ** 2 <= MOST_WORK
+
+    def factorise(self, free) -> Callable[[np.ndarray], np.ndarray]:
+        """The inverse of the stiffness of the components that are ``free``, shape (m, 3); `solve` makes use of it."""
+        self._factored = np.asarray(free)
+        self.factors = factorise(self.matrix, self._factored)
+        return self.factors
+
+    @cached_property
+    def matrix(self) -> bsr_matrix:
+        """The matrix of `apply_stiffness`, components of a node together, shape (3 m, 3 m) [N/m]."""
+        mu, lam, slope = self._volume * self._mu, self._volume * self._lam, self._slope_stiffness[::3, 0]
+        return assemble(*self._stencil, mu, lam, self._tie, slope, self._tied[:, 0])
+
+    def _iterate(self, force, free, rounds: int, factors: Callable | None = None) -> tuple[np.ndarray, int]:
+        """`solve` in double precision; ``factors`` are those of about the same free components."""
+
+        def precondition(r):
+            if factors is None:
+                return r / self._diagonal
+            return np.where(free, np.where(self._factored, factors(r), r / self._diagonal), 0.0)
+
+        def apply(p):
+            if factors is None:
+                return np.where(free, self.apply_stiffness(p), 0.0)
+            return np.where(free, (self.matrix @ p.ravel()).reshape(p.shape), 0.0)
+
         x, r = np.zeros_like(force), force.copy()
-        z = r / self._diagonal
+        z = precondition(r)
         p, rz = z.copy(), (r * z).sum()
         enough = self._share**2 * rz
         done = 0
-        for done in range(rounds):  # noqa: B007
-            if rz <= enough:
-                break
-            answer = np.where(free, self.apply_stiffness(p), 0.0)
+        while rz > enough and done < rounds:
+            done += 1
+            answer = apply(p)
             curvature = (p * answer).sum()
             if curvature <= 0:
                 break
             alpha = rz / curvature
             x, r = x + alpha * p, r - alpha * answer
-            z = r / self._diagonal
+            z = precondition(r)
             rz, before = (r * z).sum(), rz
             p = z + (rz / before) * p
         return x, done

@@ -10,8 +10,9 @@ import numpy as np
 from physagent_jax.forces import calibration
 from physagent_jax.forces.free_path import compute_free_path
 from physagent_jax.forces.scaling import make_closed_form_scaling
-from physagent_jax.forces.schema import ForceField, Holding
+from physagent_jax.forces.schema import ForceField, Holding, Response
 from physagent_jax.scene.body import Body
+from physagent_jax.scene.burden import Burden, find_burden
 from physagent_jax.scene.camera import frame_camera, shows_points
 from physagent_jax.scene.compliance import find_compliance
 from physagent_jax.scene.config import (
@@ -33,15 +34,17 @@ from physagent_jax.scene.damping import (
 )
 from physagent_jax.scene.presets import Preset
 from physagent_jax.scene.priors import explain_damping_ratio
+from physagent_jax.scene.response import Setting, find_responses
 from physagent_jax.scene.world import (
     FREE,
     World,
     build_boundaries,
     find_gravity,
+    find_ground_height,
     find_opposition,
 )
 
-SEEN_SAG = 1e-3  # rho g L / E below which an object is as straight as without weight
+SEEN_SAG = 1e-3  # [L] by which an object's weight bends it, below which it is as straight as without
 CAN_STAND = (MaterialModel.NEO_HOOKEAN, MaterialModel.FIXED_COROTATED, MaterialModel.HENCKY)
 
 
@@ -99,23 +102,24 @@ def fuse(
     )
     time = calibration.find_reference_time(held, preset.timing.duration)
     damped = 0.0 if held else damping_rate  # what is held bends, however slowly
+    opposition = find_opposition(
+        world, body, template.anchor, damping_rate=damped, time=time, drop=drop, friction=template.friction
+    )
     scaling = make_closed_form_scaling(
         extent=body.extent,
         youngs_modulus=material.youngs_modulus,
         density=material.density,
         duration=time,
         damping_rate=damped,
-        opposition=find_opposition(
-            world,
-            body,
-            template.anchor,
-            damping_rate=damped,
-            time=time,
-            drop=drop,
-            friction=template.friction,
-        ),
+        opposition=opposition,
         holding=find_holding(template, body) if held else None,
     )
+    standing = world.ground and not drop
+    weighs = world.gravity == "down" and (standing or template.anchor.kind == "base")
+    setting = Setting(body, material, template.anchor, standing, weighs, opposition, time)
+    scaling = scaling.model_copy(update=dict(responses=find_responses(setting, force_field)))
+    for faint in (response for response in scaling.responses if response.note):
+        _warn_of_faint(faint)
     config = SceneConfig(
         prompt=template.prompt,
         preset=template.preset_name,
@@ -127,7 +131,7 @@ def fuse(
         transfer=preset.transfer.model_copy(update=dict(damping_rate=damping_rate)),
         gravity=find_gravity(world),
         always_gravity=world.gravity != "none",
-        start="equilibrium" if stands(template, drop=drop) else "unstressed",
+        start="equilibrium" if stands(template, body, drop=drop) else "unstressed",
         boundaries=build_boundaries(world, body, template.anchor, drop=drop, friction=template.friction),
         anchor=template.anchor,
         force_field=force_field,
@@ -144,6 +148,18 @@ def fuse(
     if keep is not None and shows_points(points, keep, config.rendering):
         camera = keep
     return config.model_copy(update=dict(camera=camera))
+
+
+def _warn_of_faint(response: Response) -> None:
+    """Say what no force in range makes visible."""
+    where = "the whole object" if response.region is None else "that part of the object"
+    verb = dict(torque="turned", scale="stretched").get(response.quantity, "moved")
+    warnings.warn(
+        f"{where} is too stiff, or held too firmly, to be {verb} visibly: {response.note}; a softer material "
+        "(`material.youngs_modulus`) or the whole object shows more",
+        UserWarning,
+        stacklevel=3,
+    )
 
 
 def _shorten_step(config: SceneConfig, body: Body) -> SceneConfig:
@@ -192,15 +208,26 @@ def damp(template: SceneTemplate, body: Body) -> tuple[Material, str | None]:
     return material.changed(damping_ratio=ratio, reason="; ".join(filter(None, reasons))), note
 
 
-def stands(template: SceneTemplate, *, drop: bool) -> bool:
+def stands(template: SceneTemplate, body: Body, *, drop: bool) -> bool:
     """Return whether the object rests under its own weight when the clip begins, visibly.
 
-    What is lifted to be dropped bears nothing yet; a strain of `SEEN_SAG` is not seen.
+    What is lifted to be dropped bears nothing yet; what its weight moves by less than `SEEN_SAG` is not seen.
     """
-    world, anchor, material = template.world, template.anchor, template.material
-    borne = anchor.kind != "none" or (world.ground and not drop)
-    sag = material.density * calibration.GRAVITY * template.source.extent / material.youngs_modulus
-    return world.gravity == "down" and borne and sag > SEEN_SAG and material.model in CAN_STAND
+    falls = drop and template.anchor.kind == "none"
+    return is_borne(template) and not falls and find_own_burden(template, body).sag > SEEN_SAG
+
+
+def is_borne(template: SceneTemplate) -> bool:
+    """Return whether elastic matter bears the object's weight, on the ground or at what is held."""
+    supported = template.anchor.kind != "none" or template.world.ground
+    return template.world.gravity == "down" and supported and template.material.model in CAN_STAND
+
+
+def find_own_burden(template: SceneTemplate, body: Body) -> Burden:
+    """The burden of the object's own weight where it is borne (`is_borne`)."""
+    world, anchor = template.world, template.anchor
+    ground = find_ground_height(world, body, anchor, drop=False) if world.ground else None
+    return find_burden(body, template.material, anchor, ground=ground, dx=template.preset.domain.dx)
 
 
 def find_holding(template: SceneTemplate, body: Body) -> Holding | None:
@@ -215,7 +242,7 @@ def find_holding(template: SceneTemplate, body: Body) -> Holding | None:
         compliance=compliance,
         shift=calibration.EXPECTED_HELD_SHIFT * body.extent,
         least=k / calibration.HELD_RANGE,
-        most=k * calibration.HELD_RANGE,
+        most=k * calibration.HELD_MOST,
     )
 
 

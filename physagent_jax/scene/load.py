@@ -93,13 +93,13 @@ def _sample_mesh(path: Path, source: Source) -> LoadedSplats:
             got=source.splat_encoding,
             do="Leave it out",
         )
-    from physagent_jax.scene.mesh import gaussians_from_mesh  # trimesh takes long to import
+    from physagent_jax.scene.mesh import sample_mesh  # trimesh takes long to import
 
-    cloud = gaussians_from_mesh(path, count=source.surface_samples, seed=0, up=source.up)
+    cloud, plain = sample_mesh(path, count=source.surface_samples, seed=0, up=source.up)
     found = mesh_formats.find_mesh_format(read_head(path), path)
     assert found is not None  # or it would not have been read
     name, how = f"{found.name} mesh", "Gaussians sampled on its surface"
-    return LoadedSplats(cloud, np.zeros(3), name, how, found.up, (), cloud.count)
+    return LoadedSplats(cloud, np.zeros(3), name, how, found.up, (), cloud.count, plain=plain)
 
 
 def _holds_splats(path: Path) -> bool:

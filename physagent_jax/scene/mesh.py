@@ -30,6 +30,13 @@ _MOST_DRAWS = 64  # draws of points, on a surface that is mostly cut out
 def gaussians_from_mesh(
     path: str | Path, *, count: int, seed: int = 0, up: SignedAxis = "+z", smooth: bool = True
 ) -> GaussianCloud:
+    """Flat Gaussians on a mesh's surface as perception needs them; arguments and errors as of `sample_mesh`."""
+    return sample_mesh(path, count=count, seed=seed, up=up, smooth=smooth)[0]
+
+
+def sample_mesh(
+    path: str | Path, *, count: int, seed: int = 0, up: SignedAxis = "+z", smooth: bool = True
+) -> tuple[GaussianCloud, GaussianCloud]:
     """Samples flat Gaussians evenly on a mesh's surface.
 
     Colours are those that the file declares (textures, colours of vertices and faces, factors). Surfaces without any
@@ -44,42 +51,44 @@ def gaussians_from_mesh(
         smooth: Whether to shade with interpolated vertex normals rather than face normals.
 
     Returns:
-        ``count`` Gaussians in the file's frame and units, degree-0 SH.
+        ``count`` Gaussians in the file's frame and units, degree-0 SH; and the same without the grain, for people.
 
     Raises:
         UserError: The file cannot be read, holds no faces, is wholly transparent, or its faces have no area.
     """
     parts = read_parts(path)
     mesh = trimesh.Trimesh(*join_parts(parts), process=False)
-    points, faces, bary, rgb, area = _sample(mesh, parts, count, seed, shorten(path))
+    points, faces, bary, rgb, grain, area = _sample(mesh, parts, count, seed, shorten(path))
     keep = place_evenly(points, count)
-    points, faces, bary, rgb = points[keep], faces[keep], bary[keep], rgb[keep]
+    points, faces, bary, rgb, grain = (each[keep] for each in (points, faces, bary, rgb, grain))
     face_normals = _compute_face_normals(mesh.triangles[faces])
     shading = face_normals
     if smooth:
         corners = _find_vertex_normals(parts)[mesh.faces[faces]]
         shading = _normalise((bary[:, :, None] * corners).sum(axis=1), face_normals)
     rgb = rgb * bake_light(shading @ find_up_rotation(up).T)[:, None]
-    return make_surfels(points, face_normals, DISC_RADIUS * np.sqrt(area / count), rgb)
+    radius = DISC_RADIUS * np.sqrt(area / count)
+    grained = make_surfels(points, face_normals, radius, rgb * grain[:, None])
+    return grained, grained if (grain == 1).all() else make_surfels(points, face_normals, radius, rgb)
 
 
 def _sample(
     mesh: trimesh.Trimesh, parts: list[MeshPart], count: int, seed: int, shown: str
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]:
     """More random points than are wanted, where the surface is not transparent.
 
     Returns:
-        Points, shape (k, 3), their faces, shape (k,), barycentric coordinates, shape (k, 3), and colours, shape (k, 3);
-        and the area that they stand for.
+        Points, shape (k, 3), their faces, shape (k,), barycentric coordinates, shape (k, 3), colours, shape (k, 3), and
+        their grain, shape (k,); and the area that they stand for.
     """
     wanted, kept, drawn = OVERSAMPLING * count, [], 0
     for draw in range(_MOST_DRAWS):
         points, faces = trimesh.sample.sample_surface(mesh, wanted, seed=seed + draw)[:2]
         points, faces = np.asarray(points), np.asarray(faces)
         bary = trimesh.triangles.points_to_barycentric(mesh.triangles[faces], points)
-        rgb, solid = _find_colours(parts, faces, bary, points, float(mesh.extents.max()), seed)
+        rgb, grain, solid = _find_colours(parts, faces, bary, points, float(mesh.extents.max()), seed)
         drawn += wanted
-        kept.append((points[solid], faces[solid], bary[solid], rgb[solid]))
+        kept.append((points[solid], faces[solid], bary[solid], rgb[solid], grain[solid]))
         if (found := sum(len(each[0]) for each in kept)) >= count and (found >= wanted or draw > 0):
             break
     else:
@@ -88,28 +97,33 @@ def _sample(
             got=f"{found / drawn:.2%} of it is seen",
             do="Mend its textures",
         )
-    points, faces, bary, rgb = (np.concatenate(each)[:wanted] for each in zip(*kept))
-    return points, faces, bary, rgb, float(mesh.area) * found / drawn
+    points, faces, bary, rgb, grain = (np.concatenate(each)[:wanted] for each in zip(*kept))
+    return points, faces, bary, rgb, grain, float(mesh.area) * found / drawn
 
 
 def _find_colours(
     parts: list[MeshPart], faces: np.ndarray, bary: np.ndarray, points: np.ndarray, size: float, seed: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Colours of points on the joined parts in [0, 1], shape (k, 3), and whether the surface is there, shape (k,)."""
-    rgb, solid = np.empty((len(faces), 3)), np.ones(len(faces), bool)
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Colours of points on the joined parts, and whether the surface is there.
+
+    Returns:
+        Colours in [0, 1], shape (k, 3); factors of the grain, 1 where the file declares a colour, shape (k,); whether
+        the surface is there, shape (k,).
+    """
+    rgb, grain, solid = np.empty((len(faces), 3)), np.ones(len(faces)), np.ones(len(faces), bool)
     first = np.cumsum([0] + [len(part.faces) for part in parts])
     for part, start, stop in zip(parts, first[:-1], first[1:]):
         mine = (faces >= start) & (faces < stop)
         if part.look is None:
-            grain = value_noise(points[mine], _GRAINS / size, seed, octaves=2)
-            rgb[mine] = np.asarray(TONE) * (1 + GRAIN * (2 * grain - 1))[:, None]
+            noise = value_noise(points[mine], _GRAINS / size, seed, octaves=2)
+            rgb[mine], grain[mine] = TONE, 1 + GRAIN * (2 * noise - 1)
             continue
         own = faces[mine] - start
         rgba = part.look.evaluate(part.faces[own], own, bary[mine])
         rgb[mine] = rgba[:, :3]
         if part.look.cutoff is not None:
             solid[mine] = rgba[:, 3] >= part.look.cutoff
-    return rgb, solid
+    return rgb, grain, solid
 
 
 def _find_vertex_normals(parts: list[MeshPart]) -> np.ndarray:

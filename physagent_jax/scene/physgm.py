@@ -104,8 +104,9 @@ def _find_too_soft(material: Material) -> list[str]:
     if material.youngs_modulus >= weight:
         return []
     return [
-        f"the predicted E = {material.youngs_modulus:.3g} Pa is below the weight of a column of {_LENGTH:g} m "
-        f"({weight:.3g} Pa): the object will collapse under gravity; pass --youngs-modulus to overrule it"
+        "the predicted material is softer than needed to carry its own weight "
+        f"({weight / material.youngs_modulus:.2g} times): the object will collapse under gravity; a larger "
+        "`material.youngs_modulus` overrules it"
     ]
 
 
@@ -114,8 +115,8 @@ def _find_too_stiff(material: Material) -> list[str]:
     if many <= EXPENSIVE:
         return []
     return [
-        f"the predicted E = {material.youngs_modulus:.3g} Pa needs at least {many:,} substeps for a clip of "
-        f"{CLIP_SECONDS:g} s on the fast preset's grid: soften the material"
+        f"the predicted material is so stiff that a clip of {CLIP_SECONDS:g} s takes at least {many:,} substeps on "
+        "the fast preset's grid: `material.soften` makes it affordable"
     ]
 
 

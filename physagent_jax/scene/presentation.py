@@ -5,20 +5,33 @@ Perception looks from the scene's own camera, which knows nothing of that.
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
 from physagent_jax.render.blocks import Block
 from physagent_jax.render.camera import Camera
 from physagent_jax.render.stage import Stage
-from physagent_jax.scene.camera import LEAST_HEIGHT, frame_camera, make_reference_camera, measure_height
-from physagent_jax.scene.config import Box, HalfSpace, Rendering, SceneConfig
+from physagent_jax.scene.camera import (
+    find_view_direction,
+    frame_camera,
+    make_reference_camera,
+    measure_share,
+)
+from physagent_jax.scene.config import Box, CameraConfig, HalfSpace, Rendering, SceneConfig
 
 MOST_POINTS = 2000  # of the object that are framed
 TRIMMED = 0.005  # share of the points on each side, in each frame, that need not be in the picture
+LOWEST, CONTACT = 0.002, 1.0  # quantile that counts as its lowest point; [cells] off the ground in contact
 LEVEL = 0.999  # least upward part of the normal of what is a ground
 PANEL, PANEL_THICKNESS = 1.0, 0.06  # [sizes] half side of what is drawn of a wall; [half sides]
 SMOOTHING = 0.3  # [s] over which a camera that follows evens out its way
+LEAST_SHARE = 0.3  # of the picture's height or width that the object fills at least
+FOLLOWED = (0.0, 0.2, 0.4, 0.6, 0.8)  # shares of its way that a camera goes along
+SEEN_WAY = 0.15  # [sizes] that it moves at least for the camera to stand aside
+NEITHER = 15.0  # [degrees] from the line of sight up to which a motion goes to neither side
+ASIDE = 40.0  # [degrees] at least between a motion over the ground and the line of sight
 
 
 def find_stage(config: SceneConfig, centre: np.ndarray, size: float) -> Stage:
@@ -46,6 +59,23 @@ def find_stage(config: SceneConfig, centre: np.ndarray, size: float) -> Stage:
     return Stage(max(level, default=None), size, tuple(blocks))
 
 
+def settle_ground(stage: Stage, x: np.ndarray, dx: float) -> Stage:
+    """The stage with its ground where the object really stands: contact on a grid keeps it off by part of a cell.
+
+    Args:
+        stage: The stage.
+        x: Positions of the object's particles [m], shape (T, n, 3).
+        dx: Side of a cell [m].
+    """
+    if stage.ground is None:
+        return stage
+    heights = np.asarray(x)[:, :: -(-x.shape[1] // MOST_POINTS), 2]
+    gap = float(np.nanquantile(heights, LOWEST, axis=1).min()) - stage.ground
+    if not 0 < gap < CONTACT * dx:
+        return stage
+    return dataclasses.replace(stage, ground=stage.ground + gap)
+
+
 def _make_block(box: Box) -> Block:
     return Block(np.array(box.point), np.eye(3), np.array(box.half_size))
 
@@ -61,10 +91,11 @@ def _make_panel(plane: HalfSpace, centre: np.ndarray, size: float) -> Block:
 
 
 def place_cameras(config: SceneConfig, x: np.ndarray, rendering: Rendering) -> list[Camera]:
-    """Cameras of a video for people, one per frame: the scene's direction and lens, framing what moved.
+    """Cameras of a video for people, one per frame: the scene's lens, framing what moved.
 
-    A camera that stands still shows the whole motion. If `CameraConfig.follow` asks for it, or if the object would be
-    smaller than `scene.camera.LEAST_HEIGHT` at first, the camera goes along with the object instead.
+    A camera that stands still shows the whole motion. Where the object would be small in that picture, the camera goes
+    along with it, as little as is needed; `CameraConfig.follow` asks for all of its way, or for none. What moves along
+    the line of sight is seen from aside.
 
     Args:
         config: The scene.
@@ -72,29 +103,77 @@ def place_cameras(config: SceneConfig, x: np.ndarray, rendering: Rendering) -> l
         rendering: Size of the pictures.
     """
     points = _choose_points(np.asarray(x, np.float64))
-    start, follow = points[0], config.camera.follow
-    seen = _trim(points)
-    fixed = frame_camera(seen.reshape(-1, 3), config.camera, rendering, start=start)
-    if follow is None:
-        whole = frame_camera(seen.reshape(-1, 3), config.camera, rendering)
-        follow = measure_height(start, whole) < LEAST_HEIGHT and measure_height(
-            start, whole
-        ) < measure_height(start, fixed)
-    if not follow:
-        return [make_reference_camera(fixed, rendering, config.domain)] * len(points)
+    camera = turn_aside(config.camera, points) if config.camera.turn else config.camera
+    start, seen = points[0], _trim(points)
     centres = 0.5 * (seen.min(1) + seen.max(1))
     way = _smooth(centres, SMOOTHING / config.timing.frame_dt)
-    relative = (seen - way[:, None]).reshape(-1, 3)
-    first = frame_camera(relative, config.camera, rendering, start=start)
+    share = {None: None, True: 1.0, False: 0.0}[camera.follow]
+    if share is None:
+        share = next((each for each in FOLLOWED if _is_large(each, camera, rendering, start, seen, way)), 1.0)
+    relative = (seen - share * way[:, None]).reshape(-1, 3)
+    first = frame_camera(relative, camera, rendering, start=start, least=LEAST_SHARE)
+    if not share:
+        return [make_reference_camera(first, rendering, config.domain)] * len(points)
     assert first.target is not None
     return [
         make_reference_camera(
-            first.model_copy(update=dict(target=tuple(np.asarray(first.target) + step))),
+            first.model_copy(update=dict(target=tuple(np.asarray(first.target) + share * step))),
             rendering,
             config.domain,
         )
         for step in way
     ]
+
+
+def _is_large(
+    share: float,
+    camera: CameraConfig,
+    rendering: Rendering,
+    start: np.ndarray,
+    seen: np.ndarray,
+    way: np.ndarray,
+) -> bool:
+    """Return whether the object as it is at first would be large enough all along its way.
+
+    Args:
+        share: Share of the way that the camera goes along.
+        camera: Its direction and lens.
+        rendering: Size of the pictures.
+        start: Points of the object at first [m], shape (k, 3).
+        seen: Points to be shown [m], shape (T, k, 3).
+        way: Way of the object [m], shape (T, 3).
+    """
+    placed = frame_camera((seen - share * way[:, None]).reshape(-1, 3), camera, rendering)
+    away = (1 - share) * way @ find_view_direction(camera)
+    moved = start + (1 - share) * way[away.argmax()]
+    return min(measure_share(each, placed, rendering) for each in (start, moved)) >= LEAST_SHARE
+
+
+def turn_aside(camera: CameraConfig, points: np.ndarray) -> CameraConfig:
+    """The camera about the vertical until what moves does so clearly sideways, or as it is if it does already.
+
+    To the left stays to the left, and toward stays toward. Where it goes to neither side, the camera stands on the
+    left: light that is baked into meshes comes from there (`surfels.KEY_LIGHT`).
+
+    Args:
+        camera: Where it looks from.
+        points: Points of the object [m], shape (T, k, 3).
+    """
+    moved = (points - points[:1]).mean(axis=1)[:, :2]
+    length = np.linalg.norm(moved, axis=1)
+    far = length.argmax()
+    if length[far] < SEEN_WAY * np.ptp(points[0], axis=0).max():
+        return camera
+    angle = np.radians(camera.azimuth_degrees)
+    right, away = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+    sideways, along = moved[far] @ right, moved[far] @ away
+    angle = np.degrees(np.arctan2(abs(sideways), abs(along)))
+    if angle >= ASIDE:
+        return camera
+    side = 1 if (sideways >= 0) == (along >= 0) else -1
+    turn = side * (ASIDE - angle) if angle > NEITHER else -ASIDE - side * angle
+    azimuth = 180 - (180 - camera.azimuth_degrees - turn) % 360
+    return camera.model_copy(update=dict(azimuth_degrees=azimuth))
 
 
 def resize(rendering: Rendering, size: tuple[int, int]) -> Rendering:

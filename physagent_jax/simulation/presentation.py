@@ -10,18 +10,28 @@ from physagent_jax.core.arrays import to_device
 from physagent_jax.core.threads import map_ahead
 from physagent_jax.gaussians.binding import deform
 from physagent_jax.gaussians.elongation import cap_elongation
+from physagent_jax.gaussians.specks import count_neighbours, hide_specks, shorten_needles
 from physagent_jax.render import choose_batch_size, render
 from physagent_jax.render.stage import compose, make_backdrop
+from physagent_jax.scene.actors import find_actors
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile.buckets import pad_gaussians, round_up
 from physagent_jax.scene.config import SceneConfig
-from physagent_jax.scene.presentation import find_stage, place_cameras, resize
+from physagent_jax.scene.presentation import find_stage, place_cameras, resize, settle_ground
+from physagent_jax.simulation.annotation import draw_arrows, find_arrows, write_caption
+from physagent_jax.simulation.notes import Notes
 
 BLACK = (0.0, 0.0, 0.0)
+PLAIN = Notes()
 
 
 def draw_presentation(
-    config: SceneConfig, body: Body, x: np.ndarray, F: np.ndarray, size: tuple[int, int]
+    config: SceneConfig,
+    body: Body,
+    x: np.ndarray,
+    F: np.ndarray,
+    size: tuple[int, int],
+    notes: Notes = PLAIN,
 ) -> Iterator[np.ndarray]:
     """Draw a motion for people: with ground, contact shadow and horizon, and without needles.
 
@@ -31,6 +41,7 @@ def draw_presentation(
         x: Positions of the body's particles [m], shape (T, n, 3).
         F: Their deformation gradients, shape (T, n, 3, 3).
         size: Width and height [px].
+        notes: What is drawn over the pictures.
 
     Returns:
         Pictures, one after another; a few are drawn ahead; uint8, shape (height, width, 3).
@@ -40,9 +51,12 @@ def draw_presentation(
     """
     rendering = resize(config.rendering, size)
     cameras = place_cameras(config, x, rendering)
-    stage = find_stage(config, 0.5 * (body.low + body.high), body.extent)
+    stage = settle_ground(find_stage(config, 0.5 * (body.low + body.high), body.extent), x, config.domain.dx)
+    actors = find_actors(config, body, x)
     # Sizes as `CompiledScene.gaussians` and its model have them, so that the simulation's program deforms these too.
-    cloud, binding = pad_gaussians(body.cloud.of_least_degree(), body.binding)
+    shown = shorten_needles(body.plain or body.cloud, body.extent)
+    cloud, binding = pad_gaussians(shown.of_least_degree(), body.binding)
+    neighbours = count_neighbours(np.asarray(body.cloud.means), body.extent)
     missing = round_up(x.shape[1]) - x.shape[1]
     scales = np.asarray(cloud.scales)
     still = make_backdrop(stage, cameras[0])
@@ -53,9 +67,12 @@ def draw_presentation(
             for each in (x, F)
         )
         deformed = deform(cloud, binding, *moved, body.placement.rotation)
-        splats = cap_elongation(deformed, scales, body.extent)
+        splats = hide_specks(cap_elongation(deformed, scales, body.extent), neighbours, body.extent)
         image = render(splats, cameras[index], background=BLACK)
         backdrop = still if cameras[index] is cameras[0] else make_backdrop(stage, cameras[index])
-        return compose(image, splats, backdrop)
+        picture = compose(image, splats, backdrop, actors[index])
+        if notes.arrows:
+            picture = draw_arrows(picture, find_arrows(config, body, x[index], index), cameras[index])
+        return write_caption(picture, config.prompt) if notes.caption else picture
 
     return map_ahead(draw, range(len(x)), choose_batch_size())

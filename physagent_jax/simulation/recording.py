@@ -142,6 +142,7 @@ class Recording:
         frames: As they were simulated, without their states.
         restart_cache: What a scene that begins in the same way may go on from.
         reused_frames: How many frames were taken over from such a cache instead of simulated.
+        last: The last frame with its state, from which the clip's ending goes on.
     """
 
     scene: CompiledScene
@@ -154,6 +155,7 @@ class Recording:
     frames: tuple[Frame, ...]
     restart_cache: RestartCache
     reused_frames: int
+    last: Frame
 
     @staticmethod
     def of(
@@ -161,6 +163,7 @@ class Recording:
         outputs: Sequence[FrameOutput],
         statistics: Sequence[FrameStatistics],
         restart_cache: RestartCache,
+        last: Frame,
         reused_frames: int = 0,
     ) -> Recording:
         """All frames together; the first ``reused_frames`` of them were taken over."""
@@ -176,6 +179,7 @@ class Recording:
             frames=tuple(each.frame for each in statistics),
             restart_cache=restart_cache,
             reused_frames=reused_frames,
+            last=last,
         )
 
     @cached_property

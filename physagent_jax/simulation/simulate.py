@@ -59,6 +59,7 @@ def simulate_scene(
     if progress and reused:
         progress(reused, total)
     wanted, centre = find_restart_frames(scene.config), find_rest_centre(scene)
+    last = begin
     for batch in _split_batches(watch.timed("simulate", simulate_frames(scene, begin))):
         with watch("render"):
             outputs += _compute_outputs(scene, batch)
@@ -67,11 +68,13 @@ def simulate_scene(
                 statistics.append(FrameStatistics.of(scene, frame, centre))
                 if frame.index in wanted and _is_worth_keeping(scene, frame, outputs, restarts):
                     restarts[frame.index] = dataclasses.replace(frame, state=jax.device_get(frame.state))
+        last = batch[-1]
         if progress:
             for frame in batch:
                 progress(frame.index + 1, total)
     cache = RestartCache.of(scene, outputs, statistics, restarts)
-    return Recording.of(scene, outputs, statistics, cache, reused)
+    assert last is not None
+    return Recording.of(scene, outputs, statistics, cache, last, reused)
 
 
 def _split_batches(frames: Iterator[Frame]) -> Iterator[list[Frame]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -13,16 +14,27 @@ from physagent_jax.core.once import make_lock
 _COMPILE_EVENTS = "/jax/core/compile/"
 _compile_seconds = 0.0
 _lock = make_lock()  # programs are compiled in several threads
+_aside = threading.local()  # `on`: whether this thread works beside what is timed
 
 
 def _listen(event: str, duration_secs: float, **_: str | int) -> None:
     global _compile_seconds
-    if event.startswith(_COMPILE_EVENTS):
+    if event.startswith(_COMPILE_EVENTS) and not getattr(_aside, "on", False):
         with _lock:
             _compile_seconds += duration_secs
 
 
 jax.monitoring.register_event_duration_secs_listener(_listen)
+
+
+@contextmanager
+def stay_aside() -> Iterator[None]:
+    """Keep what this thread compiles in the ``with`` block out of all stages: they are timed in another thread."""
+    _aside.on = True
+    try:
+        yield
+    finally:
+        _aside.on = False
 
 
 class Stopwatch:

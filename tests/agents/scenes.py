@@ -149,16 +149,13 @@ def make_report(
     count = len(places)
     turns = turns or [ZERO] * count
     stretches = stretches or [IDENTITY] * count
-    volumes = tuple(float(np.linalg.det(S)) for S in stretches)
+    volumes = tuple(np.linalg.det(np.asarray(stretches, float)).tolist())
+    turned = Rotation.from_rotvec(np.radians(turns))
     ends = []
     for axis in np.vstack([np.eye(3), -np.eye(3)]):
         arm = 0.3 * axis
-        moved = [
-            None
-            if p is None
-            else tuple((Rotation.from_rotvec(np.radians(r)).apply(S @ arm) - arm + p).tolist())
-            for p, r, S in zip(places, turns, np.asarray(stretches))
-        ]
+        shifts = turned.apply(np.asarray(stretches, float) @ arm) - arm
+        moved = [None if p is None else tuple((s + p).tolist()) for p, s in zip(places, shifts)]
         ends.append(PartMotion(direction=tuple(axis.tolist()), centroid=tuple(moved), rotation=tuple(turns)))
     half = 0.5 * np.array([0.6, 0.6, 1.0])
     boxes = [

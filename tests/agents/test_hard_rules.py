@@ -59,6 +59,14 @@ def test_magnitude_range(given_, kept):
     assert ("magnitude_range" in rules) == (given_ != kept)
 
 
+@pytest.mark.parametrize(("given_", "kept"), [(3.0, 3.0), (1e9, 50.0), (0.0, 0.02), ("much", 1.0)])
+def test_gain_range(given_, kept):
+    """The factor on k has a range of its own; what is no number is no factor."""
+    field, rules = mended(action(gain=given_))
+    assert field.actions[0].gain == kept
+    assert ("magnitude_range" in rules) == (given_ != kept)
+
+
 @pytest.mark.parametrize(
     ("given_", "kept"),
     [([-5, 10], (0, 10)), ([10, 900], (10, 48)), ([30, 10], (10, 30)), ([20, 20], (20, 21)), ([48, 48], (47, 48)),

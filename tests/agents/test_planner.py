@@ -648,6 +648,83 @@ def test_turned_only_means_that_it_stays():
     assert "collateral" in failed_aspects(verdict_of(turn, show(along(LEFT, 0.6), along(UP, 80))))
 
 
+# --- what physics brings along -------------------------------------------------------------------------------
+
+
+def test_what_is_pushed_over_the_ground_may_tip():
+    """A quarter turn about a level axis goes with a push; not where it is to stay upright, and not in empty space."""
+    ground, tipped = brief(world="ground"), show(along(LEFT, 0.6), along(AWAY, -95))
+    assert passes(expected(), tipped, ground)
+    assert not passes(expected(), tipped)
+    upright = SemanticReply(force_field=ForceField(), expectations=(expected(),))
+    told = judge("push it left without tipping it over", upright, tipped, ground).judgement
+    assert "collateral" in failed_aspects(told)
+    told = judge("push it left, it stays upright", upright, tipped, ground).judgement
+    assert "collateral" in failed_aspects(told)
+
+
+def test_what_hides_or_contradicts_what_was_asked_still_fails():
+    """Half a turn about the vertical, rolling over and over, and rising as far as it slides."""
+    ground = brief(world="ground")
+    for seen in (
+        show(along(LEFT, 0.6), along(UP, 170)),
+        show(along(LEFT, 0.6), along(AWAY, -400)),
+        show(along((-0.6, 0, 0.6), 1.0)),
+        show(along((-0.6, 0.6, 0), 1.0)),
+        show(along(LEFT, 0.6), strain=along((1.2, -0.3, -0.3), 1)),
+    ):
+        assert not passes(expected(), seen, ground)
+
+
+def test_what_lands_may_be_squashed_but_not_stay_so():
+    """The deformation of a landing passes; what is out of shape from then on is not what was dropped."""
+    fall, squash = expected(KINDS.FALL, None), (-0.35, -0.35, 0.6)
+    passing = show(along(DOWN, 0.5), strain=lambda t: np.multiply(squash, 1.0 if 20 <= t <= 26 else 0.0))
+    assert passes(fall, passing)
+    assert not passes(fall, show(along(DOWN, 0.5), strain=along(squash, 1.0, 20, 24)))
+
+
+def test_what_hops_aside_goes_on_aside_as_it_falls():
+    """A throw to the upper left comes down farther left; one that falls to the right does not."""
+
+    def hop(side):
+        def place(t):
+            s = t / LAST
+            return -0.7 * s if s < 0.5 else -0.35 + side * 0.7 * (s - 0.5), 0.0, 1.2 * s * (1 - s)
+
+        return place
+
+    up_left = expected(direction=(-0.7071, 0, 0.7071), sudden=True, window=(0, 12), leaves_place=True)
+    both = (up_left, expected(KINDS.FALL, None, window=(24, LAST)))
+    ground = brief(world="ground")
+    assert passes(both, show(hop(-1.0)), ground)
+    assert not passes(both, show(hop(1.6)), ground)
+
+
+def test_nothing_that_moves_scores_nothing():
+    """However little is spoilt; what is to be still is no such case, and a little motion is worth a little."""
+    still = verdict_of(expected(), show())
+    assert (still.verdict, still.score) == (Verdict.FAIL, 0.0)
+    assert still.suggestion.startswith("Nothing moves, although the sentence asks for 'as asked'.")
+    assert verdict_of(expected(), show(along(LEFT, 0.05))).score > 0
+    assert verdict_of(expected(KINDS.STILL, None), show()).verdict is Verdict.SUCCESS
+
+
+@pytest.mark.parametrize(
+    ("seen", "why"),
+    [
+        (show(along(LEFT, 0.1)), "'as asked' is seen too little."),
+        (show(along(LEFT, 2.5)), "'as asked' is seen too much."),
+        (show(along(UP, 0.6)), "'as asked' goes another way than the sentence says."),
+        (show(along(LEFT, 0.6), along(UP, 170)), "'as asked' may be there, but something else"),
+        (show(along(LEFT, 0.6), pieces=(1,) * 20 + (3,) * 29), "'as asked' may be there, but the object does not"),
+    ],
+)  # fmt: skip
+def test_a_failure_begins_with_a_plain_reason(seen, why):
+    judgement = verdict_of(expected(), seen)
+    assert judgement.verdict is Verdict.FAIL and judgement.suggestion.startswith(why)
+
+
 # --- doubts, margins, confidence ----------------------------------------------------------------------------
 
 

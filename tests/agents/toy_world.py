@@ -64,9 +64,9 @@ class ToyWorld:
         dt = 1.0 / last / STEPS
         place, speed, angle, turning = ZERO, ZERO, ZERO, ZERO
         places, angles, strains = [], [], []
-        strokes = self._find_strokes(field)
+        effects = self._list_effects(field, self._find_strokes(field))
         for step in range(last * STEPS + 1):
-            push, torque, strain, drive = self._sum_actions(field, strokes, max(step - 0.5, 0.0) / STEPS)
+            push, torque, strain, drive = _sum_effects(effects, max(step - 0.5, 0.0) / STEPS)
             if self.scene.anchored is not None:
                 place, angle = scale(push, 0.5 * HELD * (step > 0)), scale(torque, 0.3 * (step > 0))
             if step % STEPS == 0:
@@ -91,36 +91,60 @@ class ToyWorld:
         values = ForceFieldParameters.of(field, count).actions
         return find_strokes(field, values, scaling, 1.0 / (count - 1))
 
-    def _sum_actions(self, field: ForceField, strokes, frame: float):
-        """Acceleration, angular acceleration [degrees], strain diagonal and prescribed velocity at a frame."""
-        push, torque, strain, drive = [], [], [], []
+    def _list_effects(self, field: ForceField, strokes):
+        """The effect of each action from its first frame until its last: (first, last, what, amount at a frame).
+
+        Accelerations, angular accelerations [degrees], strain diagonals and prescribed velocities.
+        """
+        count, effects = self.scene.frame_count, []
         for index, item in enumerate((*field.actions, *field.constraints)):
-            first, last = item.active_time or (0, self.scene.frame_count - 1)
-            if not first <= frame < last:
-                continue
-            vector = scale(item.vector, self.gain * item.magnitude)
-            kind = getattr(item, "action_type", None) or item.constraint_type
-            if kind is ActionType.TRANSLATION:
-                k = strokes[index].k if index in strokes else 2.0 * calibration.TRAVEL
-                push.append(scale(vector, float(k)))
-            elif kind == "wind_gust":
+            first, last = item.active_time or (0, count - 1)
+            effects.append((first, last, *self._find_effect(item, first, last, strokes.get(index))))
+        return effects
+
+    def _find_effect(self, item, first: float, last: float, stroke):
+        """The effect of one action: its name, and a function of the frame that gives its amount."""
+        frames = self.scene.frame_count - 1
+        effort = item.gain * item.magnitude
+        vector = scale(item.vector, self.gain * effort)
+        kind = getattr(item, "action_type", None) or item.constraint_type
+        if kind is ActionType.TRANSLATION:
+            return "push", _always(
+                scale(vector, float(2.0 * calibration.TRAVEL if stroke is None else stroke.k))
+            )
+        if kind == "wind_gust":
+
+            def blow(frame):
                 share = 1.0 - math.cos(2.0 * math.pi * (frame - first) / (last - first))
-                push.append(scale(vector, 2.0 * calibration.TRAVEL * share))
-            elif kind in (ActionType.IMPULSE, ConstraintType.PARTICLE_IMPULSE):
-                push.append(scale(vector, calibration.TRAVEL * (self.scene.frame_count - 1) / (last - first)))
-            elif kind is ActionType.TORQUE:
-                torque.append(scale(vector, 2.0 * math.degrees(calibration.TURN)))
-            elif kind is ActionType.SCALE:
-                strain.append(_make_diagonal(item.vector, SHORTENING * self.gain * item.magnitude))
-            elif not isinstance(item.region, HalfSpaceRegion):
-                drive.append(scale(item.vector, calibration.PRESCRIBED_TRAVEL * item.magnitude))
-            else:  # one of two end slabs: prescribed, whatever the stiffness
-                side = math.copysign(1.0, sum(v * n for v, n in zip(item.vector, item.region.normal)))
-                share = (frame - first) / (self.scene.frame_count - 1)
-                strain.append(
-                    _make_diagonal(item.vector, side * calibration.PRESCRIBED_TRAVEL * item.magnitude * share)
-                )
-        return add(push), add(torque), add(strain), add(drive)
+                return scale(vector, 2.0 * calibration.TRAVEL * share)
+
+            return "push", blow
+        if kind in (ActionType.IMPULSE, ConstraintType.PARTICLE_IMPULSE):
+            length = max(last - first, 1e-9)  # what has no length never acts
+            return "push", _always(scale(vector, calibration.TRAVEL * frames / length))
+        if kind is ActionType.TORQUE:
+            return "torque", _always(scale(vector, 2.0 * math.degrees(calibration.TURN)))
+        if kind is ActionType.SCALE:
+            return "strain", _always(_make_diagonal(item.vector, SHORTENING * self.gain * effort))
+        if not isinstance(item.region, HalfSpaceRegion):
+            return "drive", _always(scale(item.vector, calibration.PRESCRIBED_TRAVEL * effort))
+        # one of two end slabs: prescribed, whatever the stiffness
+        side = math.copysign(1.0, sum(v * n for v, n in zip(item.vector, item.region.normal)))
+        reach = side * calibration.PRESCRIBED_TRAVEL * effort
+        return "strain", lambda frame: _make_diagonal(item.vector, reach * (frame - first) / frames)
+
+
+def _always(amount):
+    return lambda frame: amount
+
+
+def _sum_effects(effects, frame: float):
+    """Acceleration, angular acceleration [degrees], strain diagonal and prescribed velocity at a frame."""
+    acting = {"push": [], "torque": [], "strain": [], "drive": []}
+    for first, last, what, amount in effects:
+        if first <= frame < last:
+            acting[what].append(amount(frame))
+    return (add(vectors) if vectors else ZERO for vectors in acting.values())
 
 
 def _drag_along(part: PartMotion, side) -> PartMotion:

@@ -1,5 +1,7 @@
 """The sentences, what is said of their videos, the contact sheets, and the page."""
 
+import dataclasses
+import hashlib
 import json
 from collections import Counter
 from pathlib import Path
@@ -9,12 +11,30 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from benchmarks.first_results import markdown
+from benchmarks.first_results import markdown, objects
 from benchmarks.first_results.__main__ import ROOT, Command, hide_folders
-from benchmarks.first_results.catalogue import CASES, KINDS, THINGS, name_case
+from benchmarks.first_results.catalogue import FIRST, KINDS, SETS, THINGS, name_case, name_cases
+from benchmarks.first_results.objects import FILES, PinnedFile, collect
+from benchmarks.first_results.objects import main as fetch_objects
 from benchmarks.first_results.oddities import find_pieces, pieces, simulation
-from benchmarks.first_results.sheets import FRAMES, MOST_BYTES, WIDTH, encode_jpeg, write_sheets
-from benchmarks.first_results.viewing import UNSEEN, Remark, find_view, hash_video, rank, read_remarks
+from benchmarks.first_results.sheets import (
+    FRAMES,
+    MOST_BYTES,
+    STILLS,
+    WIDTH,
+    encode_jpeg,
+    write_sheets,
+    write_stills,
+)
+from benchmarks.first_results.viewing import (
+    UNSEEN,
+    Remark,
+    find_view,
+    hash_video,
+    list_unseen,
+    rank,
+    read_remarks,
+)
 from physagent_jax.core.errors import UserError
 from physagent_jax.output.video import write_video
 from physagent_jax.scene.presets import PresetName
@@ -95,11 +115,91 @@ def test_crushed_matter_stopped_particles_and_redone_frames_are_told():
 
 
 def test_the_sentences_are_many_different_and_of_every_kind():
-    assert len(CASES) == 24 and len({case.sentence for case in CASES}) == 24
-    assert Counter(case.thing for case in CASES) == dict.fromkeys(THINGS, 3) and len(THINGS) == 8
-    assert Counter(case.preset for case in CASES) == {PresetName.FAST: 16, PresetName.PAPER: 8}
-    assert {kind for case in CASES for kind in case.kinds.split()} == KINDS
-    assert name_case(7, CASES[6]) == "07-plant"
+    assert len(FIRST) == 24 and len({case.sentence for case in FIRST}) == 24
+    assert set(Counter(case.thing for case in FIRST).values()) == {3} and len(THINGS) == 8 + 23
+    assert Counter(case.preset for case in FIRST) == {PresetName.FAST: 16, PresetName.PAPER: 8}
+    assert {kind for cases in SETS.values() for case in cases for kind in case.kinds.split()} == KINDS
+    assert name_case(7, FIRST[6]) == "07-plant" and list(name_cases("sixty"))[0] == "sixty-01-teapot"
+
+
+@pytest.mark.parametrize(
+    "group, pairs, things, digest",
+    [("sixty", 60, 18, "a9d96a6e7426a7f5"), ("twenty", 20, 5, "02b65ccff9944666")],
+)
+def test_pairs_that_were_held_back_are_as_they_were_written(group, pairs, things, digest):
+    """A pair that has been run can be changed no more: whoever wants another writes another set."""
+    cases = SETS[group]
+    told = [(case.thing, case.sentence, case.preset.value, case.options) for case in cases]
+    named = dict.fromkeys(case.thing for case in cases)
+    files = [(name, FILES[name].name, FILES[name].sha256, THINGS[name].options) for name in named]
+    assert hashlib.sha256(repr((told, files)).encode()).hexdigest()[:16] == digest
+    assert len({case.sentence for case in cases}) == pairs and len({case.thing for case in cases}) == things
+    assert all(case.preset is PresetName.FAST and not case.options for case in cases)
+
+
+def test_the_sixty_have_parts_and_materials_and_the_sets_share_no_object():
+    kinds = Counter(kind for case in SETS["sixty"] for kind in case.kinds.split())
+    assert kinds["part"] >= 15 and kinds["material"] >= 10
+    named = [{case.thing for case in cases} for cases in SETS.values()]
+    assert sum(map(len, named)) == len(set.union(*named))
+    assert len({file.sha256 for file in FILES.values()}) == len({file.name for file in FILES.values()}) == 23
+
+
+@pytest.fixture
+def copies(tmp_path):
+    """A folder that has, below it and under another name, a file that a pin is made of."""
+    folder = tmp_path / "copies" / "deep"
+    folder.mkdir(parents=True)
+    (folder / "other-name.bin").write_bytes(b"a mesh")
+    (folder / "else.bin").write_bytes(b"another")
+    return folder.parent
+
+
+def pin(content=b"a mesh"):
+    return PinnedFile("ball.obj", "owner/name/commit", hashlib.sha256(content).hexdigest(), "mesh")
+
+
+def test_copies_are_taken_by_their_hash_and_kept(copies, tmp_path):
+    (path,) = collect([pin()], tmp_path / "into", copies)
+    assert path == tmp_path / "into" / "ball.obj" and path.read_bytes() == b"a mesh"
+    assert collect([pin()], tmp_path / "into", tmp_path / "nowhere") == [path]  # it is there already
+    path.write_bytes(b"changed")
+    collect([pin()], tmp_path / "into", copies)
+    assert path.read_bytes() == b"a mesh"
+    with pytest.raises(UserError, match="Fetch https://raw.githubusercontent.com/owner/name/commit/ball.obj"):
+        collect([pin(b"a third")], tmp_path / "into", copies)
+
+
+@pytest.mark.parametrize(
+    "content, message",
+    [(b"a mesh", None), (b"another", "gives another file"), (None, "cannot be downloaded")],
+)
+def test_a_download_is_kept_only_if_it_is_what_was_pinned(content, message, tmp_path, monkeypatch):
+    if content is not None:
+        (tmp_path / "commit").mkdir()
+        (tmp_path / "commit" / "ball.obj").write_bytes(content)
+    monkeypatch.setattr(objects, "_SITE", tmp_path.as_uri() + "/")
+    file = dataclasses.replace(pin(), folder="commit")
+    if message is None:
+        assert collect([file], tmp_path / "into")[0].read_bytes() == b"a mesh"
+        return
+    with pytest.raises(UserError, match=message):
+        collect([file], tmp_path / "into")
+    assert not (tmp_path / "into" / "ball.obj").exists()
+
+
+def test_objects_that_are_not_there_are_refused_in_one_line(copies, tmp_path, capsys):
+    assert fetch_objects(["--into", str(tmp_path), "unicorn"]) == 2
+    assert "no object unicorn; there are: teapot" in capsys.readouterr().err
+    assert fetch_objects(["--into", str(tmp_path), "--from", str(copies), "teapot"]) == 2
+    assert "teapot.obj is not among the copies" in capsys.readouterr().err
+
+
+def test_another_file_of_an_objects_name_is_not_run(tmp_path):
+    assert THINGS["teapot"].find_file(tmp_path, tmp_path) is None
+    (tmp_path / "teapot.obj").write_bytes(b"v 0 0 0")
+    with pytest.raises(UserError, match="another file than the sentences are about"):
+        THINGS["teapot"].find_file(tmp_path, tmp_path)
 
 
 def test_objects_are_found_made_or_missing(tmp_path):
@@ -132,8 +232,23 @@ def test_a_remark_holds_for_the_video_that_was_looked_at_alone(tmp_path):
 
 
 def test_the_remarks_kept_are_of_sentences_that_there_are():
-    names = {name_case(number, case) for number, case in enumerate(CASES, 1)}
+    names = {name for group in SETS for name in name_cases(group)}
     assert read_remarks().keys() <= names
+
+
+def test_remarks_that_are_still_to_be_written_are_listed_with_their_videos(tmp_path):
+    rows = [{"case": f"sixty-0{n}-duck", "video": video} for n, video in ((1, "aa"), (2, "bb"), (3, None))]
+    seen = {"sixty-01-duck": Remark(video="aa", viewer="yes", would_show="no", remark="It rocks.")}
+    unseen = list_unseen(rows, seen)
+    assert [remark["video"] for remark in unseen.values()] == ["bb", None]
+    filled = {
+        name: remark | {"viewer": "no", "would_show": "no", "remark": "x"} for name, remark in unseen.items()
+    }
+    (tmp_path / "seen.json").write_text(json.dumps(filled))
+    assert list_unseen(rows, seen | read_remarks(tmp_path / "seen.json")) == {}
+    (tmp_path / "seen.json").write_text(json.dumps(unseen))
+    with pytest.raises(ValidationError):  # what is not filled in is no remark
+        read_remarks(tmp_path / "seen.json")
 
 
 def test_disagreements_come_first():
@@ -168,6 +283,19 @@ def test_a_strip_shows_the_video_from_its_first_frame_to_its_last(videos, tmp_pa
     np.testing.assert_allclose(greys, np.arange(25)[::4] * 4, atol=4)
     assert sheet[:26].min() < 100 and sheet[:26].mean() > 230  # a caption, black on white
     assert sheet[-26:].mean() > 230  # of the sentence that was refused
+
+
+def test_stills_are_many_frames_of_each_video_there_is(videos, tmp_path):
+    files = write_stills(tmp_path / "look", videos, tmp_path)
+    assert [file.name for file in files] == ["01-robot.png", "02-robot.png"]
+    picture, height = imageio.imread(files[0]), round(400 * 72 / 128)
+    assert picture.shape == (4 * (26 + height), 4 * 400, 3) and STILLS == 16
+    greys = [
+        picture[line * (26 + height) + 26 + height // 2, place * 400 + 200].mean() / 4
+        for line in range(4)
+        for place in range(4)
+    ]
+    np.testing.assert_allclose(greys, np.linspace(0, 24, 16).round(), atol=1)
 
 
 def test_a_sheet_is_of_the_videos_that_were_judged(videos, tmp_path):
@@ -299,3 +427,55 @@ def test_runs_without_oddities_share_a_line_and_warnings_end_with_their_first_cl
     result["sentences"]["rows"] = [first | quiet, second | quiet, first | loud | {"case": "05-robot"}]
     text = markdown.write_tables(result, REMARKS)["oddities"]
     assert text == "- **05, robot**: warning: it would fall.\n- **01, robot; 02, robot**: nothing.\n"
+
+
+def pair(number, thing, viewer, verdict, would_show, **changes):
+    case = name_case(number, SETS["sixty"][number - 1], "sixty")
+    assert case.endswith(thing)
+    remark = viewer and Remark(
+        video=f"digest {number}", viewer=viewer, would_show=would_show, remark="It moves."
+    )
+    made = row(number, [], case=case, object=thing, verdict=verdict, seconds=10.0 * number, iterations=1)
+    return made | changes, remark
+
+
+def test_totals_count_what_viewers_say_and_what_verdicts_do():
+    pairs = [
+        pair(1, "teapot", "yes", "SUCCESS", "yes"),
+        pair(2, "teapot", "yes", "FAIL", "no", iterations=3),  # about a part
+        pair(3, "teapot", "no", "SUCCESS", "no"),  # with a material
+        pair(4, "teapot", "no", "FAIL", "no", iterations=2),  # about a part
+        pair(5, "armadillo", "partly", "FAIL", "no"),
+        pair(6, "armadillo", None, "FAIL", None),
+    ]
+    remarks = {made["case"]: remark for made, remark in pairs if remark}
+    result = {"sixty": {"runs": [], "complete": False, "rows": [made for made, _ in pairs]}}
+    text = markdown.write_tables(result, remarks)["totals"]
+    for line in (
+        "| pairs |  | 6 |",
+        "| looked at |  | 5 |",
+        "| shows it | at least 75 % | 40 % (2 of 5) |",
+        "| partly |  | 20 % (1 of 5) |",
+        "| would show | at least 50 % | 20 % (1 of 5) |",
+        "| shows it, of parts | at least 60 % | 50 % (1 of 2) |",
+        "| shows it, of materials |  | 0 % (0 of 1) |",
+        "| false SUCCESS, of clips that do not show it | at most 3 % | 50 % (1 of 2) |",
+        "| false FAIL, of clips that show it | at most 10 % | 50 % (1 of 2) |",
+        "| shows it, of runs that went past round 1 |  | 50 % (1 of 2) |",
+        "| seconds, median |  | 35 |",
+    ):
+        assert line in text
+
+
+def test_pairs_that_were_held_back_have_a_table_and_sheets_of_their_own():
+    first, remark = pair(1, "teapot", "yes", "SUCCESS", "no")
+    refused, _ = pair(2, "teapot", None, "REFUSED", None, video=None, message="Which part?")
+    run = dict(command="c", machine="m", load_average=[0.1], git_revision="abc", quick=False, seconds=1.0)
+    section = {"runs": [run | {"left_out": []}], "complete": False, "rows": [first, refused]}
+    tables = markdown.write_tables({"sixty": section}, {first["case"]: remark})
+    sheet = "first-results-sixty-1.jpg"
+    line = "| 01 | teapot | spin it | yes | no | It moves. | SUCCESS (0.50) | 1 | 10 |"
+    assert f"{line} [sheet](images/{sheet}) |" in tables["sixty"]
+    assert f"| 02 | teapot | spin it | {UNSEEN} |  | refused: Which part? | REFUSED |" in tables["sixty"]
+    assert tables["sixty sheets"] == f"![Frames of the videos](images/{sheet})"
+    assert "sentences" not in tables and "twenty" not in tables

@@ -2,7 +2,9 @@
 
 import pytest
 
-from benchmarks.startup import iteration, summary, write_tables
+from benchmarks import clips
+from benchmarks.startup import JOB, iteration, summary, write_tables
+from physagent_jax.run.manifest import FirstClip, Manifest, Stages
 
 
 def row(number, state, seconds):
@@ -58,3 +60,45 @@ def test_the_tables_show_each_run_and_what_is_left_of_it():
     assert sum(line.startswith(("| 1 |", "| 2 |", "| 3 |")) for line in stages) == len(ROWS)
     assert "| 2 | 9.0 | 5.0 | 1.0 | 2.0 | 0.5 | 7.0 | 1300 |" in tables["iteration"]
     assert "**7.5 s** (6.5 to 8.5" in tables["iteration"] and "50%" in tables["first"]
+
+
+def clip(case, seconds, **changes):
+    stages = dict.fromkeys(clips.STAGES, 0.0) | {
+        "start": 2.0,
+        "draw": 3.0,
+        "simulate": (seconds or 5.0) - 5.0,
+    }
+    known = {"particles": 20000, "frames": 50, "stages": stages, "code": 0}
+    return {"case": case, "sentence": "push it", "seconds": seconds, **known, **changes}
+
+
+def test_the_seconds_until_a_clip_are_those_of_its_stages():
+    stages = Stages(prepare=1.0, compile=2.0, simulate=10.0, render=1.5, agents=0.5)
+    first = FirstClip(seconds=18.0, draw=2.5, stages=stages)
+    manifest = Manifest(command="", prompt="", versions={}, platform="", seed=0, inputs={}, first_clip=first)
+    found = clips.split_stages(20.0, manifest)
+    assert found["start"] == 2.0 and found["draw"] == 2.5 and found["rest"] == pytest.approx(0.5)
+    assert sum(found.values()) == pytest.approx(20.0)
+
+
+def test_the_tables_of_clips_show_each_sentence_and_where_the_seconds_go():
+    rows = [clip("01-robot", 25.0), clip("02-cow", 75.0), clip("03-ball", None, code=2)]
+    tables = write_tables({"clips": section(rows)})
+    assert "1 of 2 first clips are there within 45 s" in tables["clips"]
+    assert "| 02-cow | push it | 20,000 | 50 | 75 |" in tables["clips"]
+    assert "| 03-ball | push it |  |  | refused |" in tables["clips"]
+    assert "| simulate | 45.0 | 70.0 | 90% |" in tables["clip stages"]
+    assert "| start | 2.0 | 2.0 | 4% |" in tables["clip stages"]
+
+
+def test_a_clip_is_timed_by_the_line_that_names_it(tmp_path):
+    options = ("--frames", "3", "--particles", "300", "--resolution", "64", "--max-iterations", "1")
+    small = (*options, "--video-size", "64x48")
+    row = clips.time_clip((*JOB, *small), tmp_path / "run", tmp_path)
+    assert row["code"] == 0 and row["frames"] == 3 and 0 < row["stages"]["draw"] < row["seconds"]
+    assert sum(row["stages"].values()) == pytest.approx(row["seconds"], abs=0.1)
+
+
+def test_a_run_that_is_refused_has_no_clip(tmp_path):
+    row = clips.time_clip(("--object", "nothing.ply", "--prompt", "push it"), tmp_path / "run", tmp_path)
+    assert row["seconds"] is None and row["code"] == 2 and row["good"] and "nothing.ply" in row["message"]

@@ -207,3 +207,24 @@ def test_what_one_gives_is_within_what_a_viewer_expects():
 def test_what_one_means_is_said_in_words():
     assert all(skill.one_means and skill.unit for skill in list_skills())
     assert "90 degrees" in find_skill("torque").one_means and "0.15" in find_skill("scale").one_means
+
+
+def test_a_gain_acts_as_a_factor_on_k():
+    """Every skill with M = 0.5 and a gain of 3 does what one with M = 1.5 does, and its gain is a part of its JSON."""
+    timed = {"vector": [0.6, 0, 0.8], "active_time": [2, 9]}
+    for group, key in (("actions", "action_type"), ("constraints", "constraint_type")):
+        for skill in list_skills(group):
+            entry = {key: skill.name, **timed} | ({"active_time": [2, 3]} if skill.is_sudden else {})
+            strong, again = (
+                ForceField.model_validate({group: [entry | numbers]})
+                for numbers in ({"magnitude": 1.5}, {"magnitude": 0.5, "gain": 3.0})
+            )
+            rest, volume = np.random.default_rng(0).uniform(0, 1, (40, 3)), np.full(40, 1e-3)
+            compiled = [
+                compile_force_field(field, SCALING, rest, volume, frame_dt=FRAME_DT, frame_count=FRAMES)
+                for field in (strong, again)
+            ]
+            for one, other in zip(*map(jax.tree.leaves, compiled), strict=True):
+                np.testing.assert_allclose(one, other, rtol=1e-6, err_msg=skill.name)
+            assert "gain" not in strong.model_dump_json() and '"gain":3.0' in again.model_dump_json()
+            assert ForceField.model_validate_json(again.model_dump_json()) == again

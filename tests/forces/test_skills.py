@@ -242,7 +242,7 @@ def test_a_particle_impulse_is_one_substep_long(per_frame, x64):
     changes = []
     for k in range(8 * per_frame):
         now = term.acceleration(jnp.zeros((4, 3)), jnp.zeros((4, 3)), jnp.ones(4), k * dt, dt)
-        changes.append(np.asarray(now * dt)[0])
+        changes.append(np.asarray(now * dt).mean(0))  # what is struck gets more, the whole as much
     (at,) = np.flatnonzero(np.abs(changes).sum(-1) > 0)
     assert at in (3 * per_frame, 3 * per_frame - 1)  # the clock k dt may be off by round-off
     np.testing.assert_allclose(changes[at], [0, 0, -0.7 * SCALING.impulse], rtol=1e-6)
@@ -269,7 +269,7 @@ def test_opposed_ends_part_by_a_share_of_the_extent_between_them(x64):
     np.testing.assert_allclose(momentum(model, end)[1], 0, atol=1e-9)
 
 
-def test_opposed_rotations_twist_about_each_end_s_own_centre(x64):
+def test_opposed_rotations_wring_every_section_in_proportion(x64):
     """Also where the object is no longer where it was at the start."""
     ends = [
         dict(
@@ -284,11 +284,50 @@ def test_opposed_rotations_twist_about_each_end_s_own_centre(x64):
     push = dict(action_type="translation", vector=[0, 1, 0], active_time=[0, 10])
     twist = ForceField.model_validate({"actions": [push], "constraints": ends})
     _, start, end = moved(twist, cells=(8, 3, 3), E=1e5, seconds=0.9 * DURATION, extent=0.4)
-    high = np.asarray(start.x[:, 0]) > float(start.x[:, 0].max()) - 0.05
-    a, b = (np.asarray(s.x)[high] - np.asarray(s.x)[high].mean(0) for s in (start, end))
-    turn = np.arctan2((a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1]).sum(), (a[:, 1:] * b[:, 1:]).sum())
-    np.testing.assert_allclose(turn, 0.8 * SCALING.rotation * 8 * FRAME_DT, rtol=1e-3)
-    assert float(end.x[high, 1].mean() - start.x[high, 1].mean()) > 0.1  # it has been pushed there
+    along = np.asarray(start.x[:, 0], float)
+    middle = along.mean()
+    ends_middle = (along[along > along.min() + 0.8 * np.ptp(along)] - middle).mean()
+    for section in np.unique(along.round(6)):
+        inside = np.abs(along - section) < 1e-4
+        a, b = (np.asarray(s.x)[inside] - np.asarray(s.x)[inside].mean(0) for s in (start, end))
+        turn = np.arctan2((a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1]).sum(), (a[:, 1:] * b[:, 1:]).sum())
+        wanted = 0.8 * SCALING.rotation * 8 * FRAME_DT * (section - middle) / ends_middle
+        np.testing.assert_allclose(turn, wanted, rtol=0.03, atol=1e-3)
+        assert float((end.x - start.x)[inside, 1].mean()) > 0.1  # it has been pushed there
+
+
+def test_a_thin_neck_stretches_as_much_as_what_is_thick(x64):
+    """Moved as slabs, the ends would strain the neck many times more than the rest."""
+    ends = [
+        dict(
+            constraint_type="enforce_particle_translation",
+            vector=[side, 0, 0],
+            magnitude=1.0,
+            active_time=[0, 12],
+            region={"kind": "half_space", "point": [0.5 + 0.25 * side, 0.5, 0.5], "normal": [side, 0, 0]},
+        )
+        for side in (1, -1)
+    ]
+    field = ForceField.model_validate({"constraints": ends})
+    model, state = block((12, 5, 5), size=1.5, grid_cells=30, low=(0.45, 0.6, 0.6), youngs_modulus=1e5, dt=1e-3,
+                         dtype=np.float64)  # fmt: skip
+    x = np.asarray(state.x)
+    out = (np.abs(x[:, 0] - x[:, 0].mean()) < 0.08) & (np.abs(x[:, 1:] - x[:, 1:].mean(0)).max(1) > 0.06)
+    x = x[~out]
+    constraints = compile_force_field(
+        field, SCALING, x, np.asarray(model.volume)[~out], frame_dt=FRAME_DT, frame_count=FRAMES
+    )[1]
+    # The motion that the constraints impose: every section parts in proportion to its distance from the middle.
+    (motion,) = constraints
+    change = motion.find_change(jnp.asarray(x), jnp.zeros_like(jnp.asarray(x)), jnp.asarray(x.mean(0)), 0.0)
+    slope = np.asarray(change)[:, 0] / (x[:, 0] - x[:, 0].mean())
+    np.testing.assert_allclose(slope, slope[0], rtol=1e-9)
+    np.testing.assert_allclose(
+        slope[0] * np.ptp(x[:, 0]),
+        2 * SCALING.velocity * np.ptp(x[:, 0]) / np.ptp(x, axis=0).max(),
+        rtol=1e-6,
+    )
+    assert np.abs(np.asarray(change)[:, 1:]).max() == 0  # free across
 
 
 def test_plates_press_what_lies_between_them(x64):

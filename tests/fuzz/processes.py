@@ -20,6 +20,7 @@ PROMPT = "push the robot hard to the left"
 RUN = ("--frames", "3", "--particles", "60", "--resolution", "32", "--max-iterations", "2", "--seed", "1")
 COSTS = {
     "stages",
+    "first_clip",
     "agents",
     "command",
 }  # of a manifest: what depends on the clock, or on how often a run was started

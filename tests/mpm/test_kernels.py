@@ -63,7 +63,8 @@ def g2p_operands(c):
 def test_p2g_and_g2p_equal_the_reference(count, form, x64):
     """In both precisions, the reference in double."""
     c = cloud(count)
-    nodes, moved = transfer.p2g(form, GRID, *p2g_operands(c)), transfer.g2p(form, 1, GRID, *g2p_operands(c))
+    nodes = jax.jit(partial(transfer.p2g, form, GRID))(*p2g_operands(c))
+    moved = jax.jit(partial(transfer.g2p, form, 1, GRID))(*g2p_operands(c))
     for dtype, tolerance in TOLERANCE.items():
         c = cloud(count, dtype)
         close(jax.jit(partial(cpu.p2g, form, GRID))(*p2g_operands(c)), nodes, tolerance)
@@ -98,9 +99,12 @@ def test_adjoints_equal_the_derivatives_of_the_reference(count, form, x64):
             after = g2p(form, 1, GRID, *o)
             return after.x, after.v, after.C, after.F
 
-        return particles
+        return jax.jit(particles)
 
-    pulls_equal(partial(cpu.p2g, form, GRID), partial(transfer.p2g, form, GRID), p2g_operands(cloud(count)))
+    def scattered(p2g):
+        return jax.jit(partial(p2g, form, GRID))
+
+    pulls_equal(scattered(cpu.p2g), scattered(transfer.p2g), p2g_operands(cloud(count)))
     pulls_equal(moved(cpu.g2p), moved(transfer.g2p), g2p_operands(cloud(count)))
 
 

@@ -110,21 +110,29 @@ def _draw(points, colours, view: Camera, background):
     scale, width, height = 2, view.width, view.height
     seen = points @ view.viewmat[:3, :3].T + view.viewmat[:3, 3]
     order = np.argsort(-seen[:, 2])  # far to near: the nearest writes last
-    seen, colours = seen[order], colours[order]
-    pixel = np.floor(scale * (seen @ view.K.T)[:, :2] / seen[:, 2:]).astype(int)
-    offsets = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)])
-    x, y = (pixel[:, None, :] + offsets).reshape(-1, 2).T
-    source = np.repeat(np.arange(len(seen)), len(offsets))
+    seen = seen[order]
+    pixel = np.floor(scale * (seen @ view.K.T)[:, :2] / seen[:, 2:]).astype(np.int32)
+    steps = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)], np.int32)
+    x, y = (pixel[:, None, k] + steps[:, k] for k in (0, 1))
     inside = (x >= 0) & (x < scale * width) & (y >= 0) & (y < scale * height)
-    owner = np.full((scale * height, scale * width), -1)
-    owner[y[inside], x[inside]] = source[inside]
-    rgb = np.where(owner[..., None] < 0, np.asarray(background, float), colours[owner])
-    depth = np.where(owner < 0, np.nan, seen[owner, 2])
-    tiles = depth.reshape(height, scale, width, scale).transpose(0, 2, 1, 3).reshape(height, width, -1)
-    hit = np.isfinite(tiles)
-    mean = np.nansum(tiles, -1) / np.maximum(hit.sum(-1), 1)
-    fine = rgb.reshape(height, scale, width, scale, 3).mean((1, 3))
-    return fine.round().astype(np.uint8), np.where(hit.sum(-1) >= 2, mean, np.nan).astype(np.float32)
+    source = np.broadcast_to(np.arange(len(seen), dtype=np.int32)[:, None], x.shape)
+    owner = np.full(scale * height * scale * width, -1, np.int32)
+    if inside.all():
+        owner[(y * (scale * width) + x).ravel()] = source.ravel()
+    else:
+        owner[(y * (scale * width) + x)[inside]] = source[inside]
+    owner = owner.reshape(height, scale, width, scale).transpose(0, 2, 1, 3).reshape(height, width, -1)
+    rgb = np.broadcast_to(np.asarray(background, float).round().astype(np.uint8), (height, width, 3)).copy()
+    depth = np.full((height, width), np.nan, np.float32)
+    touched = (owner >= 0).any(-1)  # all else is background
+    tiles = owner[touched]
+    hit = tiles >= 0
+    fine = np.where(hit[..., None], colours[order][tiles], np.asarray(background, float))
+    rgb[touched] = fine.mean(1).round().astype(np.uint8)
+    count = hit.sum(1)
+    mean = np.where(hit, seen[tiles, 2], 0.0).sum(1) / count
+    depth[touched] = np.where(count >= 2, mean, np.nan)
+    return rgb, depth
 
 
 def translated(offset, path: Callable[[float], float] = lambda s: s) -> Motion:

@@ -10,8 +10,13 @@ from html.parser import HTMLParser
 import pytest
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.text import split_reason
+from physagent_jax.forces.schema import Action
 from physagent_jax.perception.schema import MotionReport, Uncertainty
+from physagent_jax.report.directions import make_direction_table
+from physagent_jax.report.force_cards import Setting, find_acceleration
 from physagent_jax.report.html import write_report
+from physagent_jax.scene.config import CameraConfig
 from physagent_jax.simulation.record import SimulationRecord
 from tests.report.fake_run import FRAMES, PROMPT, build_run, store
 
@@ -166,12 +171,52 @@ def test_every_check_and_change_is_shown(run, page):
             if check["margin"] is not None:
                 assert f"{check['margin']:.2f}".replace("-", "\u2212") in page.text.replace("-", "\u2212")
         assert "83 %" in page.text and "100 %" in page.text
-        assert judgement["suggestion"] in page.text
+        for sentence in filter(None, split_reason(judgement["suggestion"])):
+            assert sentence in page.text
         assert f"score {judgement['score']:.2f}" in page.text
     for kind, many in (("pass", 4), ("failed", 2), ("open", 3)):
         assert len(page.all("span", f"result {kind}")) == many
-    assert "actions[0].magnitude from 0.9 to 1.3: the bend was too small." in page.text
+    assert "the magnitude of the translation from 0.9 to 1.3: the bend was too small." in page.text
     assert "anchored objects keep impulse" in page.text
+
+
+def test_actions_are_named_by_skill_and_not_by_their_place_in_the_file(page):
+    assert "actions[" not in page.text and "constraints[" not in page.text
+
+
+def test_a_force_card_tells_the_acceleration_and_gravity_beside_it(page):
+    assert "2.6 m/s\u00b2 (1 means 2) 0.27 times gravity" in page.text
+
+
+def test_the_acceleration_of_a_blow_is_its_speed_over_its_time():
+    setting = Setting(make_direction_table(CameraConfig()), 50, 0.04)
+    blow = Action(action_type="impulse", vector=(1, 0, 0), magnitude=1.0, active_time=(5, 10))
+    assert find_acceleration(blow, 3.0, setting) == pytest.approx(15.0)  # 3 m/s in 0.2 s
+    assert find_acceleration(blow.model_copy(update={"active_time": None}), 3.0, setting) is None
+    turn = Action(action_type="torque", vector=(0, 0, 1), magnitude=1.0, active_time=(5, 10))
+    assert find_acceleration(turn, 3.0, setting) is None
+
+
+def test_a_failure_says_why_before_anything_else_in_two_plain_sentences(copy):
+    manifest = json.loads((copy / "manifest.json").read_text())
+    manifest |= {"verdict": "FAIL", "stopped": "no improvement"}
+    (copy / "manifest.json").write_text(json.dumps(manifest))
+    judgement = json.loads((copy / "iterations/2/judgement.json").read_text())
+    why = "\u2018bends\u2019 is seen too little."
+    judgement |= {"verdict": "FAIL", "suggestion": f"{why} The margin of actions[0] is 0.3."}
+    (copy / "iterations/2/judgement.json").write_text(json.dumps(judgement))
+    page = render(copy)
+    line = f"FAIL {why} No further round was made: the last rounds brought no improvement."
+    head = page.text[: page.text.index("At a glance")]
+    assert line in " ".join(head.split()) and "margin" not in head
+    assert "The margin of the translation is 0.3." in page.text
+
+
+def test_figures_of_the_planner_and_of_perception_are_folded(run):
+    text = (run / "report.html").read_text(encoding="utf-8")
+    folds = re.findall(r"<details><summary>(.*?)</summary>(.*?)</details>", text, re.DOTALL)
+    assert sum(title == "What the planner checked" and "margin" in body for title, body in folds) == 3
+    assert sum(title == "The motion in figures" and "swings back" in body for title, body in folds) == 1
 
 
 def test_the_agents_exchanges_are_shown(page):
@@ -188,7 +233,7 @@ def test_a_verdict_without_score_and_checks_is_shown(copy):
         plain = {"verdict": "SUCCESS" if index == 2 else "FAIL"}
         (copy / f"iterations/{index}/judgement.json").write_text(json.dumps(plain))
     page = render(copy)
-    assert page.text.count("It gave its verdict without single checks.") == 3
+    assert page.text.count("The planner gave its verdict without single checks.") == 3
     assert "score" not in page.text.lower()
 
 

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import os
+import warnings
 
 import numpy as np
 import pytest
@@ -21,7 +22,8 @@ from physagent_jax.output.video import read_video
 from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.backends.colour import ColorSegmenter
 from physagent_jax.report.html import write_report
-from physagent_jax.run.manifest import Manifest
+from physagent_jax.run import loop
+from physagent_jax.run.manifest import STOP_REASONS, Manifest
 from physagent_jax.run.observer import Observer
 from physagent_jax.simulation.record import SimulationRecord
 from tests.run.specs import made, small, with_rules
@@ -70,7 +72,8 @@ def test_a_run_leaves_every_file(finished):
         "judgement.json",
         "simulation.json",
     } <= first
-    assert read_video(finished / "video.mp4").shape == (FRAMES, 90, 160, 3)
+    clip = read_video(finished / "video.mp4")
+    assert clip.shape[1:] == (90, 160, 3) and FRAMES <= len(clip) <= FRAMES + 25  # until rest, 1 s at most
     assert read_video(finished / "perception.mp4").shape == (FRAMES, 96, 96, 3)
     assert len(list((finished / "frames").iterdir())) == FRAMES
     assert len(list((finished / "splats").glob("*.ply"))) == FRAMES
@@ -135,7 +138,7 @@ def test_without_hard_links_a_file_is_copied(tmp_path, monkeypatch):
     assert (tmp_path / "b").read_bytes() == b"motion"
 
 
-def test_assumptions_and_unknown_words_are_in_the_line_of_json(finished, robot_path, capsys):
+def test_the_end_is_told_in_words_and_what_was_assumed_in_the_line_of_json(finished, robot_path, capsys):
     line = ["run", "--object", robot_path, "--prompt", PROMPT, "--out", finished, "--frames", FRAMES]
     options = [
         "--particles",
@@ -147,8 +150,11 @@ def test_assumptions_and_unknown_words_are_in_the_line_of_json(finished, robot_p
         "--save-splats",
         "--save-frames",
     ]
-    options += ["--json"]
     assert main([str(part) for part in (*line, *options)]) == 0  # it is there already
+    stopped = Manifest.model_validate_json((finished / "manifest.json").read_bytes()).stopped
+    assert stopped is not None and f": {STOP_REASONS[stopped]}\n" in capsys.readouterr().err
+    options += ["--json"]
+    assert main([str(part) for part in (*line, *options)]) == 0
     told = json.loads(capsys.readouterr().out)
     reply = json.loads((finished / "semantic.json").read_text())
     assert told["not_understood"] == reply["not_understood"] and told["assumptions"] == reply["notes"]
@@ -325,6 +331,23 @@ def test_a_prompt_for_a_segmenter_that_takes_none_is_refused_before_the_run_begi
     with pytest.raises(UserError, match="means nothing to this segmenter .got RgbdSegmenter."):
         made(prompted(robot_path, {"points": [[0.5, 0.5]]}), tmp_path / "run", scripted([1.0]))
     assert not (tmp_path / "run" / "manifest.json").exists()
+
+
+def test_a_warning_of_any_stage_is_told_and_noted(robot_path, tmp_path, monkeypatch):
+    """Not only those of the making of a scene: here the simulation warns."""
+    simulate, told = loop.simulate_scene, []
+
+    def warn(*given, **options):
+        warnings.warn("the matter is stirred", stacklevel=2)
+        return simulate(*given, **options)
+
+    class Watch(Observer):
+        def warned(self, text):
+            told.append(text)
+
+    monkeypatch.setattr(loop, "simulate_scene", warn)
+    store = made(small(robot_path, rounds=1), tmp_path / "run", scripted([1.0]), observer=Watch())
+    assert told.count("the matter is stirred") == 1 and "the matter is stirred" in store.manifest.warnings
 
 
 def test_a_loose_piece_is_told_before_anything_is_simulated(tmp_path):

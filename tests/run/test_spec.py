@@ -47,6 +47,8 @@ OTHERS = {
     "seed": 7,
     "ledger": True,
     "save.video_size": [64, 48],
+    "save.caption": True,
+    "save.arrows": True,
     "save.frames": True,
     "save.splats": "glb",
 }

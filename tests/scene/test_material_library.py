@@ -21,7 +21,7 @@ from physagent_jax.scene.materials import (
     soften_material,
     stable_step,
 )
-from physagent_jax.scene.materials.soften import find_softening
+from physagent_jax.scene.materials.soften import STANDARD_GRAVITY, find_contrast, find_softening
 
 # --- the schema ---------------------------------------------------------------------------------------
 
@@ -272,3 +272,18 @@ def test_viscosity_that_forbids_the_step_is_said():
     tar = Material(model=MaterialModel.FLUID, viscosity=1e4, density=1e3, bulk_modulus=1e9)
     with pytest.raises(UserError, match="viscosity of 10000 Pa s"):
         find_softening(tar, dx=0.04, duration=2.0, at_most=1_000)
+
+
+def test_true_materials_keep_their_order_in_pictures(tmp_path):
+    """Softened just to what is affordable, all would have the same speed of sound."""
+    step = dict(dx=1 / 24, duration=2.0, at_most=10_000)
+    shown = []
+    for name in ("ecoflex", "natural_rubber", "oak", "steel"):
+        material = find_material(name).material
+        factor = find_contrast(material, **step)
+        assert (
+            count_substeps(soften_material(material, factor), step["dx"], step["duration"]) <= step["at_most"]
+        )
+        shown.append(material.youngs_modulus / factor / material.density / STANDARD_GRAVITY)
+    assert all(stiffer > 1.1 * softer for softer, stiffer in zip(shown, shown[1:])), shown
+    assert shown[1] > 2 * shown[0] and shown[2] > 10 * shown[1]  # [m] of its own height that it bears

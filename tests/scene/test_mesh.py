@@ -6,7 +6,7 @@ from scipy.spatial import cKDTree
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.covariance import quat_to_matrix
-from physagent_jax.scene.mesh import GRAIN, TONE, gaussians_from_mesh
+from physagent_jax.scene.mesh import GRAIN, TONE, gaussians_from_mesh, sample_mesh
 from physagent_jax.scene.surfels import SH_DC, bake_light, place_evenly, value_noise
 
 
@@ -145,3 +145,11 @@ def test_baked_light_is_brightest_towards_the_key_light():
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     brightest = directions[np.argmax(bake_light(directions))]
     assert brightest[2] > 0.5 and brightest[1] < 0 and brightest[0] < 0  # above, in front, left
+
+
+def test_a_mesh_without_colours_is_plain_for_people_and_grained_for_perception(box_path):
+    grained, plain = sample_mesh(box_path, count=2000, smooth=False)
+    np.testing.assert_array_equal(grained.means, plain.means)
+    shades = np.unique(np.round(np.asarray(plain.sh[:, 0, 0], np.float64), 4))
+    assert len(shades) <= 6, "one shade per side of the box"
+    assert len(np.unique(np.round(np.asarray(grained.sh[:, 0, 0], np.float64), 4))) > 100

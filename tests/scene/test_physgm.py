@@ -74,7 +74,7 @@ def test_nu_is_clipped_with_a_warning(nu, taken):
 
 def test_a_stiffness_that_cannot_be_simulated_is_told():
     (stiff,) = import_physgm({"E": 7e11, "nu": 0.3, "material": "Wood"})[1]
-    assert "substeps" in stiff and "7e+11" in stiff
+    assert "substeps" in stiff and "so stiff" in stiff and " Pa" not in stiff
     assert import_physgm({"E": 7e11, "nu": 0.3, "material": "Wood"}, warn_of_cost=False)[1] == []
     (limp,) = import_physgm({"E": 50.0, "nu": 0.3, "material": "Rubber"})[1]
     assert "collapse" in limp

@@ -60,8 +60,8 @@ class ForceFieldBuilder:
         motion = ExpectedMotion(
             kind=kind, direction=direction, window=shown, words=words[:200], strength=strength, **more
         )
-        told = [(each.kind, each.direction, each.window, each.part) for each in self.expectations]
-        if len(told) < MAX_ACTIONS and (kind, direction, shown, motion.part) not in told:
+        told = [(each.kind, each.direction, each.window, each.part, each.limb) for each in self.expectations]
+        if len(told) < MAX_ACTIONS and (kind, direction, shown, motion.part, motion.limb) not in told:
             self.expectations.append(motion)
 
     def add_evidence(self, words: str, field: str, value: str, why: str) -> None:

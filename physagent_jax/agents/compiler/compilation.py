@@ -9,6 +9,7 @@ from __future__ import annotations
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder, describe_skill
 from physagent_jax.agents.compiler.events import Event
 from physagent_jax.agents.compiler.interpretation import resolve_obstacles
+from physagent_jax.agents.compiler.limbs import drive_limbs
 from physagent_jax.agents.compiler.schedule import schedule
 from physagent_jax.agents.compiler.sequence import apply_holding, choose_anchor, make_events
 from physagent_jax.agents.compiler.skills import compile_slots
@@ -32,7 +33,7 @@ def compile_intent(intent: Intent, brief: SceneBrief) -> SemanticReply:
     Raises:
         UserError: No motion is known, and nothing is said about holding or gravity.
     """
-    return _choose_kinds(compile_forces(intent, brief), brief)
+    return _choose_kinds(drive_limbs(compile_forces(intent, brief), brief), brief)
 
 
 def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
@@ -136,7 +137,14 @@ def _collect_doubts(intent: Intent, unknown: list[Event], builder: ForceFieldBui
 
 def _choose_kinds(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
     """The reply with velocity constraints where they do what the sentence says and a force does not."""
-    fixture = {"base": "the base", "top": "the top", "none": None, None: brief.anchored}[reply.anchor.kind]
+    told = {
+        "base": "the base",
+        "top": "the top",
+        "rest": "all but the part",
+        "none": None,
+        None: brief.anchored,
+    }
+    fixture = told[reply.anchor.kind]
     weightless = reply.world.gravity in ("none", "up") or reply.world.ground is False
     scene = brief.model_copy(
         update={

@@ -83,6 +83,7 @@ class Event:
         region: Part of the object; None = all of it.
         part: The end that is named (unit vector towards it); None = none, or a part that is no end.
         excludes_part: Whether ``part`` is the one that is not meant.
+        limbs: Places in the brief's parts of those that are meant.
         amount: A quantity that the sentence names.
         obstacles: Solids that it meets.
         sources: Where each value comes from.
@@ -108,6 +109,7 @@ class Event:
     region: Region | None = None
     part: Vector | None = None
     excludes_part: bool = False
+    limbs: tuple[int, ...] = ()
     amount: Amount | None = None
     obstacles: list[ObstacleRequest] = field(default_factory=list)
     sources: dict[str, ValueSource] = field(default_factory=dict)

@@ -9,6 +9,7 @@ from physagent_jax.agents import intent
 from physagent_jax.agents.compiler.amounts import MOST, find_target
 from physagent_jax.agents.compiler.directions import TOWARDS, sum_directions, take_heading
 from physagent_jax.agents.compiler.events import WAYS, Event, ValueSource, WayKind
+from physagent_jax.agents.compiler.limbs import explain_missing, find_limbs
 from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
 from physagent_jax.agents.regions import make_end_region, make_middle_region
 from physagent_jax.core.strict import Vector
@@ -255,6 +256,15 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
     if not named or event.effect is Effect.FALL and named[0].place.names == ("down",) and event.parts:
         return  # "lands on its feet", as it stood
     place, event.excludes_part = named[0].place, not event.parts
+    if event.parts:
+        event.limbs = find_limbs(named[0], brief)
+    if event.limbs:
+        event.region, event.part = brief.parts[event.limbs[0]].moved, brief.parts[event.limbs[0]].side
+        event.sources["region"] = ValueSource(named[0].text, "a part of the object")
+        return
+    if place.role and not place.names:
+        event.doubts.append(explain_missing(named[0].text, brief))
+        return
     event.part = normalise(sum_directions(place.names, brief))
     if not event.excludes_part:
         event.sources["region"] = ValueSource(named[0].text, "a part of the object")

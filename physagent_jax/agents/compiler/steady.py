@@ -90,7 +90,11 @@ class Task:
             "even": event.clause.even and kind in (MotionKind.MOVE, MotionKind.ROTATE),
             "amount": event.amount or self._find_duration(),
         }
-        builder.expect(kind, direction, window, event.text, **(values | more))
+        for limb in event.limbs or (None,):
+            part = event.part if limb is None else builder.brief.parts[limb].side
+            builder.expect(
+                kind, direction, window, event.text, **(values | dict(limb=limb, part=part) | more)
+            )
 
     def enable_gravity(self, why: str) -> None:
         """Lets the object fall from the first frame, for what the event does."""

@@ -128,10 +128,12 @@ class Place:
     Attributes:
         names: The direction in which it lies from the middle; empty = the middle band.
         start: Fraction of the extent along that direction at which it begins.
+        role: Role of a part of the brief that the word means first; empty = it means a place only.
     """
 
     names: Names = ()
     start: float = 0.5
+    role: str = ""
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,8 @@ from dataclasses import dataclass, replace
 from physagent_jax.agents.windows import divide_swings
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
+    GAIN_MAX,
+    GAIN_MIN,
     MAGNITUDE_MAX,
     MAGNITUDE_MIN,
     PRESCRIBED_TRAVEL,
@@ -22,6 +24,7 @@ from physagent_jax.motion.vectors import add, clamp, cosine, dot, norm, normalis
 from physagent_jax.perception.schema import MotionReport
 
 _BRIEF = 0.15  # of the clip: "briefly", as the lexicon has it
+_SAME_GAIN = 0.03  # relative change of k that is not worth a word: windows go by whole frames
 POINTED = 0.95  # cosine from which a vector points where the sentence says
 
 
@@ -150,37 +153,46 @@ def format_names(causes: Sequence[Cause]) -> str:
 
 
 def get_effort(cause: Cause, last: float) -> float:
-    """The amount that the response grows with: abs(M), times the frames where a velocity is prescribed."""
+    """The amount that the response grows with: abs(M) and k, times the frames where a velocity is prescribed."""
     first, end = cause.item.active_time or (0.0, last)
-    return abs(cause.item.magnitude) * (end - first if cause.skill.prescribes else 1.0)
+    return abs(cause.item.magnitude) * cause.item.gain * (end - first if cause.skill.prescribes else 1.0)
 
 
-def _scale(cause: Cause, factor: float, last: float) -> dict:
-    """Changes that give the entry ``factor`` times the effort, as far as the range goes."""
-    size = clamp(abs(cause.item.magnitude) * factor, MAGNITUDE_MIN, MAGNITUDE_MAX)
-    changes: dict = {"magnitude": round(math.copysign(size, cause.item.magnitude), 4)}
+def _scale(cause: Cause, factor: float, latest: float) -> dict:
+    """Changes that give the entry ``factor`` times the effort: by M in its range, then by time, and k for the rest.
+
+    ``latest`` is the frame up to which what has a prescribed velocity may go on.
+    """
+    wanted = abs(cause.item.magnitude) * cause.item.gain * factor  # M times the gain
+    size = round(clamp(wanted / cause.item.gain, MAGNITUDE_MIN, MAGNITUDE_MAX), 4)
+    changes: dict = {"magnitude": math.copysign(size, cause.item.magnitude)}
     if cause.skill.prescribes and cause.item.active_time is not None:
         first, end = cause.item.active_time
         kept = getattr(cause.item, "held_until", None)
-        rest = factor * abs(cause.item.magnitude) / size
-        latest = kept or max(last, first + 1.0)
+        rest = wanted / (cause.item.gain * size)
+        latest = kept or max(latest, end)
         until = clamp(float(round(first + rest * (end - first))), first + 1.0, latest)
         changes |= {"active_time": (first, until), "held_until": kept if kept and kept > until else None}
+        wanted *= (end - first) / (until - first)
+    if abs(wanted / (cause.item.gain * size) - 1.0) > _SAME_GAIN:
+        changes["gain"] = round(clamp(wanted / size, GAIN_MIN, GAIN_MAX), 4)
     return changes
 
 
 def scale_magnitudes(case: Case, causes: Sequence[Cause], factor: float) -> Change:
-    """Multiply the magnitudes, inside their range; what has a prescribed velocity also moves longer or shorter."""
-    updates = [_scale(cause, factor, case.last) for cause in causes]
-    largest = max(abs(new["magnitude"]) for new in updates)
-    limit = ""
-    if factor > 1 and largest >= MAGNITUDE_MAX - 1e-9:
-        limit = f"; it cannot be made stronger than {MAGNITUDE_MAX:g}"
-    elif factor < 1 and largest <= MAGNITUDE_MIN + 1e-9:
-        limit = f"; it cannot be made weaker than {MAGNITUDE_MIN:g}"
+    """Multiply what acts: M inside its range, and beyond it k, which is calibrated again for this entry.
+
+    What has a prescribed velocity moves for longer or shorter before its k is changed.
+    """
+    updates = [_scale(cause, factor, case.next_begin) for cause in causes]
     sizes = ", ".join(f"{new['magnitude']:g}" for new in updates)
-    why = f": the magnitude becomes {sizes} (asked for: x {factor:.2g}){limit}."
-    return change_items(case, causes, updates, why, "magnitude_range")
+    why = f": the magnitude becomes {sizes} (asked for: x {factor:.2g})"
+    gains = [new["gain"] for new in updates if "gain" in new]
+    if gains:
+        why += f"; as M stays in its range, k is calibrated again: x {', '.join(f'{g:.3g}' for g in gains)}"
+    if any(gain in (GAIN_MIN, GAIN_MAX) for gain in gains):
+        why += f"; it cannot be made {'stronger' if factor > 1 else 'weaker'} than that"
+    return change_items(case, causes, updates, f"{why}.", "magnitude_range")
 
 
 def remove(case: Case, causes: Sequence[Cause], why: str) -> Change:
@@ -292,6 +304,13 @@ def _alternate(case: Case, magnitude: float | None = None) -> list[Action]:
         Action(action_type=kind, vector=ways[i % 2], magnitude=size, active_time=part)
         for i, part in enumerate(swings)
     ]
+
+
+def alternates(case: Case, causes: Sequence[Cause]) -> bool:
+    """Return whether pushes go to and fro already, as often as the sentence counts."""
+    ordered = sorted(causes, key=lambda cause: cause.item.active_time or (0.0, 0.0))
+    turns = sum(cosine(a.direction, b.direction) < 0 for a, b in zip(ordered, ordered[1:]))
+    return turns + 1 >= case.expectation.repeats and turns + 1 == len(causes)
 
 
 def alternate(case: Case, causes: Sequence[Cause]) -> Change:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import islice
 
 from physagent_jax.agents.context import AgentContext, Round
 from physagent_jax.agents.hard_rules import Repair, apply_hard_rules
 from physagent_jax.agents.progress import Rating, rate
 from physagent_jax.agents.protocols import ExecutorAgent
 from physagent_jax.agents.rules.edits import Case, Change
+from physagent_jax.agents.rules.holding import should_hold
 from physagent_jax.agents.rules.remedies import list_remedies
 from physagent_jax.agents.rules.sparing import find_kept
 from physagent_jax.agents.schema import Rewrite
@@ -35,8 +37,12 @@ class RuleExecutor(ExecutorAgent):
         It goes out from the round that came nearest: a change that made things worse is dropped. The mildest remedies
         come first; if they lead to a force field that was tried before, the next ones are taken, and then those of the
         round that came second. If none is left, or nothing that was measured failed in a round that came nearer, the
-        last field is returned unchanged and ``changes`` says so.
+        last field is returned unchanged and ``changes`` says so. What goes over as a whole where it should change its
+        shape is held first, with its force field as it is.
         """
+        if should_hold(context, failed):
+            why = "It goes over as a whole where it should change its shape: it is held at its base."
+            return Reply(Rewrite(force_field=failed.force_field, hold="base", changes=(why,)))
         rounds = [*context.rounds, failed]
         tried = [each.force_field for each in rounds]
         limits: list[str] = []
@@ -109,12 +115,22 @@ def _mend(
     for index, checks in failed.items():
         earlier = tuple(_list_gains(index, [each for each in rounds if each is not base]))
         case = Case(field, expectations[index], expectations, context.brief, checks, base.report, earlier)
-        options = [change for change in list_remedies(case) if change.force_field != field]
-        options = [each for change in options if (each := kept.spare(change, field))] or options
+        spared = (each for change in _list_effective(case, context) if (each := kept.spare(change, field)))
+        options = list(islice(spared, depth + 1)) or list(islice(_list_effective(case, context), depth + 1))
         if options:
-            changes.append(options[min(depth, len(options) - 1)])
+            changes.append(options[-1])
             field = changes[-1].force_field
     return changes
+
+
+def _list_effective(case: Case, context: AgentContext) -> Iterator[Change]:
+    """Remedies that are left when the hard rules have had their say: what they undo is no remedy."""
+    for change in list_remedies(case):
+        field = change.force_field
+        if field == case.force_field:
+            continue
+        if apply_hard_rules(field, context.brief, context.expectations)[0] != case.force_field:
+            yield change
 
 
 def _list_gains(index: int, rounds: Sequence[Round]):

@@ -37,9 +37,7 @@ from physagent_jax.motion.vectors import clamp, cosine, scale
 
 SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinner one tears off what tapers
 MOVING = 0.6  # share of its window in which an end or a plate moves; in the rest it is held
-MEAN_OF_ENDS = 1.375
-"""[1] how much more a bar stretches on average (the affine fit of its points) than from end to end, where its outer
-quarters (`SLAB`) are moved as they are: 24 d (1/48 + 3/32) for ends moved by d each, over 2 d."""
+TURNING = 0.8  # the same of an end that is turned
 _VERTICAL = 0.7  # cosine
 _OPPOSED = -0.7
 _NO_WAY = (0.0, 0.0, 0.0)
@@ -102,7 +100,7 @@ def move_ends(wish: Wish, causes: Sequence[Cause]) -> ForceField:
     """Exactly two opposed translations of the end slabs in place of ``causes`` (paper, appendix B.2)."""
     axis = wish.expectation.direction or causes[0].item.vector
     outward = 1.0 if wish.expectation.kind is MotionKind.STRETCH else -1.0
-    travel = _find_travel(wish, causes, share=1.0 / math.sqrt(MEAN_OF_ENDS))
+    travel = _find_travel(wish, causes)
     pair = [
         _prescribe(causes[0], scale(axis, side * outward), *travel, make_end_region(scale(axis, side), SLAB))
         for side in (1.0, -1.0)
@@ -164,18 +162,18 @@ def _find_hold_end(wish: Wish, end: float) -> float:
 
 
 def _find_travel(
-    wish: Wish, causes: Sequence[Cause], *, movers: int = 2, share: float = 1.0
+    wish: Wish, causes: Sequence[Cause], *, movers: int = 2
 ) -> tuple[float, tuple[float, float], float]:
     """Magnitude, window, and until when to hold, with which ``movers`` ends change the extent as the sentence asks.
 
     They move in the first part of the cause's window and are held in the rest of it, and for as long as it is to stay.
-    What was deformed the other way just before is brought back first. ``share``: of the asked change, that the ends go.
+    What was deformed the other way just before is brought back first.
     """
     expectation, (first, end) = wish.expectation, wish.get_span(causes[:1])
     end = min(end, wish.last)
-    target = share * _find_strain(expectation, expectation.kind, wish.brief)
+    target = _find_strain(expectation, expectation.kind, wish.brief)
     target += sum(
-        share * _find_strain(each, each.kind, wish.brief)
+        _find_strain(each, each.kind, wish.brief)
         for each in wish.expectations
         if each.kind in AXIAL and each.kind is not expectation.kind and not each.released
         if abs(each.window[1] - first) < 1.5 and _share_line(each, expectation)
@@ -308,7 +306,7 @@ def _make_turn(wish: Wish, cause: Cause) -> VelocityConstraint:
     expectation, (first, end) = wish.expectation, wish.get_span([cause])
     end = min(end, wish.last)
     assert expectation.part is not None
-    until = max(float(round(first + MOVING * (end - first))), first + 1.0)
+    until = max(float(round(first + TURNING * (end - first))), first + 1.0)
     magnitude, amount = cause.item.magnitude, expectation.amount
     if amount is not None and amount.unit == "degrees":
         needed = math.radians(amount.value) / TURN * wish.reference / (until - first)

@@ -10,6 +10,7 @@ from physagent_jax.agents.trace import Reply
 from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.changing import check_rotation, check_still, check_strain
 from physagent_jax.motion.judging.collateral import check_collateral
+from physagent_jax.motion.judging.explaining import explain_failure
 from physagent_jax.motion.judging.following import check_following
 from physagent_jax.motion.judging.moving import check_fall, check_move, check_sway
 from physagent_jax.motion.judging.seen import View
@@ -46,17 +47,21 @@ class RulePlanner(PlannerAgent):
         expectations, reading = context.expectations, context.reading
         obstacles, unsure = (reading.world.obstacles, reading.unsure) if reading else ((), ())
         gravity = _has_gravity(context, seen)
-        view = View(seen.report, context.brief, expectations, seen.force_field, gravity, obstacles)
+        field = seen.force_field
+        view = View(seen.report, context.brief, expectations, field, gravity, obstacles, context.prompt)
         checks = _make_checks(view)
         stages = judge_stages(expectations, checks)
         success = bool(checks) and all(check.passed for check in checks) and not unsure
         mean = sum(check.score for check in checks) / len(checks) if checks else 0.0
+        asked = any(each.kind is not MotionKind.STILL for each in expectations)
+        if asked and not success and view.motionless:
+            mean = 0.0  # that nothing is spoilt either is no merit
         judgement = Judgement(
             verdict=Verdict.SUCCESS if success else Verdict.FAIL,
             score=round(mean if success else min(mean, _HIGHEST_FAILURE), 6),
             checks=tuple(checks),
             stages=stages,
-            suggestion="" if success else _suggest(context, checks, stages, unsure),
+            suggestion="" if success else _suggest(context, checks, stages, unsure, mean == 0.0),
         )
         return Reply(judgement)
 
@@ -80,9 +85,13 @@ def _has_gravity(context: AgentContext, seen: Observation) -> bool:
 
 
 def _suggest(
-    context: AgentContext, checks: list[Check], stages: Sequence[Stage], unsure: Sequence[str]
+    context: AgentContext,
+    checks: list[Check],
+    stages: Sequence[Stage],
+    unsure: Sequence[str],
+    motionless: bool = False,
 ) -> str:
-    """Doubts, the failed clauses in words, stage by stage and worst first, and what could not be seen."""
+    """One plain sentence that says why; doubts, the failed clauses, stage by stage and worst first, and the unseen."""
     if not checks:
         return (
             f"Nothing is expected of the sentence '{context.prompt.strip()[:120]}', so nothing can be judged."
@@ -91,12 +100,16 @@ def _suggest(
     failed.sort(key=lambda check: (find_stage(check.expectation, stages) or 0, check.score))
     unseen = [check for check in checks if check.passed is None]
     doubts = "; ".join(doubt.removesuffix(".") for doubt in unsure)
-    parts = [f"Not understood for certain, so no motion can be called a success: {doubts}."] if unsure else []
+    words = [each.words for each in context.expectations]
+    parts = [explain_failure(failed, unseen, words, motionless=motionless)]
+    parts += (
+        [f"Not understood for certain, so no motion can be called a success: {doubts}."] if unsure else []
+    )
     parts += [_describe_failure(c, context.expectations[c.expectation].words, stages) for c in failed]
     if unseen:
         what = "; ".join(dict.fromkeys(f"{check.question} {check.observed}" for check in unseen))
         parts.append(f"Asked for, but not observable in the pictures: {what}.")
-    return " ".join(parts)
+    return " ".join(filter(None, parts))
 
 
 def _describe_failure(check: Check, words: str, stages: Sequence[Stage]) -> str:

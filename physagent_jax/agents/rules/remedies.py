@@ -21,7 +21,9 @@ from physagent_jax.motion.matching import (
     find_misfits,
     find_own_causes,
     find_strays,
+    is_thrown_up,
     list_causes,
+    share_time,
 )
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.tolerances import round_window
@@ -30,6 +32,10 @@ from physagent_jax.motion.vectors import clamp, cosine, norm, scale
 _PUSH_BACK = 1.6  # how much harder to try if the motion is contrary although the force is right
 _GENTLER = 0.6  # the factor where too much came of it and nothing says by how much
 _NO_AIM = (MotionKind.SWAY, MotionKind.FALL)
+_LEVEL = 0.5  # cosine to the vertical below which an axis is level
+_FAINT = 2.0  # gain from which on a motion is so weak that what else moves it decides on its direction
+_FAR_BEYOND = 2.5  # times the range's end: a skill that has to be so much stronger is the wrong one
+_TOLD_APART = 0.3  # logarithm of the ratio of two efforts from which on their responses can be compared
 _EXPONENTS = (0.25, 4.0)  # of the response over the effort that two rounds may show
 
 
@@ -41,8 +47,14 @@ def list_remedies(case: Case) -> Iterator[Change]:
     if case.expectation.kind is MotionKind.STILL:
         yield from _calm(case)
         return
+    if _is_let_fall_first(case):
+        field = case.force_field.model_copy(update={"default_drop": False})
+        yield Change(
+            field, "It is let fall from above, and the fall hides the leap: it leaps from the ground."
+        )
     falls = case.expectation.kind is MotionKind.FALL
-    if falls and case.expectation.window[0] < 1 and not case.force_field.default_drop:
+    stands = case.brief.world == "ground" and _tips_over(case)
+    if falls and case.expectation.window[0] < 1 and not case.force_field.default_drop and not stands:
         field = case.force_field.model_copy(update={"default_drop": True})
         yield Change(field, "Gravity is switched on: it should fall.", "gravity_makes_it_fall")
         return
@@ -59,13 +71,28 @@ def list_remedies(case: Case) -> Iterator[Change]:
         yield edits.shorten(case, causes, 0.5, "it should come back after letting go")
     if case.failed("part"):
         yield edits.act_on_part(case, causes)
-    if case.failed("repeats"):
+    if case.failed("repeats") and not edits.alternates(case, causes):
         yield edits.alternate(case, causes)
     if case.expectation.sudden and case.failed("order") and any(c.pushes for c in causes):
         field = _replace(case, causes, edits.make_actions(case)[:1])
         why = f"{edits.format_names(causes)} starts too slowly: a blow in its place."
         yield Change(field, why, "known_skills")
     yield from _change_amount(case, causes)
+
+
+def _tips_over(case: Case) -> bool:
+    """Return whether the fall is the end of a turn about a level axis: gravity acts on what stands there already."""
+    up = case.brief.directions.up
+    turns = [e for e in case.expectations if e.kind is MotionKind.ROTATE and e.direction is not None]
+    return any(abs(cosine(e.direction or up, up)) < _LEVEL and share_time(e, case.expectation) for e in turns)
+
+
+def _is_let_fall_first(case: Case) -> bool:
+    """Return whether what leaps from the ground is lifted and let fall, although no fall is asked for first."""
+    first = min(e.window[0] for e in case.expectations)
+    falls_first = any(e.kind is MotionKind.FALL and e.window[0] < first + 1.0 for e in case.expectations)
+    thrown = any(is_thrown_up(e, case.expectations, case.brief) for e in case.expectations)
+    return case.force_field.default_drop and case.brief.world == "ground" and thrown and not falls_first
 
 
 def _aim(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
@@ -83,6 +110,9 @@ def _aim(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
         whole = expectation.kind is not MotionKind.SWAY and len(causes) == 1
         if mistimed and whole and (change := edits.retime(case, mistimed)):
             yield change
+    amount = case.failed("amount")
+    if amount is not None and (amount.gain or 0.0) >= _FAINT:
+        return  # the way of what is hardly seen says little
     if case.failed("direction") and expectation.kind not in _NO_AIM:
         if change := edits.counter(case, [c for c in causes if agrees(c, expectation)] or causes):
             yield change
@@ -111,19 +141,32 @@ def _find_gain(case: Case, causes: Sequence[Cause], gain: float) -> float:
     """
     if gain <= 0:  # the fixed mapping stays: other motion must be overcome
         return _PUSH_BACK
-    now = sum(edits.get_effort(cause, case.last) for cause in causes)
-    for field, needed in reversed(case.earlier):
-        before = _get_same_effort(case, causes, field)
-        if before is None or needed <= 0 or abs(math.log(before / now)) < 0.02:
-            continue
-        exponent = math.log(gain / needed) / math.log(before / now)
+    for ratio, needed in _list_ratios(case, causes):
+        exponent = math.log(gain / needed) / math.log(ratio)
         if _EXPONENTS[0] < exponent < _EXPONENTS[1]:
             gain = gain ** (1.0 / exponent)
         if (needed > 1) != (gain > 1):  # one was too little, the other too much
-            between = math.log(before / now)
+            between = math.log(ratio)
             gain = math.exp(clamp(math.log(gain) / between, 0.15, 0.85) * between)
         return gain
     return gain
+
+
+def _answers(case: Case, causes: Sequence[Cause], gain: float) -> bool:
+    """Return whether more of the same has been seen to do more, as far as rounds that differ in nothing else tell."""
+    for ratio, needed in _list_ratios(case, causes):
+        if abs(math.log(ratio)) > _TOLD_APART:
+            return math.log(gain / needed) / math.log(ratio) >= _EXPONENTS[0]
+    return True
+
+
+def _list_ratios(case: Case, causes: Sequence[Cause]) -> Iterator[tuple[float, float]]:
+    """Effort of the same entries in other rounds over the present one, with the gain asked for there; newest first."""
+    now = sum(edits.get_effort(cause, case.last) for cause in causes)
+    for field, needed in reversed(case.earlier):
+        before = _get_same_effort(case, causes, field)
+        if before is not None and needed > 0 and abs(math.log(before / now)) >= 0.02:
+            yield before / now, needed
 
 
 def _get_same_effort(case: Case, causes: Sequence[Cause], field: ForceField) -> float | None:
@@ -143,13 +186,22 @@ def _identify(cause: Cause) -> tuple:
 
 
 def _strengthen(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:
-    """More of the same up to the limit, then for longer, then by the other kind of skill; nothing is stacked."""
-    yield edits.scale_magnitudes(case, causes, gain)
+    """More of the same, then for longer, then by the other kind of skill; nothing is stacked.
+
+    More of the same comes last where it did no more before, or where it would have to be very much more.
+    """
+    most = max(abs(c.item.magnitude) * gain / MAGNITUDE_MAX for c in causes)
+    more = edits.scale_magnitudes(case, causes, gain)
+    more_helps = most <= _FAR_BEYOND and _answers(case, causes, gain)
+    if more_helps:
+        yield more
     forces = [c.skill for c in causes if c.group == "actions"]  # which act the more the longer they do
     lasting = any(not (skill.is_sudden or skill.is_two_sided) for skill in forces)
     if lasting and case.expectation.kind is not MotionKind.SWAY:
         yield from edits.lengthen(case, causes, math.sqrt(gain))
     yield from _try_other_kind(case, causes, gain)
+    if not more_helps:
+        yield more
     yield edits.scale_magnitudes(case, causes, MAGNITUDE_MAX / MAGNITUDE_MIN)
 
 

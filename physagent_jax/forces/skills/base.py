@@ -99,6 +99,16 @@ class Skill:
         del bound
         return []
 
+    def make_pair(self, bound: Binding, other: Binding | None, sign: float) -> list:
+        """The constraints of an entry and of its partner at the other end, in place of their own (`forces.pairs`).
+
+        Args:
+            bound: The entry.
+            other: Its partner; None = the ground or the fixture.
+            sign: 1 if the vector points out of the object at the entry's end, -1 if into it.
+        """
+        raise NotImplementedError(f"{self.name} acts on no two ends")
+
     def accelerate(self, gained: Any, entry: FreeEntry) -> Any:
         """Changes of velocity of a free body in each interval between frames, with this entry's [m/s].
 

@@ -6,6 +6,12 @@ from physagent_jax.forces.calibration import TRAVEL
 from physagent_jax.forces.skills.base import Skill
 from physagent_jax.forces.skills.icons import draw_arrow
 
+PEAK = 3.0
+"""[1] speed of the spot that is struck, over that of the whole: soft matter is dented before it follows."""
+
+DENT_DEPTH, DENT_WIDTH = 0.3, 0.25
+"""[1] of its extent along the blow, [L] across: how far the spot reaches."""
+
 
 class Blow(Skill):
     """The common part of both forms of a blow: a velocity change k M v, with k = s L / T and s = `TRAVEL`.
@@ -30,6 +36,14 @@ class Blow(Skill):
         k, meaning = super().explain_one(scaling, vector, swing)
         held = scaling.holding
         return k, meaning if held is None else f"what is held is to move by {held.shift:.3g} m"
+
+    def find_weight(self, bound):
+        """The particles' weights: most for the side that is struck, where it is a side and not what it stands on."""
+        from physagent_jax.forces.opposition import RISES
+
+        if not bound.whole or bound.upwards >= RISES:
+            return bound.weight
+        return bound.concentrate(PEAK, DENT_DEPTH, DENT_WIDTH)
 
     def find_speed(self, bound):
         """The velocity change along the vector that the entry asks for [m/s]."""
@@ -56,7 +70,7 @@ class Impulse(Blow):
 
         start, end = bound.window
         value = bound.along(self.find_speed(bound)) / (end - start)
-        return [UniformAcceleration(value, start, end, bound.weight)]
+        return [UniformAcceleration(value, start, end, self.find_weight(bound))]
 
     def accelerate(self, gained, entry):
         """The velocity gained in each interval."""

@@ -26,6 +26,12 @@ class MovingPlate(Skill):
         """The moving plate, and the plate that stands where it was brought."""
         return bound.press(bound.scaling.velocity * bound.width())
 
+    def make_pair(self, bound, other, sign):
+        """The plates, and the even squeeze of what lies between them."""
+        k = bound.scaling.velocity * bound.width()
+        plates = [*bound.press(k), *([] if other is None else other.press(k))]
+        return [*plates, *bound.change_length(other, k, sign)]
+
     def draw_icon(self, reverse):
         """An arrow with the plate behind it."""
         plate = [(-0.8, x, y) for x, y in ((-0.4, -0.4), (-0.4, 0.4), (0.4, 0.4), (0.4, -0.4), (-0.4, -0.4))]

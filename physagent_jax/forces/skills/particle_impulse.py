@@ -20,7 +20,7 @@ class ParticleImpulse(Blow):
         from physagent_jax.forces.terms import VelocityChange
 
         value = bound.along(self.find_speed(bound))
-        return [VelocityChange(value, bound.instant, bound.instant, bound.weight)]
+        return [VelocityChange(value, bound.instant, bound.instant, self.find_weight(bound))]
 
     def accelerate(self, gained, entry):
         """The velocity gained in the interval in which it strikes."""

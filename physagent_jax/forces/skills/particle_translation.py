@@ -10,7 +10,7 @@ class ParticleTranslation(Skill):
     """The velocity k M v of its particles, with k = s L / T and s = `PRESCRIBED_TRAVEL`.
 
     For a part, W takes the place of L: the object's extent along v. Two opposed ends then change it by 2 s M t / T of
-    it during a time t, however thin the object is there.
+    it during a time t, however thin the object is there; what lies between them follows in proportion.
     """
 
     name = "enforce_particle_translation"
@@ -31,6 +31,10 @@ class ParticleTranslation(Skill):
 
         k = bound.scaling.velocity * (1.0 if bound.whole else bound.width())
         return bound.hold(bound.vector(k), bound.leaf(np.zeros(3)))
+
+    def make_pair(self, bound, other, sign):
+        """The whole gets longer or shorter evenly."""
+        return bound.change_length(other, bound.scaling.velocity * bound.width(), sign)
 
     def accelerate(self, gained, entry):
         """The velocity of the whole becomes the prescribed one inside the window, and stays it."""

@@ -17,7 +17,8 @@ class Vortex(Skill):
 
     This is Kaufmann's smooth form of Rankine's vortex: tangential, solid at the axis, 1 / d far from it. The axis goes
     through the middle at rest and stays there: it is a place in space. <w> is the mean by moments of inertia, so that a
-    rigid body turns as by a torque, with k = 2 theta / T^2 and theta = `TURN`. What is soft is twisted.
+    rigid body turns as by a torque, with k = 2 theta / T^2 and theta = `TURN`. What is soft is twisted. A part,
+    and what is held, is turned as by a torque.
     """
 
     name = "vortex"
@@ -41,6 +42,11 @@ class Vortex(Skill):
         from physagent_jax.forces.envelope import Envelope
         from physagent_jax.forces.opposition import oppose_turn
 
+        if bound.scaling.measured:  # a place in space would push what bends about it aside
+            k = self.find_k(bound.scaling, bound.values.vector)
+            turn = bound.leaf(oppose_turn(bound.opposition, k, *bound.directed))
+            swirl = terms.Torque(bound.leaf(bound.values.vector), turn, *bound.window, bound.weight)
+            return [swirl, *bound.overcome_rubbing(k)]
         core = max(CORE * bound.extent, 1e-12)
         share = bound.average_turn(lambda squared: 1 / (1 + squared / core**2))
         k = self.find_k(bound.scaling, bound.values.vector)

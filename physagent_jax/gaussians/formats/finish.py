@@ -32,6 +32,7 @@ class LoadedSplats:
         up: The up axis that the format prescribes; None = it prescribes none.
         notes: Sentences that a user should read before a run.
         count_in_file: Number of Gaussians in the file, before any was dropped.
+        plain: The cloud in the colours that people should see; None = in its own.
     """
 
     cloud: GaussianCloud
@@ -41,6 +42,7 @@ class LoadedSplats:
     up: SignedAxis | None
     notes: tuple[str, ...]
     count_in_file: int
+    plain: GaussianCloud | None = None
 
 
 def check_threshold(opacity_threshold: float) -> None:

@@ -86,7 +86,9 @@ class Asked:
     @cached_property
     def end(self) -> PartMotion | None:
         """The end that is asked about; None for the whole, or if the report does not tell it apart."""
-        part = self.motion.part
+        part, limb = self.motion.part, self.motion.limb
+        if limb is not None:
+            return next((each for each in self.view.report.parts if each.limb == limb), None)
         if part is None:
             return None
         return self.view.find_end(scale(part, -1.0) if self.motion.excludes_part else part)

@@ -1,13 +1,16 @@
 """Collateral motion: turning, deformation, break-up, leaving the picture, motion at other times.
 
-Limits leave room for what physically goes with the asked motion: a pushed thing turns a little, a blown or dropped one
-tumbles, a stretched one gets thinner, a bent one leans, what stands on the ground may tip. They are judged over the
-whole clip, once per judgement.
+Physics brings along more than a sentence says: a pushed thing turns a little and may tip over, a blown, hit or dropped
+one tumbles, a stretched one gets thinner, a bent one leans. A viewer takes that as a part of it. Collateral motion
+counts where it hides what was asked (as large as that, broken up, out of the picture) or contradicts it (it spins where
+it should slide, rises, or falls over where it should stay upright). It is judged over the whole clip, once per
+judgement.
 """
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Sequence
 
 from physagent_jax.core.strict import Vector
@@ -27,16 +30,29 @@ _TRAVELS = (MotionKind.MOVE, MotionKind.FALL, MotionKind.SWAY)
 _VIOLENT = 1.3  # strength from which leaving the picture at the end is part of it
 _LATE, _END = 0.75, 0.95  # share of the clip
 
+_LEVEL = 0.5  # sine of a way's slope
 _ASIDE = 0.22  # [body lengths] that a thing may wander while it is only turned or deformed
+_BESIDE = 0.9  # of the way along what was asked that it may go across: less than is another direction
 _TOPPLED = 0.7  # [body lengths] that the centre of what tips over goes: half its height and half its breadth
-_TURN_PUSHED = (
-    30.0  # [degrees] that what is pushed or deformed may turn: a little more than is told as a turn
+_TURN_PUSHED = 30.0  # [degrees] that what is deformed, or pushed in empty space, may turn
+_TURN_SLID = 60.0  # [degrees] about the vertical that what is pushed over the ground may turn
+_TURN_TIPPED = (
+    120.0  # [degrees] about a level axis of what stands and is pushed over: a quarter turn, and rocking
 )
 _TURN_TUMBLING = 500.0  # [degrees] of what is hit, dropped, or acted on at one end
 _TURN_HELD = 70.0  # [degrees] that the affine fit of a bent thing may show
-_STRAIN = 0.3  # [1] that a soft thing may deform while it is pushed or turned
-_STRAIN_HIT = 0.5  # [1] the same when it lands or is hit, or bends while it is held
+_STRAIN = 0.4  # [1] that a soft thing may deform while it is pushed
+_STRAIN_HIT = 0.6  # [1] the same when it turns, or bends while it is held
+_ANOTHER_SIDE = (
+    45.0  # [degrees] from which on another side is seen, so that the shape is told from fewer points
+)
+_STRAIN_TUMBLING = 1.0  # [1] the same of what tumbles, whose far side nobody sees from the start
+_UPRIGHT = re.compile(
+    r"\bupright\b|\b(without|not|never)\b.{0,20}\b(fall|tip|toppl|roll)|n't (fall|tip|toppl|roll)"
+)
+"""Words of who asks that it does not fall over."""
 _SIZE = 1.35  # times the diagonal of its box: more is breaking up
+_ZERO = (0.0, 0.0, 0.0)
 _EARLY = 0.05  # [body lengths], and the same in degrees / 100 and strain
 
 
@@ -84,7 +100,7 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     lines = [e.direction or down for e in moves]
     longest = max(norm(p) for _, p in course)
     reach = max((abs(dot(p, line)) for _, p in course for line in lines), default=0.0)
-    limit = max(_ASIDE, 0.75 * reach)
+    limit = max(_ASIDE, _BESIDE * reach)
     strains = [e.strength for e in asked if e.kind in AXIAL]
     if strains and (view.anchored or view.grounded):
         limit += 0.3 * max(strains)  # held at one end, or standing: the centre follows
@@ -94,8 +110,14 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         course = [(t, reject(p, way, 0.0, _TOPPLED)) for t, p in course]
     if view.force_field.default_drop or any(e.kind is MotionKind.FALL for e in asked):
         course = [(t, reject(p, up)) for t, p in course]
-    elif view.gravity:  # it lands and tips: up and down is judged with half the weight
-        course = [(t, subtract(p, scale(up, 0.5 * dot(p, up)))) for t, p in course]
+    elif (
+        view.gravity
+    ):  # it lands and tips: that is judged with half the weight, and what is hit may hop as well
+        hops = any(e.sudden for e in asked)
+        course = [
+            (t, subtract(p, scale(up, 0.5 * dot(p, up)) if hops or dot(p, up) < 0 else _ZERO))
+            for t, p in course
+        ]
     aside = _measure_distances(course, lines)
     name, sigma = "aside" if moves else "away", view.sigma("displacement")
     return _check_lasting(view, name, aside, limit, sigma, longest=longest)
@@ -103,6 +125,11 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
 
 def _measure_distances(course: Course, lines: Sequence[Vector]) -> Signal:
     """Length of each vector's part outside of what the lines span."""
+    return [(t, norm(p)) for t, p in _reject_all(course, lines)]
+
+
+def _reject_all(course: Course, lines: Sequence[Vector]) -> Course:
+    """Each vector's part outside of what the lines span."""
     basis: list[Vector] = []
     for line in lines:
         for b in basis:
@@ -110,12 +137,12 @@ def _measure_distances(course: Course, lines: Sequence[Vector]) -> Signal:
         unit = normalise(line) if norm(line) > 0.2 else None
         if unit is not None:
             basis.append(unit)
-    distances = []
+    rest = []
     for t, p in course:
         for b in basis:
             p = reject(p, b)
-        distances.append((t, norm(p)))
-    return distances
+        rest.append((t, p))
+    return rest
 
 
 def _check_turning(view: View, asked: list[ExpectedMotion]) -> list[Check]:
@@ -130,9 +157,26 @@ def _check_turning(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         limit = max(limit, 0.75 * max(norm(v) for _, v in turns))
     if not view.anchored and (_is_rough(view, asked) or (_is_partial(asked) and not rotations)):
         limit = max(limit, _TURN_TUMBLING)
-    beside = _measure_distances(turns, [e.direction for e in rotations if e.direction is not None])
+    axes, sigma = [e.direction for e in rotations if e.direction is not None], view.sigma("rotation")
     name = "turns_otherwise" if rotations else "turns_unasked"
-    return _check_lasting(view, name, beside, limit, view.sigma("rotation"))
+    if not _may_tip(view, asked):
+        return _check_lasting(view, name, _measure_distances(turns, axes), limit, sigma)
+    up = view.brief.directions.up
+    about = [(t, abs(dot(v, up))) for t, v in _reject_all(turns, axes)]
+    over = _measure_distances(turns, [*axes, up])
+    spins = _check_lasting(view, name, about, max(limit, _TURN_SLID), sigma)
+    tips = _check_lasting(view, "tips", over, max(limit, _TURN_TIPPED), sigma)
+    return [*spins, *tips]
+
+
+def _may_tip(view: View, asked: list[ExpectedMotion]) -> bool:
+    """Return whether it stands free and is moved along the ground, so that friction may tip it over."""
+    if view.anchored or not view.grounded or _UPRIGHT.search(view.sentence.lower()):
+        return False
+    up = view.brief.directions.up
+    return any(
+        e.kind is MotionKind.MOVE and e.direction and abs(dot(e.direction, up)) < _LEVEL for e in asked
+    )
 
 
 def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
@@ -148,11 +192,29 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         factor = math.exp(_find_lasting(v for _, v in volumes))
         figures = {"least": math.exp(-limit), "most": math.exp(limit), "factor": factor}
         return _check_lasting(view, "volume", volumes, limit, 2.0 * sigma, gentler=False, **figures)
-    yielding = view.anchored or _is_rough(view, asked) or _is_partial(asked)
+    swings = any(e.kind in (MotionKind.ROTATE, MotionKind.SWAY) for e in asked)
+    tumbles = _is_rough(view, asked) and not view.anchored
+    yielding = view.anchored or swings or _is_rough(view, asked) or _is_partial(asked)
     toward = view.brief.directions.toward
     hidden = None if any(w.stretch_view_axis_observable for w in view.report.windows) else toward
     strains = [(t, _find_largest_strain(S, hidden)) for t, S in tensors]
-    return _check_lasting(view, "shape", strains, _STRAIN_HIT if yielding else _STRAIN, sigma)
+    left = (
+        _find_left(view, strains)
+        if (swings or tumbles) and not view.anchored and not _is_partial(asked)
+        else []
+    )
+    if left and min(v for _, v in left) > _STRAIN:  # it swings or lands, and is out of shape from then on
+        return _check_lasting(view, "shape", left, _STRAIN, sigma)
+    limit = _STRAIN_TUMBLING if tumbles else _STRAIN_HIT if yielding else _STRAIN
+    return _check_lasting(view, "shape", strains, limit, sigma)
+
+
+def _find_left(view: View, strains: Signal) -> Signal:
+    """Strains at the end of the clip; none where it has turned so far that another side is seen than at first."""
+    turns = view.turns(0, view.last)
+    if not turns or norm(turns[-1][1]) > _ANOTHER_SIDE:
+        return []
+    return [(t, v) for t, v in strains if t >= _LATE * view.last]
 
 
 def _list_tensors(view: View) -> list[tuple[int, Matrix]]:

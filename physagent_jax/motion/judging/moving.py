@@ -16,7 +16,7 @@ from physagent_jax.motion.judging.counting import count_turns
 from physagent_jax.motion.judging.seen import Course, View, find_farthest, find_first_response
 from physagent_jax.motion.matching import is_thrown_up
 from physagent_jax.motion.schema import Check, MotionKind
-from physagent_jax.motion.vectors import cosine, dot, norm, reject, scale, subtract
+from physagent_jax.motion.vectors import cosine, dot, norm, normalise, reject, scale, subtract
 
 _FIRST = 0.15  # of the farthest excursion: what is seen of a motion first
 _KEPT = 0.4  # of the farthest excursion that a free thing has left where it ends
@@ -64,13 +64,19 @@ def check_move(asked: Asked) -> list[Check]:
         own, raw = (_cut_at_obstacle(course, direction, asked.obstacle.distance) for course in (own, raw))
     within = [point for point in own if point[0] <= last]
     peak_frame, peak = find_farthest(within if view.anchored and len(within) > 1 and not lasting else own)
-    rises = view.gravity and direction is not None and dot(direction, view.brief.directions.up) > 0.5
+    up = view.brief.directions.up
+    rises = view.gravity and direction is not None and dot(direction, up) > 0.5
+    highest = peak
     if rises and direction is not None:  # it has to come down again, and may land lower
         peak_frame, peak = max(own, key=lambda point: dot(point[1], direction))
+        highest = max(own, key=lambda point: dot(point[1], up))[
+            1
+        ]  # what it goes aside after that is its fall
     along = norm(peak) if direction is None else dot(peak, direction)
     coasting = 0.0 if direction is None else max(dot(drift, direction), 0.0) * (peak_frame - first)
     seconds, at_end = view.seconds(first, until), asked.end is not None
     tolerance = tolerances.expect_move(motion, view.anchored, seconds=seconds, drift=coasting, end=at_end)
+    tolerance = view.fit_to_limb(tolerance, motion)
     if asked.obstacle is not None:
         tolerance = tolerance.limited(asked.obstacle.distance)
     lost = any(view.report.centroid[t] is None for t in range(first, until + 1))
@@ -78,7 +84,8 @@ def check_move(asked: Asked) -> list[Check]:
         return [make_unseen_check(asked, _explain_lost(view, first, until))]
     checks = []
     if direction is not None and norm(peak) >= view.visible:
-        checks += _check_direction(asked, direction, (own, raw), peak, drift)
+        way = highest if rises and norm(highest) >= view.visible else peak
+        checks += _check_direction(asked, direction, (own, raw), way, drift)
     if motion.amount is None or motion.amount.unit in ("seconds", "degrees", "factor"):
         words = f"{along:.2g} body lengths that way{_describe_instead(view, along, first, last)}"
         checks.append(compare_amount(asked, "how far does it move?", tolerance, along, words))
@@ -142,7 +149,11 @@ def check_fall(asked: Asked) -> list[Check]:
     fallen = heights[top] - heights[bottom]
     way = subtract(course[bottom][1], course[top][1])
     moves = [e.direction for e in view.expectations if e.kind is MotionKind.MOVE and e.direction is not None]
-    for other in (*(each for each in moves if abs(dot(each, down)) < 0.5), *view.find_topples()):
+    level = [reject(each, down) for each in moves]  # what was thrown that way goes on that way as it falls
+    for other in (
+        *(unit for each in level if norm(each) > 0.3 and (unit := normalise(each))),
+        *view.find_topples(),
+    ):
         way = reject(way, other, low=0.0)
     tolerance = tolerances.expect_fall(view.seconds(first, last))
     checks = []
@@ -169,6 +180,7 @@ def check_sway(asked: Asked) -> list[Check]:
     path = [dot(p, direction) for _, p in course]
     amplitude = (max(path) - min(path)) / 2.0
     tolerance = tolerances.expect_sway(asked.motion, asked.view.anchored, end=asked.end is not None)
+    tolerance = asked.view.fit_to_limb(tolerance, asked.motion)
     words = f"{amplitude:.2g} body lengths to either side"
     checks = []
     if amount is None or amount.unit == "seconds":

@@ -12,6 +12,7 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.matching import share_time
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, ObstacleRequest, SceneBrief
+from physagent_jax.motion.tolerances import Tolerance
 from physagent_jax.motion.vectors import add, clamp, cosine, cross, dot, norm, normalise, scale, subtract
 from physagent_jax.perception.schema import Matrix, MotionReport, PartMotion, Uncertainty, WindowMotion
 
@@ -41,6 +42,7 @@ class View:
         force_field: Names what to change, and whether the object was let fall from above; else no yardstick.
         gravity: Whether things that are let go fall.
         obstacles: What the sentence puts in the way.
+        sentence: The sentence itself, for what it rules out.
     """
 
     report: MotionReport
@@ -49,6 +51,7 @@ class View:
     force_field: ForceField
     gravity: bool = False
     obstacles: tuple[ObstacleRequest, ...] = ()
+    sentence: str = ""
 
     @property
     def anchored(self) -> bool:
@@ -93,6 +96,22 @@ class View:
         """Standard deviation of a figure."""
         return max(self.uncertainty(name) * TO_SIGMA, 1e-9)
 
+    @property
+    def motionless(self) -> bool:
+        """Return whether nothing is seen to move, turn or deform in the whole clip, beyond what is noise."""
+        course, turns = self.course(0, self.last), self.turns(0, self.last)
+        moved = [norm(p) for _, p in course]
+        for end in self.report.parts:
+            moved += [norm(p) / 1.5 for _, p in self.course(0, self.last, end)]
+        if not course or max(moved) >= self.visible:
+            return False
+        if max((norm(v) for _, v in turns), default=0.0) >= max(
+            tolerances.VISIBLE_DEGREES, self.uncertainty("rotation")
+        ):
+            return False
+        strains = [abs(v) for axis in self.visible_axes for _, v in self.strains(axis, 0, self.last)]
+        return max(strains, default=0.0) < max(tolerances.VISIBLE_STRAIN, self.uncertainty("stretch"))
+
     def find_topples(self) -> list[Vector]:
         """Ways that the top of what stands goes as it tips over: a turn about a level axis whose end is a fall."""
         if not self.grounded or self.anchored or self.force_field.default_drop:
@@ -103,9 +122,16 @@ class View:
         ways = [cross(axis, self.brief.directions.up) for axis in ends]
         return [normalise(way) or way for way in ways if norm(way) > _TOPPLES]
 
+    def fit_to_limb(self, tolerance: Tolerance, motion: ExpectedMotion) -> Tolerance:
+        """A way's tolerance in lengths of the limb that is asked about; unchanged where none is."""
+        if motion.limb is None:
+            return tolerance
+        return tolerance.scaled(norm(self.brief.parts[motion.limb].arm), least=tolerances.VISIBLE)
+
     def find_end(self, direction: Vector) -> PartMotion | None:
         """The end towards a direction; None if the report tells no ends apart."""
-        ends = [p for p in self.report.parts if cosine(p.direction, direction) >= ALONG_END]
+        whole = [p for p in self.report.parts if p.limb is None]
+        ends = [p for p in whole if cosine(p.direction, direction) >= ALONG_END]
         return max(ends, key=lambda p: cosine(p.direction, direction), default=None)
 
     def window(self, first: int, last: int) -> WindowMotion | None:

@@ -1,4 +1,4 @@
-"""Constraints on chosen particles within a substep: prescribed motions, rigid bodies, plates that press.
+"""Constraints within a substep: prescribed motions, also from end to end, rigid bodies, plates that press.
 
 Each constraint acts at three places, in the order of `Model.constraints`: on the particles before P2G, on the
 grid velocities, and on the particles after G2P. Where two claim the same particles, the later one wins.
@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import jax
 
+from physagent_jax.mpm.constraints.graded import GradedRotation as GradedRotation
+from physagent_jax.mpm.constraints.graded import GradedTranslation as GradedTranslation
 from physagent_jax.mpm.constraints.plate import MovingPlate as MovingPlate
 from physagent_jax.mpm.constraints.prescribed import PrescribedMotion as PrescribedMotion
 from physagent_jax.mpm.constraints.rigid import RigidBody as RigidBody

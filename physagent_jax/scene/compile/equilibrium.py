@@ -81,8 +81,9 @@ def _find_or_warn(model: Model, state: State, held: np.ndarray, config: c.SceneC
     found = find_equilibrium(model, state, held, config)
     if found.residual > POOR:
         warnings.warn(
-            f"the object cannot bear its own weight as it was captured ({found.residual:.0%} of gravity is left): it "
-            "will sag; a stiffer or lighter material holds it",
+            "the object's own weight could not be balanced as it was captured: it will sag or collapse at first; a "
+            "stiffer (`material.youngs_modulus`) or lighter (`material.density`) material, or a held base "
+            "(`anchor.kind` base), helps",
             UserWarning,
             stacklevel=2,
         )

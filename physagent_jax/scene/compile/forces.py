@@ -13,7 +13,8 @@ from physagent_jax.forces.envelope import Envelope, EnvelopeKind
 from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.forces.scaling import make_closed_form_scaling
-from physagent_jax.mpm.constraints import MovingPlate, PrescribedMotion
+from physagent_jax.mpm.constraints import PrescribedMotion
+from physagent_jax.mpm.protocols import Constraint
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile import buckets
@@ -132,7 +133,7 @@ def compile_skills(
     return skills, tuple(_fill_bucket(grip, len(rest)) for grip in grips)
 
 
-def _fill_bucket(grip: PrescribedMotion | MovingPlate, count: int) -> PrescribedMotion | MovingPlate:
-    if isinstance(grip, MovingPlate):
+def _fill_bucket(grip: Constraint, count: int) -> Constraint:
+    if not isinstance(grip, PrescribedMotion):
         return grip
     return dataclasses.replace(grip, particles=buckets.pad_indices(np.asarray(grip.particles), count))

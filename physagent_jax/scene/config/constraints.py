@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from physagent_jax.core.strict import Direction, Numbers, Strict
+from physagent_jax.forces.schema import Region
 from physagent_jax.scene.config.common import (
     AngularVelocity,
     Coordinate,
@@ -111,18 +112,20 @@ class Anchor(Strict):
 
     Attributes:
         kind: "none", "base" / "top" (the slab of ``fraction`` of the height at the foot / head), "box"
-            (absolute ``point`` +- ``half_size`` [m]) or "mask" (Gaussian indices in ``mask_path``, .npy).
+            (absolute ``point`` +- ``half_size`` [m]), "mask" (Gaussian indices in ``mask_path``, .npy) or "region".
         fraction: Thickness of the slab over the object's height.
         point, half_size: The box.
         mask_path: ``.npy`` of bool per loaded Gaussian, shape (n,).
+        region: Particles that rest in it, in fractions of the object's box.
         reason: Why, for the report.
     """
 
-    kind: Literal["none", "base", "top", "box", "mask"] = "none"
+    kind: Literal["none", "base", "top", "box", "mask", "region"] = "none"
     fraction: float = Field(default=0.12, gt=0, le=1)
     point: Point | None = None
     half_size: HalfSize | None = None
     mask_path: Path | None = None
+    region: Region | None = None
     reason: str = ""
 
     @model_validator(mode="after")
@@ -131,4 +134,6 @@ class Anchor(Strict):
             raise ValueError('anchor kind "box" needs `point` and `half_size`')
         if self.kind == "mask" and self.mask_path is None:
             raise ValueError('anchor kind "mask" needs `mask_path`')
+        if self.kind == "region" and self.region is None:
+            raise ValueError('anchor kind "region" needs `region`')
         return self

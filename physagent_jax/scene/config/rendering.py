@@ -23,6 +23,7 @@ class CameraConfig(Strict):
         fov_degrees: Vertical field of view.
         follow: Whether the camera of the video for people goes along with the object; None = only if the object would
             else be too small in it (`scene.presentation`). Perception's always stands still.
+        turn: Whether that camera may stand aside, so that what moves along the line of sight is seen to move.
     """
 
     target: Point | None = None
@@ -31,6 +32,7 @@ class CameraConfig(Strict):
     distance: Length = 4.0
     fov_degrees: float = Field(default=40.0, gt=1, lt=150)
     follow: bool | None = None
+    turn: bool = True
 
 
 class Rendering(Strict):

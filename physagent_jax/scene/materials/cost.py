@@ -6,6 +6,8 @@ import math
 
 from physagent_jax.scene.config.material import ELASTIC_MODELS, Material, MaterialModel
 
+AFFORDABLE_RATE = 5000.0  # substeps of a second of the clip that a stiffness which nobody has chosen may take
+
 
 def stable_step(material: Material, dx: float) -> float:
     """Longest stable substep of a material at rest [s]; inf for what has no stress.
@@ -38,3 +40,8 @@ def count_substeps(material: Material, dx: float, duration: float) -> int:
     """Substeps that a clip of ``duration`` [s] needs at least."""
     step = stable_step(material, dx)
     return 1 if math.isinf(step) else math.ceil(duration / step)
+
+
+def find_affordable_modulus(material: Material, dx: float) -> float:
+    """Young's modulus [Pa] with which a material takes `AFFORDABLE_RATE` substeps for a second; it has no viscosity."""
+    return material.youngs_modulus * (AFFORDABLE_RATE * stable_step(material, dx)) ** 2

@@ -18,6 +18,10 @@ from physagent_jax.scene.materials.cost import count_substeps, stiffness
 
 SEEN = 0.01
 """Strain that can be seen: about a pixel of an object that is a hundred pixels long."""
+SOFT = 10.0
+"""[m] E / rho g of what visibly sags and quivers: jelly."""
+STIFFEST = 1e7
+"""[m] E / rho g of the stiffest matter: ceramics."""
 STANDARD_GRAVITY = 9.80665
 """[m/s^2]."""
 _SCALED = ("yield_stress", "hardening_modulus", "softening_modulus", "plastic_viscosity", "bulk_modulus")
@@ -91,6 +95,34 @@ def find_softening(material: Material, *, dx: float, duration: float, at_most: i
         factor = stiffness(material) * 4 * step**2 / (viscous * inertia)
     digits = 10 ** (math.floor(math.log10(factor)) - 1)
     return max(1.0, math.ceil(factor / digits - 1e-9) * digits)
+
+
+def find_contrast(material: Material, *, dx: float, duration: float, at_most: int) -> float:
+    """The factor that softens a true material for pictures, and keeps its place among the others.
+
+    Softened just to what a clip affords, rubber, wood and steel would all end at the same speed of sound, and move
+    alike. The number of its own lengths of 1 m that a material bears at a strain of 1, R = E / rho g, is compressed
+    instead: R = `SOFT` (jelly) stays, `STIFFEST` becomes what is affordable, and what lies between goes by powers.
+
+    Args:
+        material: The true material.
+        dx: Cell length [m].
+        duration: Length of the clip [s].
+        at_most: Number of substeps that a clip affords.
+
+    Raises:
+        UserError: As `find_softening`.
+    """
+    least = find_softening(material, dx=dx, duration=duration, at_most=at_most)
+    borne = _compute_bearing_modulus(material) / (material.density * STANDARD_GRAVITY)
+    if material.model is MaterialModel.FLUID or not SOFT < borne < STIFFEST:
+        return least
+    stiffest = _scale(material, STIFFEST / borne).changed(poissons_ratio=0.3)
+    top = STIFFEST / find_softening(stiffest, dx=dx, duration=duration, at_most=at_most)
+    power = min(1.0, math.log(max(top / SOFT, 1.0)) / math.log(STIFFEST / SOFT))
+    factor = borne / (SOFT * (borne / SOFT) ** power)
+    digits = 10 ** (math.floor(math.log10(factor)) - 1)
+    return max(least, math.ceil(factor / digits - 1e-9) * digits)
 
 
 def explain_softening(before: Material, after: Material, *, length: float = 1.0) -> str | None:

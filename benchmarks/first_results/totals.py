@@ -1,0 +1,87 @@
+"""Shares of the pairs that show what was asked, and of the verdicts that are wrong."""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Callable, Sequence
+
+from benchmarks.first_results.catalogue import SETS, name_cases
+from benchmarks.first_results.viewing import Remark, Remarks, find_remark
+from benchmarks.harness import Result, Row, table
+
+Seen = tuple[Row, Remark]
+
+_SUCCESS = "SUCCESS"
+_KINDS = {name: case.kinds for group in SETS for name, case in name_cases(group).items()}
+_FIGURES: dict[str, tuple[Callable[[Seen], bool], Callable[[Seen], bool], str]] = {
+    "shows it": (lambda seen: True, lambda seen: seen[1].viewer == "yes", "at least 75 %"),
+    "partly": (lambda seen: True, lambda seen: seen[1].viewer == "partly", ""),
+    "would show": (
+        lambda seen: seen[1].would_show is not None,
+        lambda seen: seen[1].would_show == "yes",
+        "at least 50 %",
+    ),
+    "shows it, of parts": (
+        lambda seen: _is_of("part", seen),
+        lambda seen: seen[1].viewer == "yes",
+        "at least 60 %",
+    ),
+    "shows it, of materials": (
+        lambda seen: _is_of("material", seen),
+        lambda seen: seen[1].viewer == "yes",
+        "",
+    ),
+    "false SUCCESS, of clips that do not show it": (
+        lambda seen: seen[1].viewer == "no",
+        lambda seen: seen[0]["verdict"] == _SUCCESS,
+        "at most 3 %",
+    ),
+    "false FAIL, of clips that show it": (
+        lambda seen: seen[1].viewer == "yes",
+        lambda seen: seen[0]["verdict"] != _SUCCESS,
+        "at most 10 %",
+    ),
+    "shows it, of runs that went past round 1": (
+        lambda seen: seen[0].get("iterations", 1) > 1,
+        lambda seen: seen[1].viewer == "yes",
+        "",
+    ),
+}
+"""Rows that a figure is a share of, rows that count, and the share that is wanted."""
+
+
+def count_totals(result: Result, remarks: Remarks) -> str:
+    """A table with a column per set, and a line per figure: percent, and the counts that it is made of."""
+    groups = [group for group in SETS if group in result]
+    rows = {group: result[group]["rows"] for group in groups}
+    seen = {group: look_up(rows[group], remarks) for group in groups}
+    lines = [["pairs", "", *(len(rows[group]) for group in groups)]]
+    lines.append(["looked at", "", *(len(seen[group]) for group in groups)])
+    for name, (whole, counts, wanted) in _FIGURES.items():
+        shares = [write_share([counts(pair) for pair in seen[group] if whole(pair)]) for group in groups]
+        lines.append([name, wanted, *shares])
+    lines.append(["seconds, median", "", *(_find_median(rows[group]) for group in groups)])
+    return table(("", "wanted", *(f"`{group}`" for group in groups)), lines)
+
+
+def look_up(rows: Sequence[Row], remarks: Remarks) -> list[Seen]:
+    """The rows that somebody has looked at, with the remarks."""
+    found = [(row, find_remark(row, remarks)) for row in rows]
+    return [(row, remark) for row, remark in found if remark is not None]
+
+
+def write_share(counted: Sequence[bool]) -> str:
+    """A share in percent with its counts; nothing of nothing."""
+    if not counted:
+        return ""
+    return f"{100 * sum(counted) / len(counted):.0f} % ({sum(counted)} of {len(counted)})"
+
+
+def _is_of(kind: str, seen: Seen) -> bool:
+    return kind in _KINDS.get(seen[0]["case"], "").split()
+
+
+def _find_median(rows: Sequence[Row]) -> str:
+    """Of whole processes; rows of earlier runs have the time without the start of the process."""
+    seconds = [row.get("seconds") or row["wall_s"]["total"] for row in rows if row["video"] is not None]
+    return f"{statistics.median(seconds):.0f}" if seconds else ""

@@ -1,0 +1,94 @@
+"""Pairs of velocity constraints that act on two ends: what lies between them follows in proportion.
+
+Two opposed translations of the ends, or two opposed plates, change the length of the whole; two opposed rotations wring
+it. Moved as slabs, ends would tear off what is thin between them; with a motion that grows evenly from end to end every
+section is strained alike, and nothing is toppled. One plate that presses towards the ground or the fixture has that for
+its partner.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from physagent_jax.forces.regions import make_region_mask
+from physagent_jax.forces.schema import ForceField, SkillScaling, VelocityConstraint
+from physagent_jax.forces.skills import get_skill
+
+_OPPOSED = -0.99  # cosine
+_UPRIGHT = 0.7  # cosine
+
+
+@dataclasses.dataclass(frozen=True)
+class Pair:
+    """Two ends of an object that act together, or one against what bears it.
+
+    Attributes:
+        first: Place in ``constraints`` of the end that lies in the direction of ``sign`` times its own vector.
+        second: Place of the other end; None = the ground or the fixture is there.
+        sign: 1 where the first one's vector points out of the object, -1 where it points into it.
+    """
+
+    first: int
+    second: int | None
+    sign: float
+
+
+def find_pairs(field: ForceField, scaling: SkillScaling, rest: np.ndarray) -> list[Pair]:
+    """The pairs of a force field's constraints; each belongs to one at most.
+
+    Args:
+        field: The force field.
+        scaling: What M = 1 means; tells whether the ground or a fixture bears the object.
+        rest: Rest positions of the particles [m], shape (n, 3).
+    """
+    pairs: list[Pair] = []
+    taken: set[int] = set()
+    for i, one in enumerate(field.constraints):
+        for j, other in enumerate(field.constraints[i + 1 :], i + 1):
+            if {i, j} & taken or not _match(one, other):
+                continue
+            sign = _find_sign(one, other, rest)
+            if sign is not None:
+                pairs.append(Pair(i, j, sign))
+                taken |= {i, j}
+    opposition = scaling.opposition
+    grounded = opposition is not None and opposition.friction > 0
+    for i, one in enumerate(field.constraints):
+        up = one.vector[2] * np.sign(one.magnitude)
+        borne = (grounded and up < -_UPRIGHT) or (scaling.holding is not None and abs(up) > _UPRIGHT)
+        if i not in taken and get_skill(one).deforms == "plates" and one.region is None and borne:
+            pairs.append(Pair(i, None, -1.0))
+    return pairs
+
+
+def _match(one: VelocityConstraint, other: VelocityConstraint) -> bool:
+    skill = get_skill(one)
+    ends = skill.deforms is not None or (skill.prescribes and skill.is_axis)
+    same = one.constraint_type == other.constraint_type and one.object == other.object
+    together = one.active_time == other.active_time and one.held_until == other.held_until
+    ways = np.sign(one.magnitude) * np.sign(other.magnitude) * np.dot(one.vector, other.vector)
+    return ends and same and together and ways < _OPPOSED
+
+
+def _find_sign(one: VelocityConstraint, other: VelocityConstraint, rest: np.ndarray) -> float | None:
+    """1 if the first acts on the end in its vector's direction, -1 on the other end, None if these are no two ends."""
+    way = np.sign(one.magnitude) * np.asarray(one.vector)
+    if get_skill(one).deforms == "plates":
+        return -1.0 if one.region is None and other.region is None else None
+    if one.region is None or other.region is None:
+        return None
+    height = rest @ way
+    masks = [make_region_mask(region, rest) for region in (one.region, other.region)]
+    for sign, (high, low) in ((1.0, masks), (-1.0, masks[::-1])):
+        if _is_end(high, height) and _is_end(low, -height):
+            return sign
+    return None
+
+
+def _is_end(mask: np.ndarray, height: np.ndarray) -> bool:
+    """Return whether a region is all that lies beyond a plane across the axis, and no more than a half."""
+    border = height[mask].min()
+    beyond = height >= border
+    return bool((mask == beyond).mean() > 0.98 and border > 0.5 * (height.min() + height.max()) - 1e-6)

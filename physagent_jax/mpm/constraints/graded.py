@@ -1,0 +1,129 @@
+"""Motions that grow evenly from one end of the matter to the other: a stretch, a squeeze, a twist."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.core.pytree import register_dataclass
+from physagent_jax.mpm.edges import window_value
+from physagent_jax.mpm.fields import EDGE, END, START, UNIT
+from physagent_jax.mpm.linalg import cross
+from physagent_jax.mpm.protocols import Constraint
+from physagent_jax.mpm.reductions import sum_devices
+from physagent_jax.mpm.state import Model, State
+from physagent_jax.mpm.transfer import Stencil
+
+
+@register_dataclass
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class _Graded(Constraint):
+    """A velocity of all nodes along some directions, during a window; the others stay free.
+
+    Attributes:
+        axis: The line along which the motion grows, unit vector, shape (3,).
+        start, end: Active for start <= time < end [s], scalars.
+        edge: Width of the window's smooth edges [s], scalar; None = hard.
+    """
+
+    axis: jax.Array = dataclasses.field(metadata=UNIT)
+    start: jax.Array = dataclasses.field(metadata=START)
+    end: jax.Array = dataclasses.field(metadata=END)
+    edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
+
+    def find_change(
+        self, nodes: jax.Array, velocity: jax.Array, centre: jax.Array, time: jax.Array
+    ) -> jax.Array:
+        """The change to the wanted velocities [m/s], shape (..., 3), at nodes [m] of the same shape."""
+        raise NotImplementedError
+
+    def before_p2g(self, model: Model, state: State) -> State:
+        """Nothing: the grid carries the motion."""
+        del model
+        return state
+
+    def on_grid(
+        self,
+        model: Model,
+        free: jax.Array,
+        velocity: jax.Array,
+        node_mass: jax.Array,
+        s: Stencil,
+        time: jax.Array,
+    ) -> jax.Array:
+        """Impose the motion on every node; particles take it from there exactly, since it is linear in the place."""
+        del free
+        x, y, z = model.grid.node_positions(velocity.dtype)
+        nodes = jnp.stack(jnp.broadcast_arrays(x, y, z), axis=-1)
+        places = (s.base + model.grid.origin) * model.grid.dx - s.offsets[..., 0]
+        mass = model.mass[:, None]
+        sums = sum_devices(jnp.concatenate([mass * places, mass], axis=1).sum(0), model.axis)
+        change = self.find_change(nodes, velocity, sums[:3] / sums[3], time)
+        if self.edge is None:
+            share = ((self.start <= time) & (time < self.end)).astype(velocity.dtype)
+        else:
+            share = window_value(time, self.start, self.end, self.edge)
+        return velocity + share * change
+
+    def after_g2p(self, model: Model, before: State, after: State) -> State:
+        """Nothing: the grid carries the motion."""
+        del model, before
+        return after
+
+
+@register_dataclass
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class GradedTranslation(_Graded):
+    """Even change of length along an axis: u . axis = speed (d - d_0) / (length + speed (t - start)).
+
+    d_0 is the middle of mass, or the fixed end. Across the axis matter is free: it gets thinner or thicker as its
+    Poisson's ratio has it, and a thin neck stretches as much as what is thick.
+
+    Attributes:
+        speed: Rate at which the length grows [m/s], scalar; 0 = it is held.
+        length: At ``start`` [m], scalar.
+        point: Place that stays [m], shape (3,); None = the present mass centre.
+    """
+
+    speed: jax.Array
+    length: jax.Array
+    point: jax.Array | None = None
+
+    def find_change(self, nodes, velocity, centre, time):
+        """The change of the component along the axis."""
+        fixed = centre if self.point is None else self.point
+        elapsed = jnp.clip(time - self.start, 0.0, self.end - self.start)
+        rate = self.speed / jnp.maximum(self.length + self.speed * elapsed, 0.02 * self.length)
+        wanted = rate * ((nodes - fixed) @ self.axis)
+        return (wanted - velocity @ self.axis)[..., None] * self.axis
+
+
+@register_dataclass
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class GradedRotation(_Graded):
+    """Even twist about an axis: angular velocity rate (d - d_0) / (length / 2), d_0 the middle of mass.
+
+    Along the axis matter is free, as what is wrung gets shorter.
+
+    Attributes:
+        rate: Angular velocity of the end in the axis's direction [rad/s], scalar; that of the other end is opposed.
+        length: [m], scalar.
+        offset: Place of the axis of turning at the ends, minus the mass centre [m], shapes (2, 3): the end against
+            the axis's direction first.
+    """
+
+    rate: jax.Array
+    length: jax.Array
+    offset: jax.Array
+
+    def find_change(self, nodes, velocity, centre, time):
+        """The change of the components across the axis."""
+        del time
+        arm = nodes - centre
+        share = (arm @ self.axis / (0.5 * self.length))[..., None]
+        middle = 0.5 * (1 - share) * self.offset[0] + 0.5 * (1 + share) * self.offset[1]
+        wanted = self.rate * share * cross(jnp.broadcast_to(self.axis, arm.shape), arm - middle)
+        change = wanted - velocity
+        return change - (change @ self.axis)[..., None] * self.axis

@@ -1,0 +1,80 @@
+"""The ending of a clip for people: what the object does after the last planned frame, until it rests.
+
+Agents plan, and perception measures, the planned frames alone. A clip that stops in mid-motion looks broken, so the
+simulation goes on a little. Actions end with the planned frames, and what moves comes to rest or is seen to go.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from physagent_jax.core.errors import UserError
+from physagent_jax.mpm import Frame, simulate
+from physagent_jax.scene.compile import CompiledScene
+from physagent_jax.simulation.recording import Recording
+
+LONGEST = 1.0  # [s] beyond the planned frames
+STILL = 0.04  # [sizes / s]; what is slower looks still
+CRUMBS = 0.02  # share of the particles that may be faster: crumbs do not keep the clip going
+RESTING = 0.2  # [s] for which it must look still: at the turning point of a swing it does for a moment
+
+
+def simulate_ending(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
+    """Positions [m], shape (T, n, 3), and deformation gradients of a clip's particles, its ending included.
+
+    The particles are the body's. What is held up to the last planned frame stays so: letting it go would undo what was
+    asked. An ending that cannot be simulated is cut short: the planned frames are what counts.
+    """
+    scene, dt = recording.scene, recording.scene.config.timing.frame_dt
+    x, F = recording.x[:, scene.back], recording.F[:, scene.back]
+    speeds = np.linalg.norm(np.diff(x[-2:], axis=0), axis=2) / dt
+    wanted = max(int(np.ceil(RESTING / dt)), 1)
+    still = wanted if _is_still(speeds[0], scene) else 0  # planned frames are there for long enough
+    more: list[Frame] = []
+    if not still and not _is_held(scene):
+        for frame in _simulate_on(scene, recording.last, int(np.ceil(LONGEST / dt))):
+            more.append(frame)
+            still = still + 1 if _is_still(np.linalg.norm(np.asarray(frame.state.v), axis=1), scene) else 0
+            if still >= wanted:
+                break
+    if not more:
+        return x, F
+    return tuple(  # type: ignore[return-value]
+        np.concatenate(
+            [each, np.stack([np.asarray(getattr(frame.state, name))[scene.back] for frame in more])]
+        )
+        for each, name in ((x, "x"), (F, "F"))
+    )
+
+
+def _simulate_on(scene: CompiledScene, last: Frame, count: int):
+    timing = scene.config.timing
+    frames = simulate(
+        scene.windowed,
+        scene.state,
+        frame_count=last.index + 1 + count,
+        frame_dt=timing.frame_dt,
+        substep_dt=None if timing.substep_dt == "auto" else timing.substep_dt,
+        safety=timing.safety,
+        force_substep=timing.force_substep,
+        ledger=scene.config.ledger,
+        begin=last,
+        tell_limits=False,
+    )
+    try:
+        for frame in frames:
+            if int(frame.state.stopped) > int(last.state.stopped):
+                return  # it has come to the domain's wall, which nobody sees
+            yield frame
+    except UserError:
+        return
+
+
+def _is_held(scene: CompiledScene) -> bool:
+    """Return whether a skill holds something where it was brought until the planned frames end."""
+    last = scene.config.timing.frame_count - 1
+    return any((each.held_until or 0) >= last for each in scene.config.force_field.constraints)
+
+
+def _is_still(speeds: np.ndarray, scene: CompiledScene) -> bool:
+    return float(np.quantile(speeds, 1 - CRUMBS)) < STILL * scene.body.extent

@@ -1,0 +1,43 @@
+"""Regions of a part's shape, and rotations about a joint."""
+
+import numpy as np
+import pytest
+
+from physagent_jax.forces.regions import make_region_mask
+from physagent_jax.forces.schema import CellsRegion, ForceField
+from tests.forces.test_skills import DURATION, FRAME_DT, SCALING, moved
+
+
+def test_cells_hold_what_is_nearest_to_their_seeds():
+    """In metres: fractions of a flat box would call other seeds the nearest."""
+    chance = np.random.default_rng(0)
+    rest = chance.uniform(0, 1, (500, 3)) * (4.0, 1.0, 0.5) + (3, -2, 7)
+    low, size = rest.min(0), np.ptp(rest, axis=0)
+    inside, outside = chance.uniform(0, 1, (5, 3)), chance.uniform(0, 1, (9, 3))
+    region = CellsRegion(inside=tuple(map(tuple, inside)), outside=tuple(map(tuple, outside)))
+    distance = [np.linalg.norm(rest[:, None] - (low + s * size), axis=2).min(1) for s in (inside, outside)]
+    assert (make_region_mask(region, rest) == (distance[0] < distance[1])).all()
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_part_turns_about_its_joint(x64, sign):
+    """Its particles follow the circles about the pivot, and stay where they were brought."""
+    turn = dict(
+        constraint_type="enforce_particle_rotation",
+        vector=[0, 0, 1],
+        magnitude=sign * 0.8,
+        gain=1.5,
+        active_time=[0, 8],
+        held_until=19,
+        region={"kind": "half_space", "point": [0.6, 0.5, 0.5], "normal": [1, 0, 0]},
+        pivot=[0.5, 0.5, 0.5],
+    )
+    field = ForceField.model_validate({"constraints": [turn]})
+    _, start, end = moved(field, cells=(8, 3, 3), E=1e5, seconds=0.9 * DURATION, extent=0.4)
+    rest, now = np.asarray(start.x), np.asarray(end.x)
+    part = make_region_mask(field.constraints[0].region, rest)
+    pivot = rest.min(0) + 0.5 * np.ptp(rest, axis=0)
+    angle = sign * 0.8 * 1.5 * SCALING.rotation * 8 * FRAME_DT
+    c, s = np.cos(angle), np.sin(angle)
+    wanted = pivot + (rest[part] - pivot) @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+    np.testing.assert_allclose(now[part], wanted, atol=2e-3)

@@ -1,0 +1,70 @@
+"""The time that a run still takes, against hand-made clocks."""
+
+import pytest
+
+from physagent_jax.run.forecast import CLOSING, Forecast
+from physagent_jax.scene.cost import Cost
+
+
+class Clock:
+    def __init__(self):
+        self.time = 100.0
+
+    def __call__(self) -> float:
+        return self.time
+
+
+@pytest.fixture
+def clock():
+    return Clock()
+
+
+@pytest.fixture
+def forecast(clock):
+    """Three rounds of 20 s of simulation, after which pictures take 5 s."""
+    return Forecast(Cost(1000.0, 25.0, 1e9, ("", ""), watching=5.0), 3, clock)
+
+
+def test_before_the_first_frame_the_estimated_cost_counts_down(forecast, clock):
+    clip, run = forecast.find_left()
+    assert clip == 25.0 and run == pytest.approx(3 * 25.0 + CLOSING)
+    clock.time += 8.0
+    assert forecast.find_left() == (pytest.approx(17.0), pytest.approx(67.0 + CLOSING))
+
+
+def test_frames_tell_the_pace_of_a_slower_machine(forecast, clock):
+    forecast.count_frame(1, 11)
+    clock.time += 8.0
+    forecast.count_frame(3, 11)  # 4 s a frame: 32 s are left
+    assert forecast.find_left()[0] == pytest.approx(32.0 + 5.0)
+    clock.time += 2.0
+    assert forecast.find_left()[0] == pytest.approx(30.0 + 5.0)
+
+
+def test_frames_taken_over_from_the_round_before_are_no_measure(forecast, clock):
+    forecast.count_frame(6, 11)
+    clock.time += 3.0
+    forecast.count_frame(9, 11)
+    assert forecast.find_left()[0] == pytest.approx(2.0 + 5.0)
+
+
+def test_later_rounds_take_what_the_first_took(forecast, clock):
+    forecast.count_frame(0, 10)
+    clock.time += 40.0
+    forecast.count_frame(10, 10)
+    forecast.end_simulation()
+    clock.time += 6.0
+    forecast.show_clip()
+    assert forecast.find_left()[0] == 0
+    clock.time += 3.0
+    forecast.end_round()
+    forecast.begin_round(1)
+    assert forecast.find_left() == (pytest.approx(46.0), pytest.approx(2 * 49.0 + CLOSING))
+
+
+def test_nothing_is_ever_less_than_over(forecast, clock):
+    clock.time += 1000.0
+    assert forecast.find_left()[0] == 5.0  # the pictures are still to come
+    forecast.end_simulation()
+    clock.time += 1000.0
+    assert forecast.find_left()[0] == 0
