@@ -20,6 +20,7 @@ from benchmarks.harness import Row
 from physagent_jax.agents.context import AgentContext, Observation
 from physagent_jax.agents.registry import make_agents
 from physagent_jax.forces.description import describe_skills
+from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.metrics import report_true_motion
 from physagent_jax.metrics.motion import compare
 from physagent_jax.motion.schema import Judgement
@@ -27,6 +28,7 @@ from physagent_jax.run.brief import make_brief
 from physagent_jax.run.finished import FinishedRun, open_run
 from physagent_jax.run.key_frames import VideoKeyFrames
 from physagent_jax.run.resolve import resolve
+from physagent_jax.scene.body import make_scene_body
 from physagent_jax.scene.camera import make_reference_camera
 
 REFUSED = 2  # exit code of the command line where a person can mend what was asked
@@ -126,7 +128,9 @@ def judge_truth(run: FinishedRun) -> Judgement:
     assert spec and reply and scene and best and best.motion and best.force_field and best.judgement
     assert best.video is not None
     template = resolve(spec).with_reply(reply)
-    brief = make_brief(template, frames_fixed=spec.overrides.frame_count is not None)
+    limbs = sorted({each.limb for each in reply.expectations if each.limb is not None})
+    parts = make_scene_body(scene, run.folder).parts if limbs else ()
+    brief = make_brief(template, frames_fixed=spec.overrides.frame_count is not None, parts=parts)
     if not scene.always_gravity:  # an object that cannot stand is held in the air
         brief = brief.model_copy(update={"world": "free"})
     context = AgentContext(spec.prompt, brief, describe_skills(), reply)
@@ -134,11 +138,13 @@ def judge_truth(run: FinishedRun) -> Judgement:
     again = planner.judge(context, Observation(best.force_field, best.motion, pictures)).value
     if again.verdict is not best.judgement.verdict:
         raise ValueError(f"the planner now says {again.verdict} of what it called {best.judgement.verdict}")
+    x = run.motion().x
     report = report_true_motion(
-        run.motion().x,
+        x,
         frame_dt=scene.timing.frame_dt,
         camera=make_reference_camera(scene.camera, scene.rendering, scene.domain),
         windows=planner.windows(context),
+        parts={limb: make_region_mask(parts[limb].moved, x[0]) for limb in limbs},
     )
     return planner.judge(context, Observation(best.force_field, report, pictures)).value
 

@@ -5,7 +5,7 @@ For judging and measuring only. In a run, agents read what perception saw, never
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -43,6 +43,7 @@ def report_true_motion(
     camera: Camera | None = None,
     up: Sequence[float] = (0.0, 0.0, 1.0),
     windows: Sequence[tuple[int, int]] = (),
+    parts: Mapping[int, np.ndarray] | None = None,
 ) -> MotionReport:
     """Fill a motion report from true trajectories, all fields, without uncertainty.
 
@@ -53,6 +54,7 @@ def report_true_motion(
             never out of the picture.
         up: World up, for the words.
         windows: Further windows of interest as (first, last) frames, inclusive.
+        parts: Particles of parts that are followed by themselves, by the part's number; bool, shape (n,) each.
 
     Returns:
         The report.
@@ -101,7 +103,7 @@ def report_true_motion(
             for a, b in zip((low - center) / size, (high - center) / size)
         ),
         extents=_measure_extents(x, turns, size, camera, up),
-        parts=_measure_ends(x, size),
+        parts=(*_measure_ends(x, size), *_measure_parts(x, size, parts or {})),
         pieces=tuple(count_pieces(x, np.stack([pose.matrix for pose in poses]), size)),
         uncertainty=Uncertainty(displacement=0.0, rotation=0.0, axis=0.0, stretch=0.0, frequency=0.0),
         oscillation=timing.find_oscillation(frames.centroid, frame_dt, VISIBLE),
@@ -159,17 +161,30 @@ def _measure_ends(x: np.ndarray, size: float) -> tuple[PartMotion, ...]:
     for axis in range(3):
         order = np.argsort(x[0, :, axis], kind="stable")
         for sign, chosen in ((1.0, order[-share:]), (-1.0, order[:share])):
-            part = x[:, chosen]
-            turn = _to_degrees(unwrap([pose.rotation for pose in _fit(part)]))
-            moved = (part.mean(axis=1) - part[0].mean(axis=0)) / size
             direction = np.zeros(3)
             direction[axis] = sign
-            ends.append(
-                PartMotion(
-                    direction=_to_vector(direction), centroid=_to_vectors(moved), rotation=_to_vectors(turn)
-                )
-            )
+            ends.append(_follow(x[:, chosen], direction, size, None))
     return tuple(ends)
+
+
+def _measure_parts(x: np.ndarray, size: float, parts: Mapping[int, np.ndarray]) -> list[PartMotion]:
+    center = x[0].mean(axis=0)
+    away = {number: x[0, chosen].mean(axis=0) - center for number, chosen in parts.items()}
+    return [
+        _follow(x[:, chosen], away[number] / (np.linalg.norm(away[number]) or 1.0), size, number)
+        for number, chosen in parts.items()
+    ]
+
+
+def _follow(part: np.ndarray, direction: np.ndarray, size: float, number: int | None) -> PartMotion:
+    turn = _to_degrees(unwrap([pose.rotation for pose in _fit(part)]))
+    moved = (part.mean(axis=1) - part[0].mean(axis=0)) / size
+    return PartMotion(
+        direction=_to_vector(direction),
+        limb=number,
+        centroid=_to_vectors(moved),
+        rotation=_to_vectors(turn),
+    )
 
 
 def _measure_distances(x: np.ndarray, frame: int) -> np.ndarray:

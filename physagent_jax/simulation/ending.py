@@ -6,6 +6,8 @@ simulation goes on a little. Actions end with the planned frames, and what moves
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 
 from physagent_jax.core.errors import UserError
@@ -23,7 +25,7 @@ def simulate_ending(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     """Positions [m], shape (T, n, 3), and deformation gradients of a clip's particles, its ending included.
 
     The particles are the body's. What is held up to the last planned frame stays so: letting it go would undo what was
-    asked. An ending that cannot be simulated is cut short: the planned frames are what counts.
+    asked. An ending that cannot be simulated is cut short, with a warning: the planned frames are what counts.
     """
     scene, dt = recording.scene, recording.scene.config.timing.frame_dt
     x, F = recording.x[:, scene.back], recording.F[:, scene.back]
@@ -66,8 +68,8 @@ def _simulate_on(scene: CompiledScene, last: Frame, count: int):
             if int(frame.state.stopped) > int(last.state.stopped):
                 return  # it has come to the domain's wall, which nobody sees
             yield frame
-    except UserError:
-        return
+    except UserError as error:
+        warnings.warn(f"the clip stops before it rests: {error.what}", UserWarning, stacklevel=2)
 
 
 def _is_held(scene: CompiledScene) -> bool:

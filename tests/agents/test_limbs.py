@@ -113,3 +113,12 @@ def test_a_place_is_a_place_where_nothing_sticks_out():
     """Words that name a place keep it for objects without such a part: the head of a post is its upper end."""
     reply = read("push the head to the left", LEFT_ARM)
     assert reply.expectations[0].limb is None and reply.expectations[0].part == (0, 0, 1)
+
+
+def test_evidence_follows_the_actions_that_are_left():
+    """What the sentence says of the push stays beside the push; of the limb's force, which is gone, nothing does."""
+    reply = read("raise the left arm and push the robot to the right")
+    (push,) = reply.force_field.actions
+    told = {item.field: item.value for item in reply.evidence if item.field.startswith("actions")}
+    assert told["actions[0].vector"] == "[1, 0, 0]" and push.vector == (1.0, 0.0, 0.0)
+    assert all(field.startswith("actions[0].") for field in told) and "actions[0].region" not in told

@@ -126,3 +126,19 @@ def test_windows_outside_the_clip_are_refused(box):
     """They would be silently cut otherwise."""
     with pytest.raises(UserError, match="outside of the clip"):
         seen([box, box], windows=[(0, 2)])
+
+
+def test_a_part_is_followed_by_itself():
+    """An arm that turns by half a radian about its shoulder, on a body that stays."""
+    chance = np.random.default_rng(3)
+    body = chance.uniform((-0.2, -0.1, -0.5), (0.2, 0.1, 0.5), (400, 3))
+    arm = chance.uniform((0.2, -0.05, 0.05), (0.7, 0.05, 0.15), (100, 3))
+    shoulder, c, s = np.array([0.2, 0.0, 0.1]), np.cos(0.5), np.sin(0.5)
+    raised = shoulder + (arm - shoulder) @ np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+    x = np.stack([np.concatenate([body, arm]), np.concatenate([body, raised])])
+    report = report_true_motion(x, frame_dt=0.04, parts={7: np.arange(500) >= 400})
+    (part,) = [each for each in report.parts if each.limb is not None]
+    size = np.ptp(x[0], axis=0).max()
+    assert part.limb == 7 and part.direction[0] > 0.9
+    np.testing.assert_allclose(part.centroid[1], (raised - arm).mean(0) / size, atol=1e-6)
+    np.testing.assert_allclose(part.rotation[1], (0, -np.degrees(0.5), 0), atol=1e-4)

@@ -12,7 +12,7 @@ import math
 from physagent_jax.agents.compiler.directions import sum_directions
 from physagent_jax.agents.compiler.events import KnownPart
 from physagent_jax.agents.lexicon import read_lexicon
-from physagent_jax.agents.schema import SemanticReply
+from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.agents.windows import Window, divide
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
@@ -76,7 +76,8 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
         return reply
     frame_count = reply.frame_count or brief.frame_count
     moved = [brief.parts[each.limb].moved for each in asked if each.limb is not None]
-    actions = tuple(each for each in reply.force_field.actions if each.region not in moved)
+    kept = [index for index, each in enumerate(reply.force_field.actions) if each.region not in moved]
+    actions = tuple(reply.force_field.actions[index] for index in kept)
     constraints, expectations = list(reply.force_field.constraints), []
     for each in reply.expectations:
         expected = each
@@ -92,17 +93,35 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
         anchor = AnchorRequest(kind="rest", words=words, region=_join_rest([brief.parts[k] for k in limbs]))
     field = reply.force_field.model_copy(update=dict(actions=actions, constraints=tuple(constraints)))
     note = "A part turns about its joint" + (", and the rest is held." if anchor.kind == "rest" else ".")
-    kept = {f"actions[{index}]" for index in range(len(reply.force_field.actions))}
-    evidence = tuple(each for each in reply.evidence if each.field.partition(".")[0] not in kept or actions)
     return reply.model_copy(
         update=dict(
             force_field=field,
             expectations=tuple(expectations),
             anchor=anchor,
-            evidence=evidence,
+            evidence=tuple(_follow(each, kept) for each in reply.evidence if _is_kept(each, kept)),
             notes=(*reply.notes, note),
         )
     )
+
+
+def _is_kept(item: Evidence, kept: list[int]) -> bool:
+    """Return whether an item is about something else than an action that a constraint has replaced."""
+    index = _find_action(item)
+    return index is None or index in kept
+
+
+def _follow(item: Evidence, kept: list[int]) -> Evidence:
+    """Evidence of an action at the action's new place."""
+    index = _find_action(item)
+    if index is None:
+        return item
+    _, dot, name = item.field.partition(".")
+    return item.model_copy(update=dict(field=f"actions[{kept.index(index)}]{dot}{name}"))
+
+
+def _find_action(item: Evidence) -> int | None:
+    group, _, index = item.field.partition(".")[0].rstrip("]").partition("[")
+    return int(index) if group == "actions" else None
 
 
 def _drive(
