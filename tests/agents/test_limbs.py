@@ -116,7 +116,7 @@ def test_a_place_is_a_place_where_nothing_sticks_out():
 
 
 def test_evidence_follows_the_actions_that_are_left():
-    """What the sentence says of the push stays beside the push; of the limb's force, which is gone, nothing does."""
+    """Words of the push stay beside the push, and nothing is left of the force on the limb."""
     reply = read("raise the left arm and push the robot to the right")
     (push,) = reply.force_field.actions
     told = {item.field: item.value for item in reply.evidence if item.field.startswith("actions")}
