@@ -122,3 +122,15 @@ def test_evidence_follows_the_actions_that_are_left():
     told = {item.field: item.value for item in reply.evidence if item.field.startswith("actions")}
     assert told["actions[0].vector"] == "[1, 0, 0]" and push.vector == (1.0, 0.0, 0.0)
     assert all(field.startswith("actions[0].") for field in told) and "actions[0].region" not in told
+
+
+def test_the_rest_of_several_parts_holds_none_of_them():
+    """Of each arm the other one is a part of the rest; of both it is not."""
+    pair = (LEFT_ARM, RIGHT_ARM)
+    ends = [part.moved.inside[0] for part in pair]
+    parts = [
+        part.model_copy(update={"rest": part.rest.model_copy(update={"inside": (*MIDDLE, other)})})
+        for part, other in zip(pair, reversed(ends))
+    ]
+    region = read("the robot raises its arms", *parts).anchor.region
+    assert set(region.inside) == set(MIDDLE) and set(ends) <= set(region.outside)

@@ -1,0 +1,45 @@
+"""The verdict on a part that sticks out: by its own motion, in lengths of the part."""
+
+import numpy as np
+import pytest
+
+from physagent_jax.agents.context import AgentContext, Observation
+from physagent_jax.agents.rules.planner import RulePlanner
+from physagent_jax.metrics import report_true_motion
+from physagent_jax.motion.schema import Verdict
+from tests.agents.scenes import Unseen, brief
+from tests.agents.test_limbs import HEAD, make_part, read
+
+SENTENCE = "raise the right arm"
+ARM = make_part("arm", (0.15, 0, 0), (1, 0, 0))
+SHOULDER = np.array([0.2, 0.0, 0.1])
+
+
+def judge(degrees, *, whole=0.0):
+    """The verdict on an arm of 0.15 lengths that turns up evenly within a second, on a body that rises by ``whole``."""
+    chance = np.random.default_rng(0)
+    body = chance.uniform((-0.2, -0.1, -0.5), (0.2, 0.1, 0.5), (600, 3))
+    arm = chance.uniform((0.2, -0.03, 0.07), (0.35, 0.03, 0.13), (60, 3))
+    frames = []
+    for frame in range(49):
+        share = min(frame / 25, 1.0)
+        c, s = np.cos(np.radians(degrees) * share), np.sin(np.radians(degrees) * share)
+        turned = SHOULDER + (arm - SHOULDER) @ np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+        frames.append(np.concatenate([body, turned]) + (0, 0, whole * share))
+    reply = read(SENTENCE, ARM, HEAD)
+    context = AgentContext(SENTENCE, brief(parts=(ARM, HEAD), anchored="all but the part"), (), reply)
+    windows = RulePlanner().windows(context)
+    report = report_true_motion(
+        np.stack(frames), frame_dt=0.04, windows=windows, parts={0: np.arange(660) >= 600}
+    )
+    return RulePlanner().judge(context, Observation(reply.force_field, report, Unseen())).value
+
+
+@pytest.mark.parametrize(("degrees", "verdict"), [(45, "SUCCESS"), (2, "FAIL"), (-45, "FAIL"), (0, "FAIL")])
+def test_an_arm_that_is_raised_is_judged_by_itself(degrees, verdict):
+    """45 degrees move the middle of so short an arm by 0.06 body lengths: little of the object, much of the arm."""
+    assert judge(degrees).verdict is Verdict(verdict)
+
+
+def test_an_object_that_rises_with_its_arm_still_is_no_raised_arm():
+    assert judge(0, whole=0.3).verdict is Verdict.FAIL
