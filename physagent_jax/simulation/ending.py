@@ -13,11 +13,13 @@ import numpy as np
 from physagent_jax.core.errors import UserError
 from physagent_jax.mpm import Frame, simulate
 from physagent_jax.scene.compile import CompiledScene
+from physagent_jax.scene.config import DomainBox
 from physagent_jax.simulation.recording import Recording
 
 LONGEST = 1.0  # [s] beyond the planned frames
 STILL = 0.04  # [sizes / s]; what is slower looks still
 CRUMBS = 0.02  # share of the particles that may be faster: crumbs do not keep the clip going
+NEAR = 2.0  # cells from the domain's wall at which it is felt
 RESTING = 0.2  # [s] for which it must look still: at the turning point of a swing it does for a moment
 
 
@@ -63,13 +65,22 @@ def _simulate_on(scene: CompiledScene, last: Frame, count: int):
         begin=last,
         tell_limits=False,
     )
+    dx, before = scene.config.domain.dx, _measure_clearance(scene, last)
     try:
         for frame in frames:
-            if int(frame.state.stopped) > int(last.state.stopped):
-                return  # it has come to the domain's wall, which nobody sees
+            left = _measure_clearance(scene, frame)
+            if ((left < NEAR * dx) & (left < before - 0.5 * dx)).any():
+                return  # it comes to the domain's wall, which nobody sees
             yield frame
     except UserError as error:
         warnings.warn(f"the clip stops before it rests: {error.what}", UserWarning, stacklevel=2)
+
+
+def _measure_clearance(scene: CompiledScene, frame: Frame) -> np.ndarray:
+    """Distances of the particles from the domain's six walls [m]; those of a domain box stand inside its faces."""
+    x, size, dx = np.asarray(frame.state.x), scene.config.domain.size, scene.config.domain.dx
+    inside = max((each.padding for each in scene.config.boundaries if isinstance(each, DomainBox)), default=0)
+    return np.concatenate([x.min(axis=0), size - x.max(axis=0)]) - inside * dx
 
 
 def _is_held(scene: CompiledScene) -> bool:

@@ -108,6 +108,24 @@ def test_a_clip_goes_on_until_rest_and_no_longer(dropped):
     )
 
 
+def test_a_clip_ends_before_the_object_meets_the_domains_wall(robot_path):
+    """Nobody sees that wall: what flies past it in the picture must not be turned or stopped by it."""
+    with pytest.warns(UserWarning, match="particles per grid cell"):
+        robot = pa.load_object(robot_path, max_particles=600)
+    scene = pa.build_scene(robot, "a wind pushes the robot to the left", frame_count=50, width=32, height=32)
+    recording = pa.simulate_scene(scene)
+    x, _ = simulate_ending(recording)
+    planned = len(recording.x)
+    wall, dx = 3 * scene.config.domain.dx, scene.config.domain.dx
+    assert 0 < len(x) - planned < int(np.ceil(LONGEST / scene.config.timing.frame_dt))
+    assert x[-1, :, 0].min() < wall + 10 * dx, "it is on its way to the wall"
+    assert x[:, :, 0].min() > wall + dx
+    speed = np.diff(x[planned - 2 :, :, 0].mean(axis=1))
+    np.testing.assert_allclose(speed, speed[0], rtol=0.02)
+    shape = x - x.mean(axis=1, keepdims=True)
+    assert np.linalg.norm(shape[-1] - shape[planned - 1], axis=1).max() < 0.02 * scene.body.extent
+
+
 def test_a_caption_and_arrows_are_drawn_only_on_request(dropped):
     plain = draw(dropped)
     scene = dropped.scene
