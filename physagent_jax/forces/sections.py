@@ -10,19 +10,17 @@ from jax.core import Tracer
 from physagent_jax.forces.parameters import Array
 
 SECTIONS, SECTION_WIDTH = 32, 0.1  # cross-sections looked at, and half their thickness in body lengths
-THINNEST = 0.05  # of the longest side that a side may have
 _TINY = float(np.finfo(np.float32).tiny)
 
 
 def find_stress_concentration(
     rest: np.ndarray, volume: np.ndarray, axis: Array, extent: float
 ) -> Array | float:
-    """The strain of a `scale` in the weakest section over that in the middle of a uniform bar of length L.
+    """The strain of a `scale` in the weakest section over that in a uniform bar's middle; at least 1.
 
     A pull grows along the object and is carried by its cross-section: a thin neck with much behind it
     would tear where a bar only stretches. Compared are the pull beyond a section over the section's
-    area, largest over sections across the axis, and L / 2 of the bar. Across a thin side it is less than 1:
-    little pulls there, so that more is needed for as much strain.
+    area, largest over sections across the axis, and L / 2 of the bar.
 
     Args:
         rest: Rest positions of the pulled particles [m], shape (n, 3).
@@ -46,4 +44,4 @@ def find_stress_concentration(
 
     sections = xp.linspace(height.min(), height.max(), SECTIONS)
     largest = max(map(stress, sections)) if xp is np else jax.lax.map(stress, sections).max()
-    return xp.maximum(THINNEST, largest / (0.5 * extent))
+    return xp.maximum(1.0, largest / (0.5 * extent))

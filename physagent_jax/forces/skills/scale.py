@@ -11,8 +11,8 @@ class Scale(Skill):
     """The acceleration a = k M sgn(d) v, d = (x - x_c) . v, with k = 4 E e / (rho L) and e = `STRAIN`.
 
     x_c is the present mass centre; e is the linear mean strain of a uniform bar of length L. k is divided by the
-    shape's stress concentration along the axis. M = 1 then strains the weakest section as much as the middle of the
-    bar, along thin sides too. On a part, or on what is held, k is measured (`scene.response`).
+    shape's stress concentration along the axis where that exceeds 1. M = 1 then strains no section more than the
+    middle of the bar. On a part, or on what is held, k is measured (`scene.response`).
     """
 
     name = "scale"
