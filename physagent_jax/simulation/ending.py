@@ -78,7 +78,7 @@ def _simulate_on(scene: CompiledScene, last: Frame, count: int):
 
 def _measure_clearance(scene: CompiledScene, frame: Frame) -> np.ndarray:
     """Distances of the particles from the domain's six walls [m]; those of a domain box stand inside its faces."""
-    x, size, dx = np.asarray(frame.state.x), scene.config.domain.size, scene.config.domain.dx
+    x, size, dx = np.asarray(frame.state.x)[scene.back], scene.config.domain.size, scene.config.domain.dx
     inside = max((each.padding for each in scene.config.boundaries if isinstance(each, DomainBox)), default=0)
     return np.concatenate([x.min(axis=0), size - x.max(axis=0)]) - inside * dx
 
