@@ -50,16 +50,16 @@ def find_breach(model: Model, health: Health, bound: float) -> Breach | None:
 def _find_fault(model: Model, health: Health, bound: float) -> tuple[Fault | None, str]:
     min_J = float(health.min_J)
     if not bool(health.finite):
-        return Fault.STEP, f"a value is not finite (the least det F is {min_J:.3g})"
+        return Fault.STEP, f"a value is not finite (the least volume ratio is {min_J:.3g})"
     if int(health.outside) > 0:
         return Fault.LEFT, "particles left the grid window"
     if abs(min_J) < jnp.finfo(health.min_J.dtype).eps:
-        return Fault.CRUSHED, f"{Fault.CRUSHED.value} (det F = {min_J:.3g})"
+        return Fault.CRUSHED, f"{Fault.CRUSHED.value} (volume ratio {min_J:.3g})"
     if min_J <= 0:
-        return Fault.STEP, f"matter is turned inside out (det F = {min_J:.3g})"
+        return Fault.STEP, f"matter is turned inside out (volume ratio {min_J:.3g})"
     increment = float(health.min_increment)
     if increment <= 0:
-        return Fault.STEP, f"a substep turns matter inside out (det(I + dt grad v) = {increment:.3g})"
+        return Fault.STEP, f"a substep turns matter inside out (volume ratio of the substep {increment:.3g})"
     cells = float(health.max_speed) * float(model.dt) / model.grid.dx
     if cells >= 1:
         return Fault.STEP, f"a particle crosses {cells:.2g} cells in one substep"

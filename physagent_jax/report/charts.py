@@ -206,7 +206,7 @@ def _plot_det_f(record: SimulationRecord):
         Series("smallest", record.min_volume_ratio, 2),
     ]
     return (
-        "Volume change of particles, det F",
+        "Volume of particles",
         "ratio",
         series,
         {"level": (1.0, "unchanged"), "least_span": 0.1},

@@ -102,8 +102,9 @@ def _warn_if_sparse(particles: Particles, dx: float) -> None:
     per_cell = particles.count / occupied
     if per_cell < FEWEST_PER_CELL:
         warnings.warn(
-            f"only {per_cell:.1f} particles per grid cell (at least {FEWEST_PER_CELL} are advisable): matter may "
-            "tear when stretched; allow more particles or use a coarser grid",
+            f"the object is thinly filled: {particles.count:,} particles, where some "
+            f"{FEWEST_PER_CELL * occupied:,} are advisable; it may tear when stretched: allow more particles or use a "
+            "coarser grid",
             stacklevel=3,
         )
 

@@ -57,7 +57,7 @@ def measure_shift(video):
 def test_clips_show_what_their_prompts_say(tmp_path):
     """Directions are the viewer's: by the centre of what is not white."""
     path = write_object("drum", 0, tmp_path)
-    with pytest.warns(UserWarning, match="particles per grid cell"):
+    with pytest.warns(UserWarning, match="thinly filled"):
         drum = pa.load_object(path, up="+z", kind="jelly", extent=0.8, cells=32, max_particles=400)
     shifts = {
         prompt: measure_shift(play(drum, draw_options(prompt, np.random.default_rng(0))))

@@ -233,7 +233,7 @@ def test_the_paper_preset_has_the_papers_figures():
 
 
 def test_sparse_matter_is_warned_about(source):
-    with pytest.warns(UserWarning, match="particles per grid cell"):
+    with pytest.warns(UserWarning, match="thinly filled"):
         make_body(source, c.Filling(max_particles=300), c.Domain(size=4.0, cells=96), ".")
 
 

@@ -25,7 +25,7 @@ from tests.scene.small_scenes import (
     make_small_body,
 )
 
-pytestmark = pytest.mark.filterwarnings("ignore:only .* particles per grid cell")
+pytestmark = pytest.mark.filterwarnings("ignore:the object is thinly filled")
 
 
 @pytest.fixture(scope="module")

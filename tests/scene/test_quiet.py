@@ -58,7 +58,7 @@ def load(folder, name, hold, youngs_modulus, **size):
     return scene_of(found["path"], frames=FRAMES, object=found, anchor={"kind": hold}, **size, **parts)[0]
 
 
-@pytest.mark.filterwarnings("ignore:only .* particles per grid cell")
+@pytest.mark.filterwarnings("ignore:the object is thinly filled")
 @pytest.mark.parametrize(
     ("name", "hold", "youngs_modulus"),
     [case if case in USUAL else pytest.param(*case, marks=pytest.mark.slow) for case in CASES],

@@ -18,7 +18,7 @@ from physagent_jax.simulation.simulate import simulate_scene
 from physagent_jax.simulation.trajectory import trajectory
 from tests.scene.small_scenes import TERMS, make_config, make_rich_scene, make_small_body
 
-pytestmark = pytest.mark.filterwarnings("ignore:only .* particles per grid cell")
+pytestmark = pytest.mark.filterwarnings("ignore:the object is thinly filled")
 
 
 @pytest.fixture(scope="module")

@@ -29,7 +29,7 @@ SIZE = (160, 90)
 
 @pytest.fixture(scope="module")
 def dropped(robot_path):
-    with pytest.warns(UserWarning, match="particles per grid cell"):
+    with pytest.warns(UserWarning, match="thinly filled"):
         robot = pa.load_object(robot_path, max_particles=600)
     return pa.simulate_scene(pa.build_scene(robot, "drop the robot", frame_count=8, width=64, height=64))
 
@@ -110,7 +110,7 @@ def test_a_clip_goes_on_until_rest_and_no_longer(dropped):
 
 def test_a_clip_ends_before_the_object_meets_the_domains_wall(robot_path):
     """Nobody sees that wall: what flies past it in the picture must not be turned or stopped by it."""
-    with pytest.warns(UserWarning, match="particles per grid cell"):
+    with pytest.warns(UserWarning, match="thinly filled"):
         robot = pa.load_object(robot_path, max_particles=600)
     scene = pa.build_scene(robot, "a wind pushes the robot to the left", frame_count=50, width=32, height=32)
     recording = pa.simulate_scene(scene)
