@@ -172,7 +172,7 @@ def write_page(path: Path, images: Path, clips: Sequence[tuple[Clip, str]]) -> N
         "# Gallery",
         "",
         "Each clip comes from one sentence at the default settings (`make gallery`); the verdict is the run's own.",
-        "Objects with a file name are from [Kenney's](https://github.com/KenneyNL) starter kits, in the public domain (CC0).",
+        "Objects with a file name are from [Kenney's](https://github.com/KenneyNL) starter kits, free of rights (CC0).",
         "",
         "| | |",
         "|---|---|",
