@@ -1,5 +1,5 @@
 # make demo: from a fresh machine to the first video.   make test: the test suite.   make pictures: the README's.
-# make gallery: docs/gallery.md; OBJECTS is the folder that benchmarks.first_results.objects fills.
+# make gallery: docs/gallery.md; what OBJECTS lacks of other people's objects is fetched.
 # make evidence: measured pages whose code has changed since, and how to measure them again.
 PYTHON ?= python3
 VENV ?= .venv

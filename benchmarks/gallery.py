@@ -1,7 +1,7 @@
 """`python -m benchmarks.gallery --objects DIR`: sixteen sentences as small moving pictures, and a page with them.
 
-Four objects are the project's own, twelve are other people's: ``DIR`` holds their files by the names below, as
-`python -m benchmarks.first_results.objects --into DIR` leaves them. Runs are kept, so that a stopped gallery goes on.
+Four objects are the project's own, twelve are Kenney's (CC0), from his starter kits on GitHub. What ``DIR`` lacks of
+them is fetched. Runs are kept, so that a stopped gallery goes on.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import argparse
 import dataclasses
 import io
 import sys
+import urllib.request
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -41,40 +42,48 @@ class Clip:
         name: Name of its picture.
         file: Name of the object's file; "" = the object of that name is the project's own.
         prompt: What should happen.
-        up: The file's up axis; None = found.
     """
 
     name: str
     file: str
     prompt: str
-    up: str | None = None
 
+
+# Folder of the kit's files: its repository of github.com/KenneyNL, and the commit.
+KITS = {
+    "platformer": ("Starter-Kit-3D-Platformer", "3fa8a04b1c01ab23db43123d4ce814a34c3fc7f0"),
+    "racing": ("Starter-Kit-Racing", "2f2e5f2646dda89cb21d4e8539bab60c6e955dc8"),
+    "city": ("Starter-Kit-City-Builder", "48458e6f343d6369ac015c77476eb262b964df2b"),
+    "arena": ("Starter-Kit-FPS", "cc46ba7b2b14275916429df7fdf7692f431902f2"),
+}
+TEXTURE = "Textures/colormap.png"  # of all files of a kit
+PATIENCE = 30.0  # [s] for an answer
 
 CLIPS = (
     Clip("robot", "", "the robot does a backflip"),
     Clip("plant", "", "a strong wind bends the plant to the left, then lets go"),
     Clip("jelly", "", "drop the jelly"),
     Clip("loaf", "", "someone presses down on the middle of the loaf and lets go"),
-    Clip("teapot", "teapot.obj", "push the teapot to the left", "+y"),
-    Clip("armadillo", "armadillo.obj", "twist the armadillo", "+y"),
-    Clip("duck", "Duck.glb", "drop the duck"),
-    Clip("penguin", "penguin.obj", "the penguin is knocked over to the right", "+y"),
-    Clip("koala", "koala_low_resolution.obj", "two plates squeeze the koala from left and right", "+y"),
-    Clip("cat", "cat-low-resolution.obj", "the cat jumps", "+y"),
-    Clip("fish", "fish.obj", "stretch the fish", "+y"),
-    Clip("boot", "boot.obj", "kick the boot away from the camera", "+y"),
-    Clip("truck", "CesiumMilkTruck.glb", "push the truck toward the camera"),
-    Clip("tree", "low-poly-tree.glb", "a gust bends the tree to the right"),
-    Clip("biker", "biker.spz", "the wind blows against the biker from the left"),
-    Clip("chair", "Chair.obj", "spin the chair", "+y"),
+    Clip("character", "platformer/character.glb", "the character jumps"),
+    Clip("coin", "platformer/coin.glb", "spin the coin"),
+    Clip("cloud", "platformer/cloud.glb", "two plates squeeze the cloud from left and right"),
+    Clip("flag", "platformer/flag.glb", "a gust bends the flag to the right"),
+    Clip("block", "platformer/block-coin.glb", "drop the block"),
+    Clip("motorcycle", "racing/vehicle-motorcycle.glb", "the motorcycle is knocked over to the right"),
+    Clip("pickup", "racing/vehicle-truck-yellow.glb", "push the pickup toward the camera"),
+    Clip("house", "city/building-small-a.glb", "push the house to the left"),
+    Clip("tower", "city/building-small-c.glb", "twist the tower"),
+    Clip("trees", "city/grass-trees-tall.glb", "the wind blows against the trees from the left"),
+    Clip("drone", "arena/enemy-flying.glb", "kick the drone away from the camera"),
+    Clip("blaster", "arena/blaster.glb", "stretch the blaster"),
 )
 
 
-def find_object(clip: Clip, objects: Path | None, made: Path) -> tuple[Path, str | None]:
-    """The file of a clip's object and its up axis; the project's own are made in ``made``.
+def find_object(clip: Clip, objects: Path, made: Path) -> tuple[Path, str | None]:
+    """The file of a clip's object and its up axis, None = found; the project's own are made in ``made``.
 
     Raises:
-        UserError: The file is not there.
+        UserError: The file is not in ``objects``, and cannot be fetched.
     """
     if clip.name in PROCEDURAL and not clip.file:
         path = made / f"{clip.name}.ply"
@@ -83,14 +92,30 @@ def find_object(clip: Clip, objects: Path | None, made: Path) -> tuple[Path, str
         return path, "+z"
     if not clip.file:
         return ROBOT, None
-    path = (objects or Path()) / clip.file
-    if objects is None or not path.is_file():
+    kit, name = clip.file.split("/")
+    for each in (TEXTURE, name):
+        if not (path := objects / kit / each).is_file():
+            fetch(kit, each, path)
+    return objects / clip.file, None
+
+
+def fetch(kit: str, name: str, path: Path) -> None:
+    """Fetch a file of a kit to ``path``.
+
+    Raises:
+        UserError: It cannot be had.
+    """
+    url = "https://raw.githubusercontent.com/KenneyNL/{}/{}/models/{}".format(*KITS[kit], name)
+    try:
+        with urllib.request.urlopen(url, timeout=PATIENCE) as answer:
+            content = answer.read()
+    except OSError as error:  # `urllib.error.URLError` is one
         raise UserError(
-            f"the object of the clip {clip.name!r} is not there",
-            got=str(path),
-            do="Fetch it with `python -m benchmarks.first_results.objects --into DIR`, and pass --objects DIR",
-        )
-    return path, clip.up
+            f"cannot fetch {url}", got=error, do=f"Try again later, or put the file at {path} yourself"
+        ) from None
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with replace_file(path) as temporary:
+        temporary.write_bytes(content)
 
 
 def encode(frames: np.ndarray, seconds: float) -> bytes:
@@ -122,7 +147,7 @@ def encode(frames: np.ndarray, seconds: float) -> bytes:
     return content
 
 
-def film(clip: Clip, objects: Path | None, runs: Path, settings: dict) -> tuple[bytes, str]:
+def film(clip: Clip, objects: Path, runs: Path, settings: dict) -> tuple[bytes, str]:
     """A clip's moving picture, and the verdict on it; a run that is there already is not made again."""
     path, up = find_object(clip, objects, runs)
     spec = pa.RunSpec.model_validate(
@@ -147,7 +172,7 @@ def write_page(path: Path, images: Path, clips: Sequence[tuple[Clip, str]]) -> N
         "# Gallery",
         "",
         "Each clip comes from one sentence at the default settings (`make gallery`); the verdict is the run's own.",
-        "Objects with a file name are other people's: [first-results.md](first-results.md) names authors and licences.",
+        "Objects with a file name are from [Kenney's](https://github.com/KenneyNL) starter kits, free of rights (CC0).",
         "",
         "| | |",
         "|---|---|",
@@ -165,7 +190,7 @@ def write_page(path: Path, images: Path, clips: Sequence[tuple[Clip, str]]) -> N
 def main(arguments: list[str] | None = None) -> int:
     """Make the pictures and the page."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--objects", type=Path, help="folder with the files of other people's objects")
+    parser.add_argument("--objects", type=Path, default=Path("runs/objects"), help="folder of Kenney's files")
     parser.add_argument("--runs", type=Path, default=Path("runs/gallery"), help="where the runs are kept")
     parser.add_argument(
         "--docs", type=Path, default=Path("docs"), help="folder of the page; pictures: images/"

@@ -70,7 +70,7 @@ def _compute_eigenvalues(covariances: np.ndarray) -> np.ndarray:
     a, b, c = xx - mean, yy - mean, zz - mean
     spread = np.sqrt((a * a + b * b + c * c + 2 * (xy * xy + xz * xz + yz * yz)) / 6)
     determinant = a * (b * c - yz * yz) - xy * (xy * c - yz * xz) + xz * (xy * yz - b * xz)
-    cosine = np.clip(determinant / (2 * np.maximum(spread, 1e-150) ** 3), -1, 1)
+    cosine = np.clip(determinant / (2 * np.maximum(spread, 1e-100) ** 3), -1, 1)
     angle = np.arccos(cosine) / 3
     first = mean + 2 * spread * np.cos(angle)
     third = mean + 2 * spread * np.cos(angle + 2 * np.pi / 3)

@@ -31,11 +31,13 @@ class Particles:
         x: Positions [m], shape (n, 3), float32.
         volume: [m^3], shape (n,), float32.
         gaussian_index: The Gaussian whose centre it is; -1 = filled, shape (n,), int32.
+        enclosed: Whether it lies inside, in a cell without surface and away from the outside, shape (n,); None = none.
     """
 
     x: np.ndarray
     volume: np.ndarray
     gaussian_index: np.ndarray
+    enclosed: np.ndarray | None = None
 
     @property
     def count(self) -> int:
@@ -99,11 +101,13 @@ def fill(cloud: GaussianCloud, config: Filling, *, dx: float) -> Particles:
     added = _place_stratified(grid, hollow, lack, kept, layer[tuple(hollow.T)] == INNER, config)
     x = np.concatenate([means[surface], added])
     index = np.concatenate([surface, np.full(len(added), -1)])
+    cells = grid.cells(x)
     if config.volumes == "cells":
         volume = _compute_cell_shares(x, dx)
     else:
-        volume = _compute_volumes(grid.cells(x), wall, layer, grid.spacing)
-    return Particles(x.astype(np.float32), volume.astype(np.float32), index.astype(np.int32))
+        volume = _compute_volumes(cells, wall, layer, grid.spacing)
+    enclosed = (~wall & (layer == INNER))[tuple(cells.T)]
+    return Particles(x.astype(np.float32), volume.astype(np.float32), index.astype(np.int32), enclosed)
 
 
 def _choose_spacing(means: np.ndarray, config: Filling, dx: float) -> float:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from scipy.special import spence
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import shorten
@@ -14,7 +15,7 @@ from physagent_jax.scene.config import SignedAxis
 from physagent_jax.scene.mesh_files import join_parts, read_parts
 from physagent_jax.scene.mesh_formats import MeshPart
 from physagent_jax.scene.placement import find_up_rotation
-from physagent_jax.scene.surfels import bake_light, make_surfels, place_evenly, value_noise
+from physagent_jax.scene.surfels import OPAQUE, bake_light, make_surfels, place_evenly, value_noise
 
 OVERSAMPLING = 3  # random points per point kept
 DISC_RADIUS = 0.7  # standard deviation over the mean spacing: the least that leaves no visible gaps
@@ -40,8 +41,8 @@ def sample_mesh(
     """Samples flat Gaussians evenly on a mesh's surface.
 
     Colours are those that the file declares (textures, colours of vertices and faces, factors). Surfaces without any
-    get one quiet tone with a faint grain. Where a texture is transparent there are no Gaussians. Light is baked in from
-    the normals.
+    get one quiet tone with a faint grain. Where a texture is transparent there are no Gaussians, where it is blended
+    they let through what it does. Light is baked in from the normals.
 
     Args:
         path: .obj, .ply with faces, .glb, .gltf, .stl or .off.
@@ -58,9 +59,9 @@ def sample_mesh(
     """
     parts = read_parts(path)
     mesh = trimesh.Trimesh(*join_parts(parts), process=False)
-    points, faces, bary, rgb, grain, area = _sample(mesh, parts, count, seed, shorten(path))
-    keep = place_evenly(points, count)
-    points, faces, bary, rgb, grain = (each[keep] for each in (points, faces, bary, rgb, grain))
+    *sampled, area = _sample(mesh, parts, count, seed, shorten(path))
+    keep = place_evenly(sampled[0], count)
+    points, faces, bary, rgb, grain, alpha = (each[keep] for each in sampled)
     face_normals = _compute_face_normals(mesh.triangles[faces])
     shading = face_normals
     if smooth:
@@ -68,27 +69,41 @@ def sample_mesh(
         shading = _normalise((bary[:, :, None] * corners).sum(axis=1), face_normals)
     rgb = rgb * bake_light(shading @ find_up_rotation(up).T)[:, None]
     radius = DISC_RADIUS * np.sqrt(area / count)
-    grained = make_surfels(points, face_normals, radius, rgb * grain[:, None])
-    return grained, grained if (grain == 1).all() else make_surfels(points, face_normals, radius, rgb)
+    opacity = find_opacity(alpha)
+    grained = make_surfels(points, face_normals, radius, rgb * grain[:, None], opacity=opacity)
+    if (grain == 1).all():
+        return grained, grained
+    return grained, make_surfels(points, face_normals, radius, rgb, opacity=opacity)
+
+
+def find_opacity(alpha: np.ndarray) -> np.ndarray:
+    """Opacity of discs that together stop the share ``alpha`` of light, shape (n,).
+
+    Discs of opacity a with a standard deviation of r spacings, strewn at random, let through exp(-2 pi r^2 Li2(a)): the
+    logarithm of 1 - a exp(-s^2 / 2), over all of the plane. Li2 is the dilogarithm.
+    """
+    opacity = np.linspace(0, 1, 513)
+    stopped = 1 - np.exp(-2 * np.pi * DISC_RADIUS**2 * spence(1 - opacity))
+    return np.minimum(np.interp(alpha, stopped, opacity), OPAQUE)
 
 
 def _sample(
     mesh: trimesh.Trimesh, parts: list[MeshPart], count: int, seed: int, shown: str
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray, float]:
     """More random points than are wanted, where the surface is not transparent.
 
     Returns:
-        Points, shape (k, 3), their faces, shape (k,), barycentric coordinates, shape (k, 3), colours, shape (k, 3), and
-        their grain, shape (k,); and the area that they stand for.
+        Points, shape (k, 3), their faces, shape (k,), barycentric coordinates, shape (k, 3), colours, shape (k, 3),
+        their grain, shape (k,), and their alpha, shape (k,); and the area that they stand for.
     """
     wanted, kept, drawn = OVERSAMPLING * count, [], 0
     for draw in range(_MOST_DRAWS):
         points, faces = trimesh.sample.sample_surface(mesh, wanted, seed=seed + draw)[:2]
         points, faces = np.asarray(points), np.asarray(faces)
         bary = trimesh.triangles.points_to_barycentric(mesh.triangles[faces], points)
-        rgb, grain, solid = _find_colours(parts, faces, bary, points, float(mesh.extents.max()), seed)
+        rgb, grain, alpha = _find_colours(parts, faces, bary, points, float(mesh.extents.max()), seed)
         drawn += wanted
-        kept.append((points[solid], faces[solid], bary[solid], rgb[solid], grain[solid]))
+        kept.append([each[alpha > 0] for each in (points, faces, bary, rgb, grain, alpha)])
         if (found := sum(len(each[0]) for each in kept)) >= count and (found >= wanted or draw > 0):
             break
     else:
@@ -97,20 +112,20 @@ def _sample(
             got=f"{found / drawn:.2%} of it is seen",
             do="Mend its textures",
         )
-    points, faces, bary, rgb, grain = (np.concatenate(each)[:wanted] for each in zip(*kept))
-    return points, faces, bary, rgb, grain, float(mesh.area) * found / drawn
+    points, faces, bary, rgb, grain, alpha = (np.concatenate(each)[:wanted] for each in zip(*kept))
+    return points, faces, bary, rgb, grain, alpha, float(mesh.area) * found / drawn
 
 
 def _find_colours(
     parts: list[MeshPart], faces: np.ndarray, bary: np.ndarray, points: np.ndarray, size: float, seed: int
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Colours of points on the joined parts, and whether the surface is there.
+    """Colours of points on the joined parts, and the light that the surface stops there.
 
     Returns:
-        Colours in [0, 1], shape (k, 3); factors of the grain, 1 where the file declares a colour, shape (k,); whether
-        the surface is there, shape (k,).
+        Colours in [0, 1], shape (k, 3); factors of the grain, 1 where the file declares a colour, shape (k,); share of
+        light that the surface stops, 0 where it is cut out, shape (k,).
     """
-    rgb, grain, solid = np.empty((len(faces), 3)), np.ones(len(faces)), np.ones(len(faces), bool)
+    rgb, grain, alpha = np.empty((len(faces), 3)), np.ones(len(faces)), np.ones(len(faces))
     first = np.cumsum([0] + [len(part.faces) for part in parts])
     for part, start, stop in zip(parts, first[:-1], first[1:]):
         mine = (faces >= start) & (faces < stop)
@@ -122,8 +137,9 @@ def _find_colours(
         rgba = part.look.evaluate(part.faces[own], own, bary[mine])
         rgb[mine] = rgba[:, :3]
         if part.look.cutoff is not None:
-            solid[mine] = rgba[:, 3] >= part.look.cutoff
-    return rgb, grain, solid
+            there = rgba[:, 3] >= part.look.cutoff
+            alpha[mine] = there * (rgba[:, 3] if part.look.blended else 1.0)
+    return rgb, grain, alpha
 
 
 def _find_vertex_normals(parts: list[MeshPart]) -> np.ndarray:

@@ -68,6 +68,7 @@ def join_pieces(particles: Particles, dx: float) -> tuple[Particles, tuple[Loose
         np.concatenate([particles.x, added.astype(np.float32)]),
         np.concatenate([particles.volume, np.full(len(added), np.median(particles.volume), np.float32)]),
         np.concatenate([particles.gaussian_index, np.full(len(added), -1, np.int32)]),
+        None if particles.enclosed is None else np.pad(particles.enclosed, (0, len(added))),
     )
     return joined, tuple(loose)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import jax.numpy as jnp
 import numpy as np
 from scipy.ndimage import map_coordinates
 from scipy.spatial import KDTree
@@ -14,10 +13,11 @@ from physagent_jax.gaussians.cloud import GaussianCloud
 
 SH_DC = 0.28209479177387814  # Y_00; colour = SH_DC * sh[0] + 0.5
 FLATNESS = 0.15  # thickness over radius
+OPAQUE = 0.98  # opacity of a disc of a surface that lets nothing through
 KEY_LIGHT = (-0.45, -0.65, 0.62)  # from the upper left front, in a z-up frame with the viewer at -y
 
 
-def make_surfels(points, normals, radius, rgb, *, opacity: float = 0.98) -> GaussianCloud:
+def make_surfels(points, normals, radius, rgb, *, opacity: float | np.ndarray = OPAQUE) -> GaussianCloud:
     """Build discs that lie in the surface.
 
     Args:
@@ -25,7 +25,7 @@ def make_surfels(points, normals, radius, rgb, *, opacity: float = 0.98) -> Gaus
         normals: Unit normals, shape (n, 3).
         radius: Standard deviation in the surface [m], scalar or shape (n,).
         rgb: Colours in [0, 1], shape (n, 3).
-        opacity: In [0, 1].
+        opacity: In [0, 1], scalar or shape (n,).
     """
     count = len(points)
     radius = np.broadcast_to(np.asarray(radius, np.float64), (count,))
@@ -35,7 +35,7 @@ def make_surfels(points, normals, radius, rgb, *, opacity: float = 0.98) -> Gaus
         means=to_device(points, np.float32),
         quats=to_device(_find_rotations_to(np.asarray(normals, np.float64)), np.float32),
         scales=to_device(scales, np.float32),
-        opacities=jnp.full((count,), opacity, jnp.float32),
+        opacities=to_device(np.broadcast_to(opacity, (count,)), np.float32),
         sh=to_device(sh[:, None, :], np.float32),
     )
 

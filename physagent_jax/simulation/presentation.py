@@ -17,6 +17,7 @@ from physagent_jax.scene.actors import find_actors
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile.buckets import pad_gaussians, round_up
 from physagent_jax.scene.config import SceneConfig
+from physagent_jax.scene.insides import add_inside, comes_apart
 from physagent_jax.scene.presentation import find_stage, place_cameras, resize, settle_ground
 from physagent_jax.simulation.annotation import draw_arrows, find_arrows, write_caption
 from physagent_jax.simulation.notes import Notes
@@ -33,7 +34,7 @@ def draw_presentation(
     size: tuple[int, int],
     notes: Notes = PLAIN,
 ) -> Iterator[np.ndarray]:
-    """Draw a motion for people: with ground, contact shadow and horizon, and without needles.
+    """Draw a motion for people: with ground, contact shadow and horizon, without needles or hollows.
 
     Args:
         config: The scene.
@@ -55,8 +56,10 @@ def draw_presentation(
     actors = find_actors(config, body, x)
     # Sizes as `CompiledScene.gaussians` and its model have them, so that the simulation's program deforms these too.
     shown = shorten_needles(body.plain or body.cloud, body.extent)
-    cloud, binding = pad_gaussians(shown.of_least_degree(), body.binding)
-    neighbours = count_neighbours(np.asarray(body.cloud.means), body.extent)
+    skin = shown.of_least_degree()
+    seen, follows = add_inside(skin, body) if comes_apart(x) else (skin, body.binding)
+    cloud, binding = pad_gaussians(seen, follows)
+    neighbours = count_neighbours(np.asarray(seen.means), body.extent)
     missing = round_up(x.shape[1]) - x.shape[1]
     scales = np.asarray(cloud.scales)
     still = make_backdrop(stage, cameras[0])

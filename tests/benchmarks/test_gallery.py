@@ -1,13 +1,12 @@
 """The gallery: its list, the size of its pictures, its page."""
 
 import io
+import urllib.request
 
 import numpy as np
-import pytest
 from PIL import Image
 
-from benchmarks.gallery import CLIPS, MOST_BYTES, WIDTH, Clip, encode, find_object, main, write_page
-from physagent_jax.core.errors import UserError
+from benchmarks.gallery import CLIPS, KITS, MOST_BYTES, WIDTH, Clip, encode, find_object, main, write_page
 
 
 def test_twelve_of_sixteen_clips_are_on_other_peoples_objects():
@@ -33,8 +32,31 @@ def test_the_page_shows_every_picture(tmp_path):
         assert f"(images/gallery-{clip.name}.webp)" in text and clip.prompt in text
 
 
-def test_a_missing_object_is_said_with_the_command_that_fetches_it(tmp_path, capsys):
-    with pytest.raises(UserError, match="first_results.objects"):
-        find_object(Clip("duck", "Duck.glb", "drop the duck"), tmp_path, tmp_path)
-    assert main(["--only", "duck", "--docs", str(tmp_path), "--runs", str(tmp_path / "runs")]) == 2
-    assert "duck" in capsys.readouterr().err
+def test_a_missing_object_is_fetched_once_with_its_texture(tmp_path, monkeypatch):
+    asked = []
+
+    def answer(url, timeout):
+        asked.append(url)
+        return io.BytesIO(url.encode())
+
+    monkeypatch.setattr(urllib.request, "urlopen", answer)
+    for _ in range(2):
+        path, _up = find_object(Clip("coin", "platformer/coin.glb", "spin the coin"), tmp_path, tmp_path)
+    assert len(asked) == 2 and all("Starter-Kit-3D-Platformer/3fa8a04b" in url for url in asked)
+    assert path.read_bytes().endswith(b"/models/coin.glb")
+    assert (path.parent / "Textures/colormap.png").is_file()
+
+
+def test_an_object_that_cannot_be_had_ends_it(tmp_path, monkeypatch, capsys):
+    def answer(url, timeout):
+        raise OSError("no network")
+
+    monkeypatch.setattr(urllib.request, "urlopen", answer)
+    places = [f"--{name}={tmp_path / name}" for name in ("docs", "runs", "objects")]
+    assert main(["--only", "coin", *places]) == 2
+    assert "no network" in capsys.readouterr().err
+    assert not (tmp_path / "docs/gallery.md").exists()
+
+
+def test_every_kit_of_a_clip_is_known():
+    assert {clip.file.split("/")[0] for clip in CLIPS if clip.file} == set(KITS)

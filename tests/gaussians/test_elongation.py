@@ -1,5 +1,7 @@
 """Needles are shortened, everything else is left alone."""
 
+import dataclasses
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -89,3 +91,15 @@ def test_a_shortened_gaussian_points_the_same_way():
     np.testing.assert_allclose(
         deviations(cap_elongation(deformed(scales, F), scales, SIZE))[0], [0.02, 0.02, 0.04], rtol=1e-3
     )
+
+
+def test_round_gaussians_stay_round():
+    scales = np.full((3, 3), 0.01)
+    now = cap_elongation(deformed(scales, np.diag([9.0, 9.0, 9.0])), scales, SIZE)
+    with np.errstate(all="raise"):
+        rest = cap_elongation(deformed(scales, np.eye(3), seed=1), scales, SIZE)
+        exact = dataclasses.replace(
+            rest, covariances=jnp.full((3, 6), 1e-4) * jnp.float32([1, 0, 0, 1, 0, 1])
+        )
+        assert cap_elongation(exact, scales, SIZE) is exact
+    np.testing.assert_allclose(deviations(now), 0.02, rtol=1e-3)

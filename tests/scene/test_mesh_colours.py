@@ -2,10 +2,14 @@
 
 import struct
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.gaussians.cloud import Splats
+from physagent_jax.gaussians.covariance import quats_scales_to_covariances
+from physagent_jax.render import look_at, render
 from physagent_jax.scene.mesh import GRAIN, TONE, gaussians_from_mesh
 from physagent_jax.scene.mesh_files import read_mesh, read_parts
 from physagent_jax.scene.mesh_formats import FORMATS, find_mesh_format
@@ -175,6 +179,24 @@ def test_transparent_texels_have_no_gaussians(mode, kept, tmp_path):
     assert x[:, 0].max() == pytest.approx(kept, abs=0.02)
     # As many on less area: the discs are smaller.
     assert float(cloud.scales[0, 0]) == pytest.approx(0.7 * np.sqrt(kept / 400), rel=0.05)
+
+
+@pytest.mark.parametrize("alpha", [0.1, 0.3, 0.5, 0.8, 0.97])
+@pytest.mark.parametrize("mode", ["OPAQUE", "MASK", "BLEND"])
+def test_a_pane_stops_the_share_of_light_that_its_file_says(mode, alpha, tmp_path):
+    make = lambda b: b.add_material(factor=(0.2, 0.2, 0.2, alpha), alphaMode=mode, alphaCutoff=0.05)  # noqa: E731
+    cloud = gaussians_from_mesh(write(tmp_path, "a.glb", one_quad(make)), count=1500)
+    splats = Splats(
+        cloud.means,
+        quats_scales_to_covariances(cloud.quats, cloud.scales),
+        cloud.opacities,
+        cloud.sh,
+        jnp.tile(jnp.eye(3), (cloud.count, 1, 1)),
+    )
+    camera = look_at((0.5, 0.5, 3), (0.5, 0.5, 0), (0, 1, 0), fov_degrees=14, width=160, height=160)
+    covered = np.asarray(render(splats, camera).alpha)
+    assert covered.mean() == pytest.approx(alpha if mode == "BLEND" else 0.99, abs=0.02)
+    assert covered.std() < 0.1
 
 
 def test_what_is_transparent_all_over_is_refused(tmp_path):

@@ -40,9 +40,11 @@ class Materials:
         factor, info = _find_base_colour(material)
         texture = None if info is None else self._read_texture(info, attributes)
         cutoffs = {"MASK": float(material.get("alphaCutoff", 0.5)), "BLEND": BLEND_CUTOFF}
-        cutoff = cutoffs.get(material.get("alphaMode", "OPAQUE"))
+        mode = material.get("alphaMode", "OPAQUE")
         factor = np.clip(np.asarray(factor, np.float64).reshape(4), 0, 1)
-        return Look(factor, colours, None, texture, linear=True, cutoff=cutoff)
+        return Look(
+            factor, colours, None, texture, linear=True, cutoff=cutoffs.get(mode), blended=mode == "BLEND"
+        )
 
     def _read_texture(self, info: Any, attributes: Any) -> Texture | None:
         """A texture where its coordinates put it; None = it cannot be had, which is noted."""

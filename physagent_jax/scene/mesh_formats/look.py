@@ -54,6 +54,7 @@ class Look:
         texture: Picture on the surface.
         linear: Whether factor, vertex and face colours are linear light, as in glTF, rather than sRGB.
         cutoff: Alpha below which a point is not there; None = alpha means nothing.
+        blended: Whether alpha is the share of light that the surface stops where it is there; False = all.
     """
 
     factor: np.ndarray | None = None
@@ -62,6 +63,7 @@ class Look:
     texture: Texture | None = None
     linear: bool = False
     cutoff: float | None = None
+    blended: bool = False
 
     def evaluate(self, corners: np.ndarray, faces: np.ndarray, bary: np.ndarray) -> np.ndarray:
         """RGBA in sRGB at points of faces, shape (k, 4).
