@@ -29,9 +29,10 @@ from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import CameraConfig, SceneConfig
-from physagent_jax.scene.fuse import SceneTemplate, fuse
+from physagent_jax.scene.fuse import fuse
 from physagent_jax.scene.procedural import make_jelly, make_loaf, make_plant
 from physagent_jax.scene.standing import make_stand
+from physagent_jax.scene.template import SceneTemplate
 from physagent_jax.simulation.simulate import simulate_frames
 
 ROBOT = Path(__file__).resolve().parents[2] / "examples" / "assets" / "robot.ply"

@@ -83,7 +83,8 @@ class Plan:
         from physagent_jax.run.reading import read_for_scene
         from physagent_jax.run.resolve import resolve
         from physagent_jax.scene.body import make_body
-        from physagent_jax.scene.fuse import damp, fuse
+        from physagent_jax.scene.fuse import fuse
+        from physagent_jax.scene.standing import damp
 
         given = {name: value for name, value in vars(self).items() if value is not None}
         given["prompt"] = choose_prompt(self.prompt, given.pop("sentence", None))

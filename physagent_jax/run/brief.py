@@ -6,8 +6,8 @@ from physagent_jax.forces.part import Part
 from physagent_jax.motion.schema import DirectionTable, SceneBrief
 from physagent_jax.scene.broad_side import find_long_axis
 from physagent_jax.scene.camera import find_viewer_directions
-from physagent_jax.scene.fuse import SceneTemplate
 from physagent_jax.scene.priors import list_nouns
+from physagent_jax.scene.template import SceneTemplate
 
 
 def make_brief(

@@ -64,7 +64,9 @@ from physagent_jax.scene.coarse import coarsen
 from physagent_jax.scene.compile import CompiledScene, compile_scene
 from physagent_jax.scene.config import CameraConfig, SceneConfig
 from physagent_jax.scene.cost import Cost, Limits, check_cost, estimate_cost
-from physagent_jax.scene.fuse import SceneTemplate, damp, fuse
+from physagent_jax.scene.fuse import fuse
+from physagent_jax.scene.standing import damp
+from physagent_jax.scene.template import SceneTemplate
 from physagent_jax.simulation.ahead import compile_ahead
 from physagent_jax.simulation.recording import Recording, RestartCache
 from physagent_jax.simulation.simulate import simulate_scene

@@ -17,7 +17,7 @@ from physagent_jax.run.holding import UP
 from physagent_jax.run.resolve import LET_GO, ResolvedRun
 from physagent_jax.run.sentence_material import tell_material
 from physagent_jax.scene.body import Body
-from physagent_jax.scene.fuse import SceneTemplate
+from physagent_jax.scene.template import SceneTemplate
 
 Ask = Callable[[AgentContext], Reply[SemanticReply]]
 

@@ -26,8 +26,6 @@ from physagent_jax.scene.broad_side import find_broad_side
 from physagent_jax.scene.card import ObjectCard, load_card
 from physagent_jax.scene.config import Anchor, CameraConfig, Domain, Material, SignedAxis, Source
 from physagent_jax.scene.config.material import MODEL_PARAMETERS
-from physagent_jax.scene.fuse import SceneTemplate
-from physagent_jax.scene.level import explain_tilt, level
 from physagent_jax.scene.load import find_prescribed_up, hash_file
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import (
@@ -38,7 +36,8 @@ from physagent_jax.scene.priors import (
     find_kind,
     guess_kind,
 )
-from physagent_jax.scene.standing import make_stand
+from physagent_jax.scene.standing import explain_tilt, level, make_stand
+from physagent_jax.scene.template import SceneTemplate
 from physagent_jax.scene.world import WORLDS, Obstacle, World
 
 LET_GO = SemanticReply(force_field=ForceField(), anchor=AnchorRequest(kind="none"))
@@ -178,7 +177,7 @@ def resolve(
         preset = resolve_preset(spec)
         found = source or _make_source(spec, card, path, sha256, up)
         anchor = resolve_anchor(spec.anchor, found.kind, base_dir=base_dir)
-        source = level(found, preset.domain) if source is None and _stands(spec, anchor) else found
+        source = source or level(found, preset.domain, anchor, WORLDS[spec.world])
         material, warnings = resolve_material(spec.material, source.kind, preset, base_dir=base_dir)
         template = SceneTemplate(
             prompt=spec.prompt,
@@ -198,8 +197,7 @@ def resolve(
         raise format_validation_error(
             error, origin, do="`physagent schema scene` prints the ranges"
         ) from None
-    turned = explain_tilt(source)
-    warnings += () if turned is None else (turned,)
+    warnings += explain_tilt(source)
     if up is None:
         warnings += (
             "the file's up axis is not known: +z assumed; pass --up if the object lies or stands on its head "
@@ -280,11 +278,6 @@ def _choose_damping_ratio(spec: RunSpec, kind: str, preset: Preset, material: Ma
     named = spec.material.name is not None or spec.material.physgm is not None
     takes = "damping_ratio" in MODEL_PARAMETERS[material.model]
     return choose_damping_ratio(kind) if takes and not named and not preset.transfer.damping_rate else 0.0
-
-
-def _stands(spec: RunSpec, anchor: Anchor) -> bool:
-    """Return whether nothing but the ground holds the object up."""
-    return spec.world == "ground" and anchor.kind == "none"
 
 
 def _choose_friction(spec: RunSpec) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 
 from physagent_jax.core.recent import Recent
 from physagent_jax.core.strict import Vector
+from physagent_jax.mpm import lame_parameters
 from physagent_jax.scene.anchor import select_anchored
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.config import Anchor, Material
@@ -26,19 +27,25 @@ Matrix = tuple[Vector, Vector, Vector]
 _recent: Recent[Matrix | None] = Recent(4)  # rounds of a run differ in what acts only
 
 
-def find_compliance(body: Body, material: Material, anchor: Anchor) -> Matrix | None:
+def find_compliance(
+    body: Body, material: Material, anchor: Anchor, firmness: np.ndarray | None = None
+) -> Matrix | None:
     """`measure_compliance`, remembered from one round to the next."""
-    key = material.model_dump_json() + anchor.model_dump_json()
-    return _recent.find(body, key, lambda: measure_compliance(body, material, anchor))
+    firm = None if firmness is None else firmness.tobytes()
+    key = material.model_dump_json(), anchor.model_dump_json(), firm
+    return _recent.find(body, key, lambda: measure_compliance(body, material, anchor, firmness))
 
 
-def measure_compliance(body: Body, material: Material, anchor: Anchor) -> Matrix | None:
+def measure_compliance(
+    body: Body, material: Material, anchor: Anchor, firmness: np.ndarray | None = None
+) -> Matrix | None:
     """Mean displacement [m] of what is not held, per uniform acceleration [m/s^2]; rows answer the three axes.
 
     Args:
         body: The object at rest.
         material: With a Young's modulus; other laws than linear elasticity count as it.
         anchor: What is held; a mask's path is absolute.
+        firmness: Factors of Young's modulus, shape (n,); None = 1.
 
     Returns:
         A symmetric matrix, or None where nothing is held, all is, or what is left hangs on nothing.
@@ -49,7 +56,7 @@ def measure_compliance(body: Body, material: Material, anchor: Anchor) -> Matrix
     )
     if not held.any() or held.all() or not material.youngs_modulus:
         return None
-    grid, mass, every = _make_grid(body, material)
+    grid, mass, every = _make_grid(body, material, firmness)
     held = held[::every]
     fixed = grid.spread @ (mass * held) > 0.5 * grid.mass
     moves = ~(fixed | grid.light) & grid.find_borne(fixed)
@@ -67,13 +74,15 @@ def measure_compliance(body: Body, material: Material, anchor: Anchor) -> Matrix
     return tuple(tuple(float(each) for each in row) for row in compliance)  # type: ignore[return-value]
 
 
-def _make_grid(body: Body, material: Material) -> tuple[GridElasticity, np.ndarray, int]:
+def _make_grid(
+    body: Body, material: Material, firmness: np.ndarray | None
+) -> tuple[GridElasticity, np.ndarray, int]:
     """A coarse grid of some of the particles, their masses [kg], and that it holds one in so many."""
     particles = body.particles
     every = -(-particles.count // MOST_PARTICLES)
     x, volume = particles.x[::every], particles.volume[::every].astype(np.float64) * every
-    E, nu = float(material.youngs_modulus or 0.0), float(material.poissons_ratio or 0.0)
-    mu, lam = (np.full(len(x), each) for each in (E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))))
+    factors = np.ones(len(x)) if firmness is None else firmness[::every]
+    mu, lam = lame_parameters(material.youngs_modulus * factors, material.poissons_ratio)
     mass = material.density * volume
     dx = float((PER_CELL * volume.mean()) ** (1 / 3))
     return GridElasticity(x, volume, mass, mu, lam, dx=dx, form="mls", share=SHARE), mass, every

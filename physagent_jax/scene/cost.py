@@ -12,6 +12,7 @@ from pathlib import Path
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.scene.body import Body
+from physagent_jax.scene.burden import find_firmness
 from physagent_jax.scene.config import SceneConfig
 from physagent_jax.scene.damping import find_scene_slowdown
 from physagent_jax.scene.materials.cost import stable_step
@@ -100,7 +101,10 @@ def find_stable_step(config: SceneConfig, body: Body) -> float:
     """The longest step [s] that a scene at rest allows, with its margin of safety; inf for what has no stress."""
     materials = (config.material, *(region.material for region in config.material_regions))
     step = min(stable_step(material, config.domain.dx) for material in materials)
-    return config.timing.safety * step / find_scene_slowdown(config, body.particles.x, body.particles.volume)
+    firmness = find_firmness(body, config.material, config.anchor, config.bearing, dx=config.domain.dx)
+    most = 1.0 if config.bearing is None else config.bearing.most
+    slowdown = find_scene_slowdown(config, body.particles.x, body.particles.volume, firmness, most)
+    return config.timing.safety * step / (math.sqrt(most) * slowdown)
 
 
 def check_cost(cost: Cost, limits: Limits) -> None:

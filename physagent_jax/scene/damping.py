@@ -49,7 +49,13 @@ class Mode:
     held: bool
 
 
-def find_lowest_mode(x: np.ndarray, volume: np.ndarray, held: np.ndarray, material: Material) -> Mode:
+def find_lowest_mode(
+    x: np.ndarray,
+    volume: np.ndarray,
+    held: np.ndarray,
+    material: Material,
+    firmness: np.ndarray | None = None,
+) -> Mode:
     """The lowest mode of an object of ``material``, as that of a beam.
 
     Args:
@@ -57,12 +63,16 @@ def find_lowest_mode(x: np.ndarray, volume: np.ndarray, held: np.ndarray, materi
         volume: [m^3], shape (n,).
         held: Particles that do not move, shape (n,).
         material: What it is made of.
+        firmness: Factors of its stiffness, shape (n,); None = 1.
     """
+    firmness = np.ones(len(x)) if firmness is None else firmness
     x, volume = np.asarray(x, np.float64), np.asarray(volume, np.float64)
     if held.any() and not held.all():
         centre = np.average(x[held], axis=0, weights=volume[held])
-        return Mode(_find_held_frequency(x[~held] - centre, volume[~held], material), bends=True, held=True)
-    bending, torsion = _find_free_frequencies(x, volume, material)
+        frequency = _find_held_frequency(x[~held] - centre, volume[~held], firmness[~held], material)
+        return Mode(frequency, bends=True, held=True)
+    mean = 1 / np.average(1 / firmness, weights=volume)  # as of parts in a row
+    bending, torsion = (math.sqrt(mean) * each for each in _find_free_frequencies(x, volume, material))
     return Mode(min(bending, torsion), bends=bending < torsion, held=bool(held.any()))
 
 
@@ -78,39 +88,45 @@ def compute_drag(ratio: float, mode: Mode) -> float:
     return 2 * ratio * mode.frequency
 
 
-def find_slowdown(viscosity: float, material: Material, dx: float) -> float:
+def find_slowdown(viscosity: float, material: Material, dx: float, most: float = 1.0) -> float:
     """The factor of substeps that ``viscosity`` [Pa s] needs: s - 1 / s = 4 eta / (dx sqrt(rho k)).
 
-    So says the bound of `mpm.timestep`, with k the material's stiffness at rest.
+    So says the bound of `mpm.timestep`, with k ``most`` times the material's stiffness at rest.
     """
-    half = 2 * viscosity / (dx * math.sqrt(material.density * stiffness(material)))
+    half = 2 * viscosity / (dx * math.sqrt(material.density * most * stiffness(material)))
     return half + math.sqrt(half**2 + 1)
 
 
-def find_scene_slowdown(config: SceneConfig, x: np.ndarray, volume: np.ndarray) -> float:
+def find_scene_slowdown(
+    config: SceneConfig, x: np.ndarray, volume: np.ndarray, firmness: np.ndarray | None, most: float
+) -> float:
     """The factor of substeps that a scene needs for its damping ratio.
 
     Args:
         config: The scene.
         x: Its particles at rest [m], shape (n, 3).
         volume: [m^3], shape (n,).
+        firmness: Factors of its stiffness, shape (n,); None = 1.
+        most: The largest of them.
     """
     material = config.material
     if not material.damping_ratio or config.anchor.kind != "none":
         return 1.0
-    mode = find_lowest_mode(x, volume, np.zeros(len(x), bool), material)
+    mode = find_lowest_mode(x, volume, np.zeros(len(x), bool), material, firmness)
     return find_slowdown(
-        compute_viscosity(material.damping_ratio, material, mode), material, config.domain.dx
+        compute_viscosity(material.damping_ratio, material, mode), material, config.domain.dx, most
     )
 
 
-def find_affordable_ratio(ratio: float, material: Material, mode: Mode, dx: float) -> float:
+def find_affordable_ratio(
+    ratio: float, material: Material, mode: Mode, dx: float, most: float = 1.0
+) -> float:
     """``ratio``, or the largest below it that needs at most `MOST_SLOWER` times as many substeps; drag needs none."""
     if mode.held:
         return ratio
-    room = (MOST_SLOWER - 1 / MOST_SLOWER) * dx * math.sqrt(material.density * stiffness(material)) / 4
-    most = ratio * room / compute_viscosity(ratio, material, mode) if ratio else 0.0
-    return ratio if most >= ratio else float(f"{most:.2g}")
+    room = (MOST_SLOWER - 1 / MOST_SLOWER) * dx * math.sqrt(material.density * most * stiffness(material)) / 4
+    largest = ratio * room / compute_viscosity(ratio, material, mode) if ratio else 0.0
+    return ratio if largest >= ratio else float(f"{largest:.2g}")
 
 
 def _find_free_frequencies(x: np.ndarray, volume: np.ndarray, material: Material) -> tuple[float, float]:
@@ -124,7 +140,7 @@ def _find_free_frequencies(x: np.ndarray, volume: np.ndarray, material: Material
     return bending, math.pi * math.sqrt(float(mu) / material.density) / length
 
 
-def _find_held_frequency(arm: np.ndarray, volume: np.ndarray, material: Material) -> float:
+def _find_held_frequency(arm: np.ndarray, volume, firmness, material: Material) -> float:
     """Angular frequency of the first mode of a beam [rad/s]; ``arm`` from the middle of what is held [m], (n, 3)."""
     mean = np.average(arm, axis=0, weights=volume)
     length = np.linalg.norm(mean)
@@ -132,10 +148,12 @@ def _find_held_frequency(arm: np.ndarray, volume: np.ndarray, material: Material
     along = np.abs(arm @ axis)  # what is held in the middle swings on both sides
     across = arm - np.outer(arm @ axis, axis)
     directions = np.linalg.eigh((across * volume[:, None]).T @ across)[1][:, 1:]
-    return min(_find_cantilever_frequency(along, across @ each, volume, material) for each in directions.T)
+    return min(
+        _find_cantilever_frequency(along, across @ each, volume, firmness, material) for each in directions.T
+    )
 
 
-def _find_cantilever_frequency(s: np.ndarray, y: np.ndarray, volume: np.ndarray, material: Material) -> float:
+def _find_cantilever_frequency(s: np.ndarray, y: np.ndarray, volume, firmness, material: Material) -> float:
     """Rayleigh's quotient of the deflection along y of a beam along s, both [m], shape (n,)."""
     size = np.cbrt(volume.mean())
     start, end = s.min() - 0.5 * size, s.max() + 0.5 * size
@@ -145,10 +163,12 @@ def _find_cantilever_frequency(s: np.ndarray, y: np.ndarray, volume: np.ndarray,
     filled = np.bincount(index, volume, count)
     matter = np.maximum(filled, 1e-300)
     middle = np.bincount(index, volume * y, count) / matter
-    second = np.bincount(index, volume * (y - middle[index]) ** 2, count) / matter + size**2 / 12
+    inertia = firmness * ((y - middle[index]) ** 2 + size**2 / 12)
+    second = np.bincount(index, volume * inertia, count) / matter
+    firm = np.bincount(index, volume * firmness, count) / matter
     places, some = np.arange(count), filled > 0.0  # across a gap the beam goes on as it is beside it
     area = np.interp(places, places[some], filled[some]) / h
-    radius = np.interp(places, places[some], second[some])
+    radius, firm = (np.interp(places, places[some], each[some]) for each in (second, firm))
 
     mu, _ = lame_parameters(material.youngs_modulus, material.poissons_ratio)
     mass = material.density * filled
@@ -158,6 +178,6 @@ def _find_cantilever_frequency(s: np.ndarray, y: np.ndarray, volume: np.ndarray,
     at_end = shear - 0.5 * mass
     moment = h * (at_end[::-1].cumsum()[::-1] + 0.125 * mass)
     curvature = moment / (material.youngs_modulus * area * radius)
-    slope = h * (curvature.cumsum() - 0.5 * curvature) + shear / (_SHEAR_SHARE * float(mu) * area)
+    slope = h * (curvature.cumsum() - 0.5 * curvature) + shear / (_SHEAR_SHARE * float(mu) * firm * area)
     deflection = h * (slope.cumsum() - 0.5 * slope)
     return math.sqrt((mass * deflection).sum() / (mass * deflection**2).sum())

@@ -12,75 +12,18 @@ from physagent_jax.forces.free_path import compute_free_path
 from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ForceField, Holding, Response
 from physagent_jax.scene.body import Body
-from physagent_jax.scene.burden import Burden, find_burden
 from physagent_jax.scene.camera import frame_camera, shows_points
 from physagent_jax.scene.compliance import find_compliance
 from physagent_jax.scene.config import (
-    Anchor,
     CameraConfig,
     HalfSpace,
-    Material,
     SceneConfig,
-    Source,
 )
-from physagent_jax.scene.config.material import MaterialModel
 from physagent_jax.scene.cost import find_stable_step
-from physagent_jax.scene.damping import (
-    MOST_SLOWER,
-    compute_viscosity,
-    find_affordable_ratio,
-    find_lowest_mode,
-    find_slowdown,
-)
-from physagent_jax.scene.presets import Preset
-from physagent_jax.scene.priors import explain_damping_ratio
 from physagent_jax.scene.response import Setting, find_responses
-from physagent_jax.scene.world import (
-    FREE,
-    World,
-    build_boundaries,
-    find_gravity,
-    find_ground_height,
-    find_opposition,
-)
-
-SEEN_SAG = 1e-3  # [L] by which an object's weight bends it, below which it is as straight as without
-CAN_STAND = (MaterialModel.NEO_HOOKEAN, MaterialModel.FIXED_COROTATED, MaterialModel.HENCKY)
-
-
-@dataclasses.dataclass(frozen=True)
-class SceneTemplate:
-    """A scene without its force field; the same for all rounds of a run.
-
-    Attributes:
-        prompt: The sentence, for the record.
-        preset_name, preset: Grid, particles, time, transfer, pictures.
-        source: The object.
-        material: What it is made of.
-        anchor: What is held.
-        camera: Direction and lens; with ``target`` None it is placed to show the expected motion.
-        world: What surrounds the object.
-        friction: Friction of ground and obstacles.
-        damping_rate: Drag of the surrounding air [1/s]; the preset's holds if it is larger.
-        damping_ratio: Damping ratio of what nobody has chosen one for (`Material.damping_ratio`), as far as it
-            costs few substeps.
-        damping_kind: Kind that ``damping_ratio`` is of; None = the object's.
-        ledger: Whether exchanged energy and momentum are recorded.
-    """
-
-    prompt: str
-    preset_name: str
-    preset: Preset
-    source: Source
-    material: Material
-    anchor: Anchor
-    camera: CameraConfig
-    world: World = FREE
-    friction: float = 0.0
-    damping_rate: float = 0.0
-    damping_ratio: float = 0.0
-    damping_kind: str | None = None
-    ledger: bool = False
+from physagent_jax.scene.standing import CAN_STAND, damp, find_own_firmness, stands
+from physagent_jax.scene.template import SceneTemplate
+from physagent_jax.scene.world import build_boundaries, find_gravity, find_opposition
 
 
 def fuse(
@@ -95,7 +38,9 @@ def fuse(
         keep: The camera of an earlier round, which stays if it shows where the object will be.
     """
     preset, material = template.preset, template.material
-    world, drop = template.world, force_field.default_drop
+    drop = force_field.default_drop
+    # What falls has all of its weight.
+    world = dataclasses.replace(template.world, weight=1.0) if drop else template.world
     held, damping_rate = (
         template.anchor.kind != "none",
         max(preset.transfer.damping_rate, template.damping_rate),
@@ -116,7 +61,9 @@ def fuse(
     )
     standing = world.ground and not drop
     weighs = world.gravity == "down" and (standing or template.anchor.kind == "base")
-    setting = Setting(body, material, template.anchor, standing, weighs, opposition, time)
+    weight = -find_gravity(world)[2] if weighs else 0.0
+    firmness = find_own_firmness(template, body)
+    setting = Setting(body, material, template.anchor, standing, weight, opposition, time, firmness)
     scaling = scaling.model_copy(update=dict(responses=find_responses(setting, force_field)))
     for faint in (response for response in scaling.responses if response.note):
         _warn_of_faint(faint)
@@ -126,6 +73,7 @@ def fuse(
         source=template.source,
         filling=preset.filling,
         material=damp(template, body)[0],
+        bearing=template.bearing,
         domain=preset.domain,
         timing=preset.timing,
         transfer=preset.transfer.model_copy(update=dict(damping_rate=damping_rate)),
@@ -176,65 +124,11 @@ def _shorten_step(config: SceneConfig, body: Body) -> SceneConfig:
     return config.model_copy(update=dict(timing=config.timing.model_copy(update=dict(substep_dt="auto"))))
 
 
-def damp(template: SceneTemplate, body: Body) -> tuple[Material, str | None]:
-    """The template's material with its damping ratio, and what the user should know of it.
-
-    A ratio that nobody has chosen holds as far as it costs few substeps; drag, for what is held, costs none.
-    """
-    material, wanted = template.material, template.damping_ratio
-    chosen = material.damping_ratio is not None or material.viscosity is not None
-    ratio = (material.damping_ratio or 0.0) if chosen else wanted
-    if not ratio:
-        return material, None
-    note = None
-    if template.anchor.kind == "none":
-        dx, particles = template.preset.domain.dx, body.particles
-        mode = find_lowest_mode(particles.x, particles.volume, np.zeros(particles.count, bool), material)
-        times = find_slowdown(compute_viscosity(ratio, material, mode), material, dx)
-        if chosen and times > MOST_SLOWER:
-            note = f"a damping ratio of {ratio:g} takes {times:.1f} times as many substeps as none"
-        elif not chosen and (ratio := find_affordable_ratio(wanted, material, mode, dx)) < wanted:
-            note = (
-                f"motion dies out with a damping ratio of {ratio:g}; its kind's {wanted:g} would take {times:.1f} "
-                f"times as many substeps as none, and is there for `material.damping_ratio` {wanted:g}"
-            )
-    if chosen:
-        return material, note
-    reasons = (
-        material.reason,
-        f"damping: {explain_damping_ratio(template.damping_kind or template.source.kind)}",
-        note,
-    )
-    return material.changed(damping_ratio=ratio, reason="; ".join(filter(None, reasons))), note
-
-
-def stands(template: SceneTemplate, body: Body, *, drop: bool) -> bool:
-    """Return whether the object rests under its own weight when the clip begins, visibly.
-
-    What is lifted to be dropped bears nothing yet; what its weight moves by less than `SEEN_SAG` is not seen.
-    """
-    falls = drop and template.anchor.kind == "none"
-    return is_borne(template) and not falls and find_own_burden(template, body).sag > SEEN_SAG
-
-
-def is_borne(template: SceneTemplate) -> bool:
-    """Return whether elastic matter bears the object's weight, on the ground or at what is held."""
-    supported = template.anchor.kind != "none" or template.world.ground
-    return template.world.gravity == "down" and supported and template.material.model in CAN_STAND
-
-
-def find_own_burden(template: SceneTemplate, body: Body) -> Burden:
-    """The burden of the object's own weight where it is borne (`is_borne`)."""
-    world, anchor = template.world, template.anchor
-    ground = find_ground_height(world, body, anchor, drop=False) if world.ground else None
-    return find_burden(body, template.material, anchor, ground=ground, dx=template.preset.domain.dx)
-
-
 def find_holding(template: SceneTemplate, body: Body) -> Holding | None:
     """Find the compliance of the held object; None where it does not bend elastically or cannot be told."""
     if template.material.model not in CAN_STAND:
         return None
-    compliance = find_compliance(body, template.material, template.anchor)
+    compliance = find_compliance(body, template.material, template.anchor, find_own_firmness(template, body))
     if compliance is None:
         return None
     k = 2 * calibration.TRAVEL * body.extent / calibration.HELD_TIME**2

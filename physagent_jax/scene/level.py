@@ -7,49 +7,14 @@ mass centre is over.
 
 from __future__ import annotations
 
-import warnings
-from pathlib import Path
-
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from physagent_jax.scene.config import Domain, Source
-from physagent_jax.scene.load import load_object
-from physagent_jax.scene.placement import place
 from physagent_jax.scene.world import SOLE, measure_overhang
 
 LARGEST_TILT = 15.0  # [degrees]; what needs more was not captured standing
 CELLS = 32  # along the longest side, in which points are counted
 FEWEST_IN_CELL = 2  # a cell with fewer points holds floaters
-
-
-def level(source: Source, domain: Domain) -> Source:
-    """The source tilted so that the object stands; as it is if it stands or never would.
-
-    Args:
-        source: The object, at an absolute path.
-        domain: What it is placed in.
-
-    Raises:
-        UserError: The object cannot be used.
-    """
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # they are heeded when the object is loaded in earnest
-        loaded = load_object(source, Path())
-        cloud, _ = place(loaded.cloud, source, domain, loaded.origin)
-    points = np.asarray(cloud.means, np.float64)
-    tilt = find_tilt(points)
-    return source if tilt is None else source.model_copy(update=dict(tilt=tilt))
-
-
-def explain_tilt(source: Source) -> str | None:
-    """Explain in words how `level` turned a source; None = not at all."""
-    angle = float(np.hypot(*source.tilt))
-    if angle == 0:
-        return None
-    return (
-        f"the object was turned by {angle:.1f} degrees, so that it stands on its feet rather than on an edge"
-    )
 
 
 def find_tilt(points: np.ndarray) -> tuple[float, float] | None:

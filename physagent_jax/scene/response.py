@@ -28,6 +28,7 @@ from physagent_jax.forces.holding import OVERSHOOT
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.forces.schema import Action, ForceField, Opposition, Response, VelocityConstraint
 from physagent_jax.forces.skills import get_skill
+from physagent_jax.mpm import lame_parameters
 from physagent_jax.scene.anchor import select_anchored
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.config import Anchor, Material
@@ -62,18 +63,20 @@ class Setting:
         material: Its material; Young's modulus, Poisson's ratio and density count.
         anchor: What is held; a mask's path is absolute.
         stands: Whether it rests on the ground.
-        weighs: Whether weight acts downwards on what stands or is held at its foot.
+        gravity: Acceleration by the weight of what stands or is held at its foot [m/s^2]; 0 = none acts.
         opposition: What friction and weight do to the whole; None = nothing.
         time: T of the skills [s].
+        firmness: Factors of stiffness of the particles (`scene.burden`), shape (n,); None = 1.
     """
 
     body: Body
     material: Material
     anchor: Anchor
     stands: bool
-    weighs: bool
+    gravity: float
     opposition: Opposition | None
     time: float
+    firmness: np.ndarray | None = None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -194,10 +197,7 @@ def _find_stable_k(setting: Setting, entry: Entry, measured: Measured) -> float:
     high = float(np.average(x[mask, 2], weights=mass[mask]) - x[:, 2].min())
     moment = high * measured.rigid * flat
     leaning = (
-        SOFTENS
-        * calibration.GRAVITY
-        * _find_swing(max(measured.answer, 1e-12), setting.time)
-        * measured.shift
+        SOFTENS * opposition.weight * _find_swing(max(measured.answer, 1e-12), setting.time) * measured.shift
     )
     return min(slides, righting / max(moment + leaning, 1e-12))
 
@@ -212,12 +212,12 @@ def _find_toppling_blow(setting: Setting, entry: Entry) -> float:
     x, whole = setting.body.particles.x, arm - np.average(arm, axis=0, weights=mass)
     spread = float(np.average((whole**2).sum(1) - 0.5 * (whole[:, :2] ** 2).sum(1), weights=mass))
     inside = (
-        opposition.tipping * spread / calibration.GRAVITY
+        opposition.tipping * spread / opposition.weight
     )  # how far from the edge of its foot the mass centre is
     high = float(np.average(x[mask, 2], weights=mass[mask]) - x[:, 2].min())
     about_edge = spread + opposition.lever**2 + inside**2
     rise = math.hypot(opposition.lever, inside) - opposition.lever
-    spin = math.sqrt(2 * calibration.GRAVITY * rise / about_edge)
+    spin = math.sqrt(2 * opposition.weight * rise / about_edge)
     share = float(mass[mask].sum() / mass.sum())
     return ROCKS * spin * about_edge / max(share * high * flat, 1e-9)
 
@@ -234,8 +234,8 @@ def _measure(setting: Setting, entry: Entry, quantity: str) -> Measured | None:
     mask, mass, arm = mask[::every] & ~held, mass[::every] * every, arm[::every]
     if not mask.any():
         return None
-    E, nu = float(material.youngs_modulus or 0.0), float(material.poissons_ratio or 0.0)
-    mu, lam = (np.full(len(x), each) for each in (E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))))
+    firmness = np.ones(len(x)) if setting.firmness is None else setting.firmness[::every]
+    mu, lam = lame_parameters(material.youngs_modulus * firmness, material.poissons_ratio)
     dx = float((PER_CELL * volume.mean()) ** (1 / 3))
     grid = GridElasticity(x, volume, mass, mu, lam, dx=dx, form="mls", share=SHARE)
     fixed = grid.spread @ (mass * held) > 0.5 * grid.mass
@@ -258,9 +258,10 @@ def _measure(setting: Setting, entry: Entry, quantity: str) -> Measured | None:
     strain = np.linalg.norm(0.5 * (gradient + gradient.transpose(0, 2, 1)), axis=(1, 2))
     read = _READINGS[quantity]
     softer = 1.0
-    if fixed.any() and setting.weighs:
+    if fixed.any() and setting.gravity:
         softer = 1 / max(
-            1 - _find_weight_share(x, volume, mass, gradient, float((load * u).sum())), LEAST_LEFT
+            1 - setting.gravity * _find_weight_share(x, volume, mass, gradient, float((load * u).sum())),
+            LEAST_LEFT,
         )
     rigid, resisting = _find_following(
         setting, entry, quantity, mask, mass, arm, read(vector, arm, weight, balance)
@@ -275,11 +276,11 @@ def _measure(setting: Setting, entry: Entry, quantity: str) -> Measured | None:
 
 
 def _find_weight_share(x, volume, mass, gradient, work: float) -> float:
-    """Share of what bends it that its weight gives back as it leans, by Rayleigh's quotient; negative if it hangs."""
+    """Share of what bends it that its weight gives back as it leans, over g [s^2/m], by Rayleigh's quotient."""
     height = x[:, 2]
     order = np.argsort(height)
     bins = np.array_split(order, WEIGHED)
-    above = np.cumsum([mass[b].sum() for b in bins][::-1])[::-1] * calibration.GRAVITY
+    above = np.cumsum([mass[b].sum() for b in bins][::-1])[::-1]
     pressure = np.zeros(len(x))
     for each, load in zip(bins, above):
         thick = max(float(np.ptp(height[each])), 1e-9)
@@ -379,5 +380,12 @@ _TARGETS: dict[str, Callable[[Setting, Entry], float]] = dict(
 
 def _make_key(setting: Setting, entry: Entry, quantity: str) -> str:
     region = "" if entry.region is None else entry.region.model_dump_json()
-    parts = (setting.material.model_dump_json(), setting.anchor.model_dump_json(), setting.stands)
+    firmness = None if setting.firmness is None else setting.firmness.tobytes()
+    parts = (
+        setting.material.model_dump_json(),
+        setting.anchor.model_dump_json(),
+        setting.stands,
+        hash(firmness),
+        setting.gravity,
+    )
     return "|".join(map(str, (*parts, quantity, entry.vector, region)))

@@ -2,26 +2,75 @@
 
 A captured object stood when it was captured. Whether it does in a scene is decided by its shape (mass centre over its
 feet) and by the stiffness that its kind implies, which was chosen for visible motion and not for thin legs or stems:
-what they carry strains them, or makes them buckle (`scene.burden`). Such an object is made stiffer, as far as that can
-be simulated. Where it is not enough, or somebody has chosen the stiffness, the weight is left out: what is held stays
-where it is, what is free floats there.
+what they carry strains them, or makes them buckle (`scene.burden`). Those parts are made stiffer, as far as that can be
+simulated, and the others stay as they are. Where it is not enough, or somebody has chosen the stiffness, less weight
+acts. What would fall over floats where it is.
+
+Lean, stiffness, support and damping are decided here, and nowhere else.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
+import warnings
+from pathlib import Path
+
+import numpy as np
 
 from physagent_jax.scene.body import Body
-from physagent_jax.scene.config import Material, MaterialModel
-from physagent_jax.scene.fuse import SceneTemplate, find_own_burden, is_borne
+from physagent_jax.scene.burden import Burden, find_burden, find_firmness
+from physagent_jax.scene.config import Anchor, Bearing, Domain, Material, MaterialModel, Source
+from physagent_jax.scene.damping import (
+    MOST_SLOWER,
+    compute_viscosity,
+    find_affordable_ratio,
+    find_lowest_mode,
+    find_slowdown,
+)
+from physagent_jax.scene.level import find_tilt
+from physagent_jax.scene.load import load_object
 from physagent_jax.scene.materials.cost import find_affordable_modulus
-from physagent_jax.scene.materials.soften import replace_youngs_modulus
-from physagent_jax.scene.world import explain_toppling
+from physagent_jax.scene.placement import place
+from physagent_jax.scene.priors import explain_damping_ratio
+from physagent_jax.scene.template import SceneTemplate
+from physagent_jax.scene.world import World, find_ground_height, find_overhang
 
 FLOWS = (MaterialModel.FLUID, MaterialModel.DRUCKER_PRAGER, MaterialModel.SNOW)
-MOST_STRAIN = 0.25  # by which its weight may strain an object, to first order; beyond, it collapses
-MOST_BUCKLING = 0.75  # of the stress under which it gives way; the probe's grid is coarse
+CAN_STAND = (MaterialModel.NEO_HOOKEAN, MaterialModel.FIXED_COROTATED, MaterialModel.HENCKY)
+SEEN_SAG = 1e-3  # [L] by which an object's weight bends it, below which it is as straight as without
+TOPPLES = 0.0  # [L] of overhang from which on an object does not stand
+
+
+def level(source: Source, domain: Domain, anchor: Anchor, world: World) -> Source:
+    """The source tilted so that the object stands; as it is if it does, never would, or is held.
+
+    Args:
+        source: The object, at an absolute path.
+        domain: What it is placed in.
+        anchor: What is held.
+        world: What surrounds it.
+
+    Raises:
+        UserError: The object cannot be used.
+    """
+    if not world.ground or anchor.kind != "none":
+        return source
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # they are heeded when the object is loaded in earnest
+        loaded = load_object(source, Path())
+        cloud, _ = place(loaded.cloud, source, domain, loaded.origin)
+    tilt = find_tilt(np.asarray(cloud.means, np.float64))
+    return source if tilt is None else source.model_copy(update=dict(tilt=tilt))
+
+
+def explain_tilt(source: Source) -> tuple[str, ...]:
+    """Explain in words how `level` turned a source."""
+    angle = math.hypot(*source.tilt)
+    turned = (
+        f"the object was turned by {angle:.1f} degrees, so that it stands on its feet rather than on an edge"
+    )
+    return (turned,) if angle else ()
 
 
 def make_stand(
@@ -35,68 +84,154 @@ def make_stand(
         keep_material: Leave the stiffness as it is: somebody has chosen it.
         keep_weight: Leave gravity as it is: the sentence needs it. What cannot bear its weight then collapses.
     """
-    world, material = template.world, template.material
-    if not keep_weight:
-        why = explain_toppling(world, body, template.anchor, flows=material.model in FLOWS)
-        if why is not None:
-            return _take_weight(template), (why,)
-    if not is_borne(template):
+    material = template.material
+    if not keep_weight and (why := _explain_toppling(template, body)) is not None:
+        return _change_world(template, gravity="none", ground=False), (why,)
+    if not is_borne(template) or find_own_burden(template, body).share <= 1:
         return template, ()
-    needed = find_bearing_modulus(template, body)
-    if material.youngs_modulus >= needed:
-        return template, ()
-    if not keep_material:
-        most = max(find_affordable_modulus(material, template.preset.domain.dx), material.youngs_modulus)
-        template = _stiffen(template, min(needed, most))
-        if most >= needed:
-            return template, (explain_stiffening(needed / material.youngs_modulus),)
-    why = _explain_collapse(template, needed, chosen=keep_material, falls=keep_weight)
-    return template if keep_weight else _take_weight(template), (why,)
+    borne = template if keep_material else _stiffen(template, body, 1.0)
+    most = max(find_affordable_modulus(material, template.preset.domain.dx) / material.youngs_modulus, 1.0)
+    needed = find_largest_factor(borne.bearing)
+    if not keep_material and needed <= most:
+        return borne, (explain_stiffening(needed),)
+    carrying = find_bearing_modulus(template, body)
+    if keep_material:
+        needed, most = carrying / material.youngs_modulus, 1.0
+    share = _round_down(most / needed)
+    weight = 1.0 if keep_weight else share
+    why = _explain_collapse(carrying, chosen=keep_material, weight=weight)
+    template = _change_world(template, weight=weight)
+    return (template if keep_material else _stiffen(template, body, share)), (why,)
 
 
 def find_bearing_modulus(template: SceneTemplate, body: Body) -> float:
-    """Least Young's modulus [Pa] that bears the weight within `MOST_STRAIN` and `MOST_BUCKLING`, to two digits."""
-    burden = find_own_burden(template, body)
-    share = max(burden.strain / MOST_STRAIN, burden.buckling / MOST_BUCKLING)
-    least = max(share * template.material.youngs_modulus, 1e-12)
-    digits = 10.0 ** (math.floor(math.log10(least)) - 1)
-    return math.ceil(least / digits - 1e-9) * digits
+    """Least uniform Young's modulus [Pa] that bears the weight, to two digits."""
+    least = max(find_own_burden(template, body).share * template.material.youngs_modulus, 1e-12)
+    return -_round_down(-least)
 
 
 def explain_stiffening(times: float) -> str:
-    """Explain that a material was made ``times`` as stiff."""
-    return f"made {times:.2g} times as stiff, so that it stands under its own weight"
+    """Explain that parts were made up to ``times`` as stiff."""
+    return f"the parts that bear its own weight were made up to {times:.2g} times as stiff, so that it stands"
 
 
-def _stiffen(template: SceneTemplate, youngs_modulus: float) -> SceneTemplate:
-    material: Material = template.material
-    times = youngs_modulus / material.youngs_modulus
-    if times <= 1:
-        return template
-    reason = f"{material.reason}; {explain_stiffening(times)}"
-    stiffer = replace_youngs_modulus(material, youngs_modulus).changed(reason=reason)
-    return dataclasses.replace(template, material=stiffer)
-
-
-def _take_weight(template: SceneTemplate) -> SceneTemplate:
-    """The template without gravity; what is free then floats over no ground."""
-    ground = template.world.ground and template.anchor.kind != "none"
-    return dataclasses.replace(
-        template, world=dataclasses.replace(template.world, gravity="none", ground=ground)
+def find_own_firmness(template: SceneTemplate, body: Body) -> np.ndarray | None:
+    """The factors of stiffness of the object's particles (`find_firmness`)."""
+    return find_firmness(
+        body, template.material, template.anchor, template.bearing, dx=template.preset.domain.dx
     )
 
 
-def _explain_collapse(template: SceneTemplate, needed: float, *, chosen: bool, falls: bool) -> str:
+def find_largest_factor(bearing: Bearing | None) -> float:
+    """Factor of the stiffest part's Young's modulus."""
+    return 1.0 if bearing is None else bearing.most
+
+
+def _stiffen(template: SceneTemplate, body: Body, weight: float) -> SceneTemplate:
+    """The template in which some parts are stiff enough for a share of the weight."""
+    bearing = Bearing(ground=_find_ground(template, body), weight=weight)
+    stiffer = dataclasses.replace(template, bearing=bearing)
+    firmness = find_own_firmness(stiffer, body)
+    assert firmness is not None
+    bearing = bearing.model_copy(update=dict(most=float(firmness.max())))
+    reason = f"{template.material.reason}; {explain_stiffening(bearing.most)}"
+    return dataclasses.replace(stiffer, bearing=bearing, material=template.material.changed(reason=reason))
+
+
+def _change_world(template: SceneTemplate, **changes) -> SceneTemplate:
+    return dataclasses.replace(template, world=dataclasses.replace(template.world, **changes))
+
+
+def _find_ground(template: SceneTemplate, body: Body) -> float | None:
+    """Height of the ground that the object rests on or hangs over [m]."""
+    world = template.world
+    return find_ground_height(world, body, template.anchor, drop=False) if world.ground else None
+
+
+def _round_down(value: float) -> float:
+    """The largest number of two digits that is no larger."""
+    digits = 10.0 ** (math.floor(math.log10(abs(value))) - 1)
+    return math.floor(value / digits + 1e-9) * digits
+
+
+def _explain_toppling(template: SceneTemplate, body: Body) -> str | None:
+    """Explain why the object would fall over as it stands; None if it stands, is held, or flows anyway."""
+    world, flows = template.world, template.material.model in FLOWS
+    if world.gravity != "down" or not world.ground or template.anchor.kind != "none" or flows:
+        return None
+    overhang = find_overhang(body)
+    if overhang <= TOPPLES:
+        return None
+    return (
+        f"the object's mass centre is {overhang:.2f} of its length beyond what it stands on: it would fall over at "
+        "once, so it is held in the air as it was captured, without gravity, until something drops it"
+    )
+
+
+def _explain_collapse(needed: float, *, chosen: bool, weight: float) -> str:
     """Explain what is done with an object that cannot bear its weight, and which option helps."""
     why = "with the stiffness that was chosen" if chosen else "even as stiff as it can be simulated quickly"
-    if falls:
-        what = "it will sag or collapse"
-    elif template.anchor.kind == "none":
-        what = "it is held in the air as it was captured, without gravity"
-    else:
-        what = "its weight is left out, and it stays as it was captured"
+    what = "it will sag or collapse"
+    if weight < 1:
+        what = f"{100 * weight:.2g} % of its weight acts, and it stays as it was captured"
     slower = "" if chosen else ", slowly"
     return (
         f"the object cannot carry its own weight {why}: {what}; "
         f"`material.youngs_modulus` {needed:.2g} carries it{slower}, and so does a lower `material.density`"
     )
+
+
+def damp(template: SceneTemplate, body: Body) -> tuple[Material, str | None]:
+    """The template's material with its damping ratio, and what the user should know of it.
+
+    A ratio that nobody has chosen holds as far as it costs few substeps; drag, for what is held, costs none.
+    """
+    material, wanted = template.material, template.damping_ratio
+    chosen = material.damping_ratio is not None or material.viscosity is not None
+    ratio = (material.damping_ratio or 0.0) if chosen else wanted
+    if not ratio:
+        return material, None
+    note = None
+    if template.anchor.kind == "none":
+        dx, particles = template.preset.domain.dx, body.particles
+        firmness, most = find_own_firmness(template, body), find_largest_factor(template.bearing)
+        free = np.zeros(particles.count, bool)
+        mode = find_lowest_mode(particles.x, particles.volume, free, material, firmness)
+        times = find_slowdown(compute_viscosity(ratio, material, mode), material, dx, most)
+        if chosen and times > MOST_SLOWER:
+            note = f"a damping ratio of {ratio:g} takes {times:.1f} times as many substeps as none"
+        elif not chosen and (ratio := find_affordable_ratio(wanted, material, mode, dx, most)) < wanted:
+            note = (
+                f"motion dies out with a damping ratio of {ratio:g}; its kind's {wanted:g} would take {times:.1f} "
+                f"times as many substeps as none, and is there for `material.damping_ratio` {wanted:g}"
+            )
+    if chosen:
+        return material, note
+    reasons = (
+        material.reason,
+        f"damping: {explain_damping_ratio(template.damping_kind or template.source.kind)}",
+        note,
+    )
+    return material.changed(damping_ratio=ratio, reason="; ".join(filter(None, reasons))), note
+
+
+def stands(template: SceneTemplate, body: Body, *, drop: bool) -> bool:
+    """Return whether the object rests under its own weight when the clip begins, visibly.
+
+    What is lifted to be dropped bears nothing yet; what its weight moves by less than `SEEN_SAG` is not seen.
+    """
+    falls = drop and template.anchor.kind == "none"
+    return is_borne(template) and not falls and find_own_burden(template, body).sag > SEEN_SAG
+
+
+def is_borne(template: SceneTemplate) -> bool:
+    """Return whether elastic matter bears the object's weight, on the ground or at what is held."""
+    supported = template.anchor.kind != "none" or template.world.ground
+    return template.world.gravity == "down" and supported and template.material.model in CAN_STAND
+
+
+def find_own_burden(template: SceneTemplate, body: Body) -> Burden:
+    """The burden of the object's own weight where it is borne (`is_borne`)."""
+    world, anchor = template.world, template.anchor
+    ground = find_ground_height(world, body, anchor, drop=False) if world.ground else None
+    return find_burden(body, template.material, anchor, ground=ground, dx=template.preset.domain.dx)

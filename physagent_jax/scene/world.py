@@ -17,7 +17,6 @@ from physagent_jax.scene.config import Anchor, Boundary, Box, DomainBox, HalfSpa
 LOWEST_FLOOR = 0.15  # [m]; a floor keeps clear of the domain's own wall
 STRAYS = 5e-4  # of the particles: so few below all others do not hold an object up
 SOLE = 0.03  # [L] of height in which an object's feet are
-TOPPLES = 0.0  # [L] of overhang from which on an object does not stand
 ROLLED = 15.0  # [degrees] of tipping by which what rolls is told from what stands on an edge
 RISEN = 0.3  # share of the rise over an edge of its foot, below which it rolls
 BLOCK_SIZE = 0.5  # [L] side of a block that a sentence names
@@ -46,11 +45,13 @@ class World:
         gravity: Where to; "none" = it acts only on what a force field lets fall.
         ground: Whether the object stands on the ground. Without, what falls finds one below it all the same.
         obstacles: Walls and blocks.
+        weight: Share of gravity that acts: an object may be too weak for all of it (`scene.standing`).
     """
 
     gravity: Literal["down", "up", "none"] = "none"
     ground: bool = False
     obstacles: tuple[Obstacle, ...] = ()
+    weight: float = 1.0
 
 
 FREE, GROUND = World(), World(gravity="down", ground=True)
@@ -59,7 +60,8 @@ WORLDS: dict[str, World] = {"ground": GROUND, "free": FREE}
 
 def find_gravity(world: World) -> tuple[float, float, float]:
     """Acceleration where gravity acts [m/s^2]."""
-    return (0.0, 0.0, calibration.GRAVITY if world.gravity == "up" else -calibration.GRAVITY)
+    g = calibration.GRAVITY * world.weight
+    return (0.0, 0.0, g if world.gravity == "up" else -g)
 
 
 def build_boundaries(
@@ -142,19 +144,6 @@ def rolls(body: Body) -> bool:
     return bool(np.mean(risen) < RISEN * over_edge)
 
 
-def explain_toppling(world: World, body: Body, anchor: Anchor, *, flows: bool) -> str | None:
-    """Explain why the object would fall over as it stands; None if it stands, is held, or flows anyway."""
-    if world.gravity != "down" or not world.ground or anchor.kind != "none" or flows:
-        return None
-    overhang = find_overhang(body)
-    if overhang <= TOPPLES:
-        return None
-    return (
-        f"the object's mass centre is {overhang:.2f} of its length beyond what it stands on: it would fall over at "
-        "once, so it is held in the air as it was captured, without gravity, until something drops it"
-    )
-
-
 def find_opposition(
     world: World, body: Body, anchor: Anchor, *, drop: bool, friction: float, damping_rate: float, time: float
 ) -> Opposition | None:
@@ -166,20 +155,21 @@ def find_opposition(
     """
     if world.gravity != "down" or anchor.kind != "none":
         return None
-    values = dict(weight=calibration.GRAVITY)
+    g = -find_gravity(world)[2]
+    values = dict(weight=g)
     if world.ground and not drop:
         x, volume = np.asarray(body.particles.x, float), np.asarray(body.particles.volume, float)
         arm = x - np.average(x, axis=0, weights=volume)
         about_vertical = np.average((arm[:, :2] ** 2).sum(1), weights=volume)
         about_side = np.average((arm**2).sum(1) - 0.5 * (arm[:, :2] ** 2).sum(1), weights=volume)
         feet = find_footprint(body) - np.average(x[:, :2], axis=0, weights=volume)
-        slowing = friction * calibration.GRAVITY
+        slowing = friction * g
         rolling = rolls(body)
         inside = 0.0 if rolling else max(0.0, -find_overhang(body)) * body.extent
         values |= dict(
             friction=slowing,
             turning=slowing * np.linalg.norm(feet, axis=1).mean() / max(about_vertical, 1e-12),
-            tipping=calibration.GRAVITY * inside / max(about_side, 1e-12),
+            tipping=g * inside / max(about_side, 1e-12),
             lever=0.0 if rolling else max(np.average(x[:, 2], weights=volume) - find_foot(body), 0.0),
         )
     travel = calibration.TRAVEL * body.extent

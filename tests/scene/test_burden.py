@@ -68,4 +68,4 @@ def test_burdens_go_with_the_compliance_and_are_measured_once(column, monkeypatc
 
 def test_what_nothing_holds_bears_nothing(column):
     burden = measure(column, FREE, ground=False)
-    assert burden.strain == burden.sag == burden.buckling == 0.0
+    assert burden.strain == burden.sag == burden.buckling == 0.0 and burden.needed is None

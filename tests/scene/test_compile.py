@@ -12,8 +12,9 @@ from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.camera import find_viewer_directions, frame_camera, make_reference_camera
 from physagent_jax.scene.compile import compile_scene
-from physagent_jax.scene.fuse import SceneTemplate, fuse
+from physagent_jax.scene.fuse import fuse
 from physagent_jax.scene.presets import PRESETS, PresetName
+from physagent_jax.scene.template import SceneTemplate
 from physagent_jax.simulation.simulate import simulate_frames
 
 

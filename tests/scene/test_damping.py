@@ -28,8 +28,9 @@ from physagent_jax.scene.damping import (
     find_lowest_mode,
     find_slowdown,
 )
-from physagent_jax.scene.fuse import damp, fuse
+from physagent_jax.scene.fuse import fuse
 from physagent_jax.scene.priors import PRIORS
+from physagent_jax.scene.standing import damp
 
 JELLY = c.Material(youngs_modulus=6e4, poissons_ratio=0.42, density=1000.0)
 MU = 6e4 / 2.84

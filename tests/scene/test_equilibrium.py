@@ -58,7 +58,8 @@ def test_jelly_stands_as_it_was_captured(pillar):
 def test_the_stress_is_that_of_a_bar_under_its_weight(pillar):
     scene, _ = scene_of(pillar, frames=2)
     material, x = scene.config.material, np.asarray(scene.state.x)
-    mu = material.youngs_modulus / (2 * (1 + material.poissons_ratio))
+    firmness = 1.0 if scene.materials.firmness is None else scene.materials.firmness
+    mu = firmness * material.youngs_modulus / (2 * (1 + material.poissons_ratio))
     lam = 2 * mu * material.poissons_ratio / (1 - 2 * material.poissons_ratio)
     F = np.asarray(scene.state.F, float)
     J = np.linalg.det(F)

@@ -32,6 +32,7 @@ def measure_motion(scene):
 
 CASES = [
     *((name, hold, None) for name in (*OBJECTS, *PROCEDURAL) for hold in ("none", "base")),
+    *((name, "top", None) for name in ("tree", "table", "shoe", "vase", "lamp", *PROCEDURAL)),
     *((name, "none", 2e4) for name in ("table", "shoe", "jelly", "plant")),
     *((name, "none", 2e6) for name in ("vase", "loaf")),
 ]
@@ -45,6 +46,7 @@ USUAL = [
     ("vase", "none", None),
     ("plant", "base", None),
     ("jelly", "none", None),
+    ("tree", "top", None),
 ]
 """One case of each kind of object; all of them take minutes."""
 

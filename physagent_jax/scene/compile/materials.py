@@ -16,6 +16,7 @@ from physagent_jax.mpm import materials as m
 from physagent_jax.mpm.numbers import cast
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import Body
+from physagent_jax.scene.burden import find_firmness
 from physagent_jax.scene.compile.select import DTYPE, select_box
 from physagent_jax.scene.damping import Mode, compute_viscosity
 
@@ -29,6 +30,7 @@ class ParticleMaterials:
     Attributes:
         choices: The scene's material, then those of its regions.
         choice: Index into ``choices``, shape (n,).
+        firmness: Factors of Young's modulus that bear the object's weight (`scene.burden`), shape (n,); None = 1.
         numbers: For each of ``choices`` what it has in place of its own numbers, by name: scalars, or one per particle,
             shape (n,), traced or not.
         dtype: Type of what is built.
@@ -36,6 +38,7 @@ class ParticleMaterials:
 
     choices: tuple[c.Material, ...]
     choice: np.ndarray
+    firmness: np.ndarray | None = None
     numbers: tuple[Mapping[str, Any], ...] = ()
     dtype: Any = DTYPE
 
@@ -49,9 +52,9 @@ class ParticleMaterials:
         choice = np.zeros(body.particles.count, np.int32)
         for index, region in enumerate(config.material_regions):
             choice[select_box(body.particles.x, region, f"material_regions[{index}]")] = index + 1
-        return ParticleMaterials(
-            (config.material, *(region.material for region in config.material_regions)), choice
-        )
+        firmness = find_firmness(body, config.material, config.anchor, config.bearing, dx=config.domain.dx)
+        choices = (config.material, *(region.material for region in config.material_regions))
+        return ParticleMaterials(choices, choice, firmness)
 
     def permute(self, order: np.ndarray) -> ParticleMaterials:
         """The same in another order."""
@@ -59,7 +62,8 @@ class ParticleMaterials:
             {name: value[order] if np.ndim(value) else value for name, value in each.items()}
             for each in self.numbers
         )
-        return dataclasses.replace(self, choice=self.choice[order], numbers=numbers)
+        firmness = None if self.firmness is None else self.firmness[order]
+        return dataclasses.replace(self, choice=self.choice[order], firmness=firmness, numbers=numbers)
 
     def with_numbers(self, numbers: Sequence[Mapping[str, Any]], dtype: Any) -> ParticleMaterials:
         """The same with other numbers, one mapping for each of ``choices``; what they do not name is kept.
@@ -161,7 +165,8 @@ def _make_builder(law: Callable, *names: str) -> Callable[[ParticleMaterials, c.
 
 def _build_lame(block: ParticleMaterials) -> tuple[jax.Array, jax.Array]:
     """Mu and lam [Pa], shapes (n,)."""
-    mu, lam = m.lame_parameters(block.get_values("youngs_modulus"), block.get_values("poissons_ratio"))
+    E = block.get_values("youngs_modulus") * (1.0 if block.firmness is None else block.firmness)
+    mu, lam = m.lame_parameters(E, block.get_values("poissons_ratio"))
     return block.leaf(mu), block.leaf(lam)
 
 

@@ -180,7 +180,11 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     bodies = tuple(RigidBody(buckets.find_places(mask)) for mask in materials.find_rigid_bodies())
     if (still := anchor_mask | materials.find_stationary()).any():
         prescribed = (*prescribed, PrescribedMotion.fixed(buckets.find_places(still)))
-    mode = find_lowest_mode(rest, volume, still, config.material) if materials.damped else None
+    mode = (
+        find_lowest_mode(rest, volume, still, config.material, materials.firmness)
+        if materials.damped
+        else None
+    )
     drag = config.transfer.damping_rate
     if mode is not None and mode.held:  # the air's is part of it
         drag = max(

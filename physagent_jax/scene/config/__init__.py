@@ -33,6 +33,7 @@ from physagent_jax.scene.config.forces import Vortex as Vortex
 from physagent_jax.scene.config.forces import Wind as Wind
 from physagent_jax.scene.config.material import ELASTIC_MODELS as ELASTIC_MODELS
 from physagent_jax.scene.config.material import MODEL_PARAMETERS as MODEL_PARAMETERS
+from physagent_jax.scene.config.material import Bearing as Bearing
 from physagent_jax.scene.config.material import Material as Material
 from physagent_jax.scene.config.material import MaterialModel as MaterialModel
 from physagent_jax.scene.config.material import MaterialRegion as MaterialRegion

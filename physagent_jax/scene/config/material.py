@@ -187,6 +187,20 @@ class MaterialRegion(Strict):
     material: Material
 
 
+class Bearing(Strict):
+    """The parts that bear an object's weight are as stiff as that takes (`scene.burden`), the others as their material.
+
+    Attributes:
+        ground: Height of the ground on which it stands [m]; null = it hangs on what is held.
+        weight: Share of the weight that is borne.
+        most: Largest factor of Young's modulus of any part.
+    """
+
+    ground: Annotated[float, Field(ge=-1e6, le=1e6)] | None = None
+    weight: Annotated[float, Field(ge=0, le=1)] = 1.0
+    most: Annotated[float, Field(ge=1, le=1e12)] = 1.0
+
+
 def _find_model(data: Any) -> MaterialModel | None:
     """The model that raw data names; None where the schema will complain itself."""
     if not isinstance(data, dict):

@@ -18,7 +18,7 @@ from physagent_jax.scene.config.boundaries import Boundary, DomainBox, Mesh
 from physagent_jax.scene.config.common import Acceleration
 from physagent_jax.scene.config.constraints import Anchor, Constraint
 from physagent_jax.scene.config.forces import ForceTerm
-from physagent_jax.scene.config.material import Material, MaterialRegion
+from physagent_jax.scene.config.material import Bearing, Material, MaterialRegion
 from physagent_jax.scene.config.numerics import Domain, Timing, Transfer
 from physagent_jax.scene.config.rendering import CameraConfig, Rendering
 from physagent_jax.scene.config.source import Filling, Source
@@ -33,6 +33,7 @@ class SceneConfig(Strict):
         version: Format version.
         prompt: The sentence, for the record.
         preset: Name of the preset that gave the defaults, for the record.
+        bearing: What makes parts of it stiffer than its material; None = nothing.
         gravity: [m/s^2]; acts only if ``force_field.default_drop``, or ``always_gravity``.
         always_gravity: Whether gravity acts regardless of the force field.
         start: "unstressed": the captured pose bears nothing yet, and sags where gravity acts; "equilibrium": it
@@ -48,6 +49,7 @@ class SceneConfig(Strict):
     source: Source
     filling: Filling = Filling()
     material: Material = Material()
+    bearing: Bearing | None = None
     material_regions: Annotated[tuple[MaterialRegion, ...], _FEW] = ()
     domain: Domain = Domain()
     timing: Timing = Timing()
