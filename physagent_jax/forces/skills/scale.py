@@ -34,7 +34,8 @@ class Scale(Skill):
         spared = 1.0 if bound.scaling.measured else bound.stress_concentration()
         strength = bound.leaf(k * bound.values.magnitude / spared)
         axis = bound.leaf(bound.values.vector)
-        return [Stretch(axis, strength, start, end, STRETCH_RAMP * (end - start), bound.weight)]
+        ramp, reach = STRETCH_RAMP * (end - start), bound.leaf(bound.reach())
+        return [Stretch(axis, strength, start, end, ramp, bound.weight, reach=reach)]
 
     def draw_icon(self, reverse):
         """A double arrow."""
