@@ -12,7 +12,8 @@ class Scale(Skill):
 
     x_c is the present mass centre; e is the linear mean strain of a uniform bar of length L. k is divided by the
     shape's stress concentration along the axis where that exceeds 1. M = 1 then strains no section more than the
-    middle of the bar. On a part, or on what is held, k is measured (`scene.response`).
+    middle of the bar. From a mean strain of `STRETCH_FADES` on the pull fades. On a part, or on what is held, k is
+    measured (`scene.response`).
     """
 
     name = "scale"

@@ -55,15 +55,18 @@ class Stretch:
         height = (arm * self.axis).sum(-1)
         side = jnp.sign(height)
         if self.reach is not None:
-            strength = strength * jnp.where(self.magnitude > 0, self._find_share_left(height, mass), 1.0)
+            strength = strength * jnp.where(
+                self.magnitude > 0, self._find_share_left(self.reach, height, mass), 1.0
+            )
         field = strength * remove_rigid_part(side[:, None] * self.axis, arm, mass)
         return field if self.weight is None else self.weight[:, None] * field
 
-    def _find_share_left(self, height: jax.Array, mass: jax.Array) -> jax.Array:
+    @staticmethod
+    def _find_share_left(reach: jax.Array, height: jax.Array, mass: jax.Array) -> jax.Array:
         """Share of the pull that is left, from the mean strain that ``height`` [m] above the plane tells, scalar."""
         first, last = STRETCH_FADES
         mean = sum_particles((mass * jnp.abs(height)).sum()) / sum_particles(mass.sum())
-        return jnp.clip((last + 1 - mean / self.reach) / (last - first), 0.0, 1.0)
+        return jnp.clip((last + 1 - mean / reach) / (last - first), 0.0, 1.0)
 
     def gradient(self, x, time, dt):
         """None: uniform on either side, but for the small rigid part."""
