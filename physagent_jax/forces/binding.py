@@ -193,6 +193,12 @@ class Binding:
             self._rest[inside], self._volume[inside], self.values.vector, np.ptp(self._rest, axis=0).max()
         )
 
+    def reach(self) -> Array:
+        """Mean distance of the chosen matter from the plane through its centre across the vector [m]."""
+        axis, arm = self.values.vector, self._rest[self._mask].astype(float) - self.centre
+        xp = jnp if _is_traced(axis) else np
+        return xp.maximum(xp.average(xp.abs(arm @ axis), weights=self._volume[self._mask]), _TINY)
+
     def overcome_friction(
         self, k: float | Array, before: Array | float | None = None, *, pulse: bool = False
     ) -> list:

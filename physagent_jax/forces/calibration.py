@@ -40,10 +40,14 @@ M = 0.4 and 1.6 are then just what viewers call slight and strong."""
 
 STRAIN = 0.15
 """[1] linear mean strain of a free bar under ``scale``. Soft solids stretch more than linearly: a neo-Hookean bar shows
-0.17 at M = 1 and 0.35 at M = 1.6; calibrated on 0.3, its middle would reach three times its length there and tear."""
+0.17 at M = 1, and more than in proportion above (`STRETCH_FADES`)."""
 
 STRETCH_RAMP = 0.4
 """[share of the window] over which a ``scale`` grows to its full strength: the object then follows without ringing."""
+
+STRETCH_FADES = (0.3, 0.5)
+"""[1] mean strain from which on the pull of a ``scale`` fades, and at which none is left. No magnitude asks for more;
+what strains unevenly, as a head on a neck, would tear off at M = 1.6 with no more than that on average."""
 
 REFERENCE_TIME = 2.0
 """[s] T of a free object, at most; a shorter clip is its own T. A longer clip leaves time for more, it does not make

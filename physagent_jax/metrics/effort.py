@@ -31,18 +31,6 @@ def measure_effort(model: Any, x, frame_dt: float) -> float:
         sizes = np.linalg.norm(np.asarray(push(x[:-1], velocities, times), np.float64), axis=-1)
         total += float((sizes @ share).sum()) * frame_dt
     for constraint in model.constraints:
-        total += _measure_constraint(constraint, model, x, share)
+        speeds = np.linalg.norm(np.asarray(constraint.prescribe(model, x[0]), np.float64), axis=-1)
+        total += float(speeds @ share)
     return total
-
-
-def _measure_constraint(constraint: Any, model: Any, x: jax.Array, share: np.ndarray) -> float:
-    face = getattr(constraint, "face", None)
-    if face is not None:
-        return float(jnp.linalg.norm(face.velocity)) if face.velocity is not None else 0.0
-    if not hasattr(constraint, "field"):
-        return 0.0
-    particles = np.asarray(constraint.particles)
-    particles = particles[particles < len(share)]
-    located = constraint.locate(model, x[0].at[constraint.particles].get(mode="fill", fill_value=0))
-    speeds = np.linalg.norm(np.asarray(located.field(x[0][particles]), np.float64), axis=-1)
-    return float(speeds @ share[particles])

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Protocol
 
 import jax
+import jax.numpy as jnp
 
 from physagent_jax.mpm.state import Grid, Model, State
 from physagent_jax.mpm.transfer import Stencil
@@ -54,11 +55,12 @@ class Boundary(Protocol):
 
 
 class Constraint(Protocol):
-    """A constraint on chosen particles within a substep. Later constraints win over earlier ones."""
+    """A constraint within a substep, on chosen particles or on the grid alone. Later ones win over earlier ones."""
 
     def before_p2g(self, model: Model, state: State) -> State:
-        """Give the constrained particles the v and C that P2G is to see."""
-        ...
+        """Give the constrained particles the v and C that P2G is to see; here nothing."""
+        del model
+        return state
 
     def on_grid(
         self,
@@ -82,11 +84,17 @@ class Constraint(Protocol):
         ...
 
     def after_g2p(self, model: Model, before: State, after: State) -> State:
-        """Put the constrained particles where they belong.
+        """Put the constrained particles where they belong; here nothing.
 
         Args:
             model: Its ``dt`` lies between the two states.
             before: At the start of the substep.
             after: As G2P and the return mapping left it.
         """
-        ...
+        del model, before
+        return after
+
+    def prescribe(self, model: Model, x: jax.Array) -> jax.Array:
+        """Velocities that it gives to what is at rest when it begins [m/s], for places (n, 3) [m]; here none."""
+        del model
+        return jnp.zeros_like(x)

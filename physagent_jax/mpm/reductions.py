@@ -38,6 +38,12 @@ def sum_devices(value: jax.Array, axis: str | None) -> jax.Array:
     return value if _check_axis(axis) is None else jax.lax.psum(value, axis)
 
 
+def find_mass_centre(x: jax.Array, mass: jax.Array, axis: str | None) -> jax.Array:
+    """Centre of ``mass`` (n,) [kg] at ``x`` [m], shape (n, 3), on all devices along ``axis``; zero where none is."""
+    sums = sum_devices(jnp.concatenate([mass[:, None] * x, mass[:, None]], axis=1).sum(0), axis)
+    return sums[:3] / jnp.where(sums[3] > 0, sums[3], 1)
+
+
 def min_devices(value: jax.Array, axis: str | None) -> jax.Array:
     """The least ``value`` of the devices along ``axis``, a constant to derivatives."""
     return value if _check_axis(axis) is None else jax.lax.pmin(jax.lax.stop_gradient(value), axis)

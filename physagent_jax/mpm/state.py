@@ -52,6 +52,10 @@ class Grid:
         indices = self.node_indices()
         return tuple(i.astype(dtype) * self.dx for i in indices)  # type: ignore[return-value]
 
+    def place_nodes(self, dtype) -> jax.Array:
+        """Node positions [m], shape (nx, ny, nz, 3)."""
+        return jnp.stack(jnp.broadcast_arrays(*self.node_positions(dtype)), axis=-1)
+
     def node_indices(self) -> tuple[jax.Array, jax.Array, jax.Array]:
         """Domain indices of the nodes, int32, broadcastable as `node_positions`."""
         out = []

@@ -44,6 +44,10 @@ class Stencil:
         """The stencils of some particles."""
         return jax.tree.map(lambda leaf: leaf[particles], self)
 
+    def place_particles(self, grid: Grid) -> jax.Array:
+        """Positions of the particles [m], shape (n, 3)."""
+        return (self.base + grid.origin) * grid.dx - self.offsets[..., 0]
+
 
 def stencil(x: jax.Array, grid: Grid) -> Stencil:
     """Quadratic B-spline stencils of particles at ``x`` [m], shape (n, 3)."""

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from baselines.objects import OBJECTS
+from baselines.record import main as record_again
 from baselines.recovery import compare_fields, measure_identifiability
 from baselines.task_files import record_target, stamp, write_tasks
 from baselines.tasks import FAMILIES, START, load_tasks, load_witnesses, make_task, split_available
@@ -194,6 +195,22 @@ def test_a_hidden_force_is_told_by_its_motion_and_errors_are_from_it(tmp_path):
     angle = np.degrees(np.arccos(np.dot(spec.hidden.actions[0].vector, spec.begin.actions[0].vector)))
     assert errors.direction_degrees == pytest.approx(angle)
     assert errors.magnitude_percent == pytest.approx(100 * abs(0.8 - 1.3) / 1.3)
+
+
+def test_recovery_paths_are_recorded_again_from_their_hidden_force(tmp_path, capsys):
+    name = "recovery-jelly-push"
+    old = HERE[name]
+    weaker = old.hidden.actions[0].model_copy(update=dict(magnitude=0.9))
+    changed = old.model_copy(update=dict(hidden=ForceField(actions=(weaker,))))
+    write_tasks(tmp_path / "recovery.json", [changed])
+    assert record_again([name, "--tasks", str(tmp_path)]) == 0
+    (new,) = load_tasks(tmp_path)
+    way, before = (np.array(each.target.clauses[0].places[0].centres)[-1] for each in (new, old))
+    ratio = 0.9 / old.hidden.actions[0].magnitude
+    np.testing.assert_allclose(way, ratio * before, atol=2e-3)
+    shutil.copy(FOLDER / "twist.json", tmp_path)
+    assert record_again(["twist-robot-quarter", "--tasks", str(tmp_path)]) == 2
+    assert "no hidden force field" in capsys.readouterr().err
 
 
 def test_a_window_that_is_the_whole_clip_may_be_unsaid():

@@ -11,7 +11,8 @@ from physagent_jax.forces.terms import Torque, UniformAcceleration, VelocityChan
 from physagent_jax.metrics.effort import measure_effort
 from physagent_jax.metrics.identifiability import find_identifiability
 from physagent_jax.metrics.recovery import Force, compare_forces
-from physagent_jax.mpm.constraints import PrescribedMotion
+from physagent_jax.mpm.boundaries.half_space import HalfSpace
+from physagent_jax.mpm.constraints import GradedRotation, GradedTranslation, MovingPlate, PrescribedMotion
 
 
 def force(vector, kind="translation", window=(0, 10), **more):
@@ -129,3 +130,25 @@ def test_what_prescribes_a_velocity_counts_as_it():
     assert measure_effort(Scene(MASS, (), (moved,)), STILL, DT) == pytest.approx(0.75, rel=1e-5)
     held = PrescribedMotion.fixed(jnp.asarray(some))
     assert measure_effort(Scene(MASS, (), (held,)), STILL, DT) == 0.0
+
+
+def test_what_moves_evenly_from_end_to_end_counts_as_it_begins():
+    axis, window = number([0.0, 0.0, 1.0]), dict(start=number(0.2), end=number(0.6))
+    arm = REST - MASS @ REST / MASS.sum()
+    share = MASS / MASS.sum()
+    longer = GradedTranslation(axis=axis, speed=number(-0.5), length=number(1.0), **window)
+    expected = 0.5 * (share @ abs(arm[:, 2]))
+    assert measure_effort(Scene(MASS, (), (longer,)), STILL, DT) == pytest.approx(float(expected), rel=1e-5)
+    wrung = GradedRotation(
+        axis=axis, rate=number(3.0), length=number(1.0), offset=number(np.zeros((2, 3))), **window
+    )
+    expected = 3.0 * 2 * (share @ (abs(arm[:, 2]) * np.linalg.norm(arm[:, :2], axis=1)))
+    assert measure_effort(Scene(MASS, (), (wrung,)), STILL, DT) == pytest.approx(float(expected), rel=1e-5)
+    kept = dataclasses.replace(longer, speed=number(0.0)), dataclasses.replace(wrung, rate=number(0.0))
+    assert measure_effort(Scene(MASS, (), kept), STILL, DT) == 0.0
+
+
+def test_a_plate_counts_as_if_it_moved_all():
+    up, zero, one = number([0.0, 0.0, 1.0]), number(0.0), number(1.0)
+    face = HalfSpace(-up, up, zero, zero, one, velocity=0.7 * up)
+    assert measure_effort(Scene(MASS, (), (MovingPlate(face),)), STILL, DT) == pytest.approx(0.7, rel=1e-5)

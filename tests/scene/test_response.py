@@ -145,3 +145,20 @@ def test_a_blow_on_a_part_of_what_is_held_shows(bar, matter):
     field = field_of("particle_impulse", (1, 0, 0), group="constraints", active_time=(0, 1))
     way, _, _ = move(bar, "held", matter, field)
     assert 0.13 < way < 0.7
+
+
+def test_the_strongest_stretch_tears_nothing(tmp_path):
+    path = tmp_path / "thing.obj"
+    trimesh.creation.cylinder(0.5, 0.7).export(path)
+    pull = {"action_type": "scale", "vector": (0, 0, 1), "magnitude": calibration.MAGNITUDE_MAX}
+    scene, _ = scene_of(
+        path,
+        frames=26,
+        cells=40,
+        particles=3000,
+        field=ForceField.model_validate({"actions": [pull]}),
+        material={"youngs_modulus": 2e4, "density": 400.0, "name": "neo_hookean"},
+        **SETTINGS["held"],
+    )
+    heights = np.array([np.ptp(np.asarray(frame.state.x)[:, 2]) for frame in simulate_frames(scene)])
+    assert 1.15 < heights.max() / heights[0] < 1.6

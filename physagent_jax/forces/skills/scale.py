@@ -12,7 +12,8 @@ class Scale(Skill):
 
     x_c is the present mass centre; e is the linear mean strain of a uniform bar of length L. k is divided by the
     shape's stress concentration along the axis where that exceeds 1. M = 1 then strains no section more than the
-    middle of the bar. On a part, or on what is held, k is measured (`scene.response`).
+    middle of the bar. From a mean strain of `STRETCH_FADES` on the pull fades. On a part, or on what is held, k is
+    measured (`scene.response`).
     """
 
     name = "scale"
@@ -34,7 +35,8 @@ class Scale(Skill):
         spared = 1.0 if bound.scaling.measured else bound.stress_concentration()
         strength = bound.leaf(k * bound.values.magnitude / spared)
         axis = bound.leaf(bound.values.vector)
-        return [Stretch(axis, strength, start, end, STRETCH_RAMP * (end - start), bound.weight)]
+        ramp, reach = STRETCH_RAMP * (end - start), bound.leaf(bound.reach())
+        return [Stretch(axis, strength, start, end, ramp, bound.weight, reach=reach)]
 
     def draw_icon(self, reverse):
         """A double arrow."""

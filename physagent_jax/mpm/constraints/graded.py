@@ -12,8 +12,8 @@ from physagent_jax.mpm.edges import window_value
 from physagent_jax.mpm.fields import EDGE, END, START, UNIT
 from physagent_jax.mpm.linalg import cross
 from physagent_jax.mpm.protocols import Constraint
-from physagent_jax.mpm.reductions import sum_devices
-from physagent_jax.mpm.state import Model, State
+from physagent_jax.mpm.reductions import find_mass_centre
+from physagent_jax.mpm.state import Model
 from physagent_jax.mpm.transfer import Stencil
 
 
@@ -39,11 +39,6 @@ class _Graded(Constraint):
         """The change to the wanted velocities [m/s], shape (..., 3), at nodes [m] of the same shape."""
         raise NotImplementedError
 
-    def before_p2g(self, model: Model, state: State) -> State:
-        """Nothing: the grid carries the motion."""
-        del model
-        return state
-
     def on_grid(
         self,
         model: Model,
@@ -55,22 +50,18 @@ class _Graded(Constraint):
     ) -> jax.Array:
         """Impose the motion on every node; particles take it from there exactly, since it is linear in the place."""
         del free
-        x, y, z = model.grid.node_positions(velocity.dtype)
-        nodes = jnp.stack(jnp.broadcast_arrays(x, y, z), axis=-1)
-        places = (s.base + model.grid.origin) * model.grid.dx - s.offsets[..., 0]
-        mass = model.mass[:, None]
-        sums = sum_devices(jnp.concatenate([mass * places, mass], axis=1).sum(0), model.axis)
-        change = self.find_change(nodes, velocity, sums[:3] / sums[3], time)
+        centre = find_mass_centre(s.place_particles(model.grid), model.mass, model.axis)
+        change = self.find_change(model.grid.place_nodes(velocity.dtype), velocity, centre, time)
         if self.edge is None:
             share = ((self.start <= time) & (time < self.end)).astype(velocity.dtype)
         else:
             share = window_value(time, self.start, self.end, self.edge)
         return velocity + share * change
 
-    def after_g2p(self, model: Model, before: State, after: State) -> State:
-        """Nothing: the grid carries the motion."""
-        del model, before
-        return after
+    def prescribe(self, model: Model, x: jax.Array) -> jax.Array:
+        """The motion as it begins, along its directions [m/s]."""
+        centre = find_mass_centre(x, model.mass, model.axis)
+        return self.find_change(x, jnp.zeros_like(x), centre, self.start)
 
 
 @register_dataclass

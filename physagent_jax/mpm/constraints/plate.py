@@ -5,11 +5,12 @@ from __future__ import annotations
 import dataclasses
 
 import jax
+import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.boundaries.half_space import HalfSpace
 from physagent_jax.mpm.protocols import Constraint
-from physagent_jax.mpm.state import Model, State
+from physagent_jax.mpm.state import Model
 from physagent_jax.mpm.transfer import Stencil
 
 
@@ -26,11 +27,6 @@ class MovingPlate(Constraint):
 
     face: HalfSpace
 
-    def before_p2g(self, model: Model, state: State) -> State:
-        """Nothing: contact is on the grid."""
-        del model
-        return state
-
     def on_grid(
         self,
         model: Model,
@@ -44,7 +40,9 @@ class MovingPlate(Constraint):
         del free, node_mass, s
         return self.face.apply(velocity, model.grid, time)
 
-    def after_g2p(self, model: Model, before: State, after: State) -> State:
-        """Nothing: contact is on the grid."""
-        del model, before
-        return after
+    def prescribe(self, model: Model, x: jax.Array) -> jax.Array:
+        """The plate's velocity, as if it moved all [m/s]."""
+        del model
+        return (
+            jnp.zeros_like(x) if self.face.velocity is None else jnp.broadcast_to(self.face.velocity, x.shape)
+        )

@@ -13,7 +13,7 @@ from physagent_jax.mpm.edges import window_value
 from physagent_jax.mpm.fields import EDGE, END, HELD, PER_HELD, START
 from physagent_jax.mpm.linalg import cross, skew
 from physagent_jax.mpm.protocols import Constraint
-from physagent_jax.mpm.reductions import sum_devices
+from physagent_jax.mpm.reductions import find_mass_centre, sum_devices
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import Stencil, scatter_mass
 
@@ -68,8 +68,7 @@ class PrescribedMotion(Constraint):
         if self.center is not None:
             return self
         mass = model.mass.at[self.particles].get(mode="fill", fill_value=0)
-        sums = sum_devices(jnp.concatenate([mass[:, None] * x, mass[:, None]], axis=1).sum(0), model.axis)
-        return dataclasses.replace(self, center=sums[:3] / jnp.where(sums[3] > 0, sums[3], 1))
+        return dataclasses.replace(self, center=find_mass_centre(x, mass, model.axis))
 
     def field(self, x: jax.Array) -> jax.Array:
         """u(x) [m/s], shape (..., 3); the centre must be known (`locate`)."""
@@ -80,6 +79,11 @@ class PrescribedMotion(Constraint):
         """Positions after ``dt`` [s]: an exact rotation about the axis and a translation."""
         assert self.center is not None
         return self.center + rotate(x - self.center, self.angular_velocity * dt) + self.velocity * dt
+
+    def prescribe(self, model: Model, x: jax.Array) -> jax.Array:
+        """u(x) of its particles [m/s]."""
+        places = x.at[self.particles].get(mode="fill", fill_value=0)
+        return jnp.zeros_like(x).at[self.particles].set(self.locate(model, places).field(places))
 
     def before_p2g(self, model: Model, state: State) -> State:
         """Give the held particles their velocity and velocity gradient."""
@@ -100,17 +104,15 @@ class PrescribedMotion(Constraint):
         """Impose u on the nodes more than half of whose mass is held."""
         del free
         p = self.particles
-        own = jax.tree.map(lambda part: part[p], s)
+        own = s.take(p)
         mass = model.mass.at[p].get(mode="fill", fill_value=0)
         clock = time + _CLOCK * model.dt
         share = None if self.edge is None else self.find_share(clock)
         active = self.active(clock) if share is None else share > 0
         held = sum_devices(scatter_mass(own, model.grid, jnp.where(active, mass, 0)), model.axis)
         node_mask = held > 0.5 * node_mass
-        x, y, z = model.grid.node_positions(velocity.dtype)
-        nodes = jnp.stack(jnp.broadcast_arrays(x, y, z), axis=-1)
-        places = (own.base + model.grid.origin) * model.grid.dx - own.offsets[..., 0]
-        wanted = self.locate(model, places).field(nodes)
+        motion = self.locate(model, own.place_particles(model.grid))
+        wanted = motion.field(model.grid.place_nodes(velocity.dtype))
         if share is not None:
             part = sum_devices(scatter_mass(own, model.grid, share * mass), model.axis)
             wanted = velocity + (part / jnp.where(node_mask, held, 1))[..., None] * (wanted - velocity)

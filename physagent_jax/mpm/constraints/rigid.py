@@ -133,11 +133,11 @@ class RigidBody(Constraint):
     ) -> jax.Array:
         """Make the nodes more than half of whose mass is the body's move rigidly."""
         grid, p = model.grid, self.particles
-        share = scatter_mass(jax.tree.map(lambda part: part[p], s), grid, self._gather_mass(model))
+        share = scatter_mass(s.take(p), grid, self._gather_mass(model))
         owned = (sum_devices(share, model.axis) > 0.5 * node_mass).ravel()
-        nodes = jnp.stack(jnp.broadcast_arrays(*grid.node_positions(free.dtype)), axis=-1)
+        nodes = grid.place_nodes(free.dtype).reshape(-1, 3)
         mass = jnp.where(owned, node_mass.ravel(), 0)
-        motion = RigidMotion.of(mass, nodes.reshape(-1, 3), free.reshape(-1, 3), grid.dx)
+        motion = RigidMotion.of(mass, nodes, free.reshape(-1, 3), grid.dx)
         v, w = motion.velocity, motion.angular_velocity()
         if model.boundaries:
             v, w = _project_on_boundaries(model, motion, v, w, time)
