@@ -50,6 +50,8 @@ class Prior:
         damping_rate: Drag of the surrounding air on it [1/s].
         damping_ratio: Share of critical damping of its lowest mode (`scene.damping`), half the loss factor; 0 where
             yielding, friction or viscosity stop it anyway. Where an object is held, what the air takes is part of it.
+        hard: Whether nobody sees the real matter deform under such loads; the stiffness is then a stand-in for motions
+            that ask for a change of shape (`run.rigidity`). A robot's joints give.
         damping_source: Where that ratio is from.
         model: Constitutive model.
         parameters: Its own parameters, as in `Material`.
@@ -65,6 +67,7 @@ class Prior:
     damping_rate: float = 0.0
     damping_ratio: float = 0.0
     damping_source: str = ""
+    hard: bool = False
     model: MaterialModel = MaterialModel.NEO_HOOKEAN
     parameters: Mapping[str, float] = dataclasses.field(default_factory=dict)
 
@@ -134,6 +137,7 @@ PRIORS: dict[str, Prior] = {
         "a hollow wooden body (300 kg/m^3); wood is 1e5 times stiffer: chosen for visible motion",
         damping_ratio=0.01,
         damping_source="spruce and maple have loss factors of 0.01 to 0.02 (Bucur 2006)",
+        hard=True,
     ),
     "robot": Prior(
         ("robot", "playbot", "android", "drone", "mech", "droid", "machine"),
@@ -148,6 +152,7 @@ PRIORS: dict[str, Prior] = {
         "wood with hollows (400 kg/m^3); wood is 1e4 times stiffer: chosen for visible motion",
         damping_ratio=0.02,
         damping_source="wood, 0.01, and its joints as much again",
+        hard=True,
     ),
     "vessel": Prior(
         ("cup", "mug", "vase", "pot", "bottle", "bowl", "glass", "teapot", "jar", "jug"),
@@ -155,6 +160,7 @@ PRIORS: dict[str, Prior] = {
         "thin walls around air; ceramics are 1e5 times stiffer: chosen for visible motion",
         damping_ratio=0.002,
         damping_source="glass and ceramics ring: loss factors of a few thousandths (Cremer, Heckl & Petersson 2005)",
+        hard=True,
     ),
     "vehicle": Prior(
         ("car", "truck", "lego", "plane", "airplane", "boat", "ship", "train", "bike", "bicycle", "bulldozer"),
@@ -162,6 +168,7 @@ PRIORS: dict[str, Prior] = {
         "a hollow shell (300 kg/m^3), far softer than the real one: chosen for visible motion",
         damping_ratio=0.02,
         damping_source="sheet and plastic ring less for their joints: built structures have 0.01 to 0.05",
+        hard=True,
     ),
     "toy": Prior(
         ("toy", "doll", "figurine", "puppet", "teddy", "plush", "statue", "person", "man", "woman", "head"),
@@ -279,6 +286,11 @@ def choose_material(kind: str) -> Material:
             **prior.parameters,
         }
     )
+
+
+def is_hard(kind: str) -> bool:
+    """Return whether nobody sees an object of ``kind`` deform."""
+    return PRIORS.get(kind, PRIORS[UNKNOWN]).hard
 
 
 def choose_damping(kind: str) -> float:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import dataclasses
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.binding import deform
-from physagent_jax.render import Camera, choose_batch_size, render_all, to_uint8
+from physagent_jax.render import Camera, RenderedImage, choose_batch_size, render_all, to_uint8
+from physagent_jax.scene.camera import frame_camera, make_reference_camera, shows_points
 from physagent_jax.simulation.recording import Recording
+
+OUTERMOST = 0.002  # share of the Gaussians on each side that need not be in the picture
 
 
 def render_recording(
@@ -41,14 +45,41 @@ def render_recording(
         )
     colour = scene.config.rendering.background if background is None else background
     camera = scene.camera if camera is None else camera
+    rendered = [to_uint8(image.rgb) for image in _draw(recording, camera, wanted, colour)]
+    return np.stack(rendered) if rendered else np.zeros((0, camera.height, camera.width, 3), np.uint8)
+
+
+def reframe(recording: Recording) -> Recording:
+    """The recording from a camera that shows all of its motion, in the same direction; itself where its own does.
+
+    A scene's camera is placed before anything is simulated, by where a free body would go (`scene.fuse`). What tips
+    over or rebounds goes elsewhere, and what is not in the picture cannot be measured. What a later scene may go on
+    from keeps the pictures of the scene's own camera.
+    """
+    config, gaussians = recording.scene.config, recording.gaussians.astype(np.float64)
+    ends = np.quantile(gaussians, (OUTERMOST, 1 - OUTERMOST), axis=1)  # (2, T, 3)
+    boxes = np.concatenate([ends[corner, :, (0, 1, 2)].T for corner in np.ndindex(2, 2, 2)])
+    if shows_points(boxes, config.camera, config.rendering):
+        return recording
+    wider = frame_camera(boxes, config.camera, config.rendering, start=gaussians[0])
+    config = config.model_copy(update=dict(camera=wider))
+    camera = make_reference_camera(wider, config.rendering, config.domain)
+    scene = dataclasses.replace(recording.scene, config=config, camera=camera)
+    images = list(_draw(recording, camera, range(len(gaussians)), config.rendering.background))
+    rgb = np.stack([to_uint8(image.rgb) for image in images])
+    depth = np.stack([np.asarray(image.depth, np.float32) for image in images])
+    return dataclasses.replace(recording, scene=scene, rgb=rgb, depth=depth)
+
+
+def _draw(
+    recording: Recording, camera: Camera, frames: Sequence[int], background: tuple[float, float, float]
+) -> Iterator[RenderedImage]:
+    """The pictures of some frames, a few at the same time."""
+    scene, at_once = recording.scene, choose_batch_size()
     cloud, binding = scene.gaussians
-    rendered: list[np.ndarray] = []
-    at_once = choose_batch_size()
-    for first in range(0, len(wanted), at_once):
+    for first in range(0, len(frames), at_once):
         splats = [
             deform(cloud, binding, recording.x[index], recording.F[index], scene.body.placement.rotation)
-            for index in wanted[first : first + at_once]
+            for index in frames[first : first + at_once]
         ]
-        images = render_all(splats, camera, background=colour, kernels=scene.model.kernels)
-        rendered += [to_uint8(image.rgb) for image in images]
-    return np.stack(rendered) if rendered else np.zeros((0, camera.height, camera.width, 3), np.uint8)
+        yield from render_all(splats, camera, background=background, kernels=scene.model.kernels)

@@ -104,7 +104,7 @@ def test_what_is_not_used_is_told(robot_path, body, prompt, note):
 
 def test_the_nearest_material_is_called_so(robot_path, body):
     _, _, notes = place(robot_path, body, "push the robot made of gold to the left")
-    told = "material: metal, the nearest to 'gold' that there is, by 'made of gold' in the sentence"
+    told = "material: copper, the nearest to 'gold' that there is, by 'made of gold' in the sentence"
     assert any(note.startswith(told) for note in notes)
 
 

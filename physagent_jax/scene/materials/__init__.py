@@ -6,6 +6,7 @@ from physagent_jax.scene.materials.describe import describe_material as describe
 from physagent_jax.scene.materials.entry import NamedMaterial as NamedMaterial
 from physagent_jax.scene.materials.library import LIBRARY as LIBRARY
 from physagent_jax.scene.materials.library import find_material as find_material
+from physagent_jax.scene.materials.soften import is_hard as is_hard
 from physagent_jax.scene.materials.soften import replace_youngs_modulus as replace_youngs_modulus
 from physagent_jax.scene.materials.soften import soften_for as soften_for
 from physagent_jax.scene.materials.soften import soften_material as soften_material

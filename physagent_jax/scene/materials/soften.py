@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import format_validation_error
-from physagent_jax.scene.config.material import WITHOUT_STRESS, Material, MaterialModel
+from physagent_jax.scene.config.material import ELASTIC_MODELS, WITHOUT_STRESS, Material, MaterialModel
 from physagent_jax.scene.materials.cost import count_substeps, stiffness
 
 SEEN = 0.01
@@ -22,9 +22,17 @@ SOFT = 10.0
 """[m] E / rho g of what visibly sags and quivers: jelly."""
 STIFFEST = 1e7
 """[m] E / rho g of the stiffest matter: ceramics."""
+HARD = 1e5
+"""[m] E / rho g from which on nobody sees a body deform under its weight, pushes or falls: plastics, wood, metals."""
 STANDARD_GRAVITY = 9.80665
 """[m/s^2]."""
 _SCALED = ("yield_stress", "hardening_modulus", "softening_modulus", "plastic_viscosity", "bulk_modulus")
+
+
+def is_hard(material: Material) -> bool:
+    """Return whether a true material deforms by less than can be seen (`HARD`)."""
+    elastic = material.model in ELASTIC_MODELS - {MaterialModel.DRUCKER_PRAGER, MaterialModel.SNOW}
+    return elastic and material.youngs_modulus > HARD * material.density * STANDARD_GRAVITY
 
 
 def soften_material(material: Material, factor: float) -> Material:

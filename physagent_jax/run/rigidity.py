@@ -1,0 +1,79 @@
+"""The choice of a rigid body for what is hard: matter that nobody would see deform needs no stress and no small steps.
+
+Wood, plastic, ceramics and metal are 1e4 to 1e6 times as stiff as what a clip can afford to simulate (`scene.priors`),
+so that soft stand-ins of them sag, crumple and bounce as rubber does. Where a sentence moves the object as a whole, its
+shape is the one thing that does not change: it is then a rigid body, and steps are limited by its speed alone.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+from physagent_jax.agents.schema import SemanticReply
+from physagent_jax.forces.skills import get_skill
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind
+from physagent_jax.run.spec import MaterialChoice
+from physagent_jax.scene import materials, priors
+from physagent_jax.scene.config import MaterialModel
+from physagent_jax.scene.fuse import SceneTemplate
+from physagent_jax.scene.priors import PRIORS
+
+STEP = 4e-3
+"""Longest substep of a rigid body [s]: at the speed of a fall from its own height it moves by less than half a cell."""
+_AS_A_WHOLE = frozenset((MotionKind.MOVE, MotionKind.FALL, MotionKind.ROTATE, MotionKind.STILL))
+_UPRIGHT = 0.9  # component of an axis about which nothing tips over
+
+
+def keeps_shape(reply: SemanticReply) -> bool:
+    """Return whether a sentence moves the object as a whole, and nothing in it asks for another shape.
+
+    A force field without expectations says nothing of that: it may be one of many that are compared. What is tipped
+    over has to give a little before it goes, as sizes of forces are (`forces.scaling`).
+    """
+    field = reply.force_field
+    entries = (*field.actions, *field.constraints)
+    return bool(reply.expectations) and all(
+        (
+            all(_is_whole(each) for each in reply.expectations),
+            all(entry.region is None for entry in entries),
+            not any(get_skill(entry).quantity == "scale" or get_skill(entry).deforms for entry in entries),
+        )
+    )
+
+
+def _is_whole(motion: ExpectedMotion) -> bool:
+    tipped = (
+        motion.kind is MotionKind.ROTATE
+        and motion.direction is not None
+        and abs(motion.direction[2]) < _UPRIGHT
+    )
+    named = motion.partial or motion.part is not None or motion.limb is not None
+    return motion.kind in _AS_A_WHOLE and motion.repeats == 1 and not (named or tipped)
+
+
+def is_hard(choice: MaterialChoice, kind: str, said: str | None) -> bool:
+    """Return whether the object's matter is hard, and nobody has chosen how stiff it is.
+
+    Args:
+        choice: The user's choice.
+        kind: The object's kind.
+        said: Kind or library entry that the sentence chooses; None = none.
+    """
+    if choice.says_stiffness or choice.poissons_ratio is not None or choice.damping_ratio is not None:
+        return False
+    if said is None or said in PRIORS:
+        return priors.is_hard(said or kind)
+    return materials.is_hard(materials.find_material(said).material)
+
+
+def make_rigid(template: SceneTemplate) -> SceneTemplate:
+    """The template with its object as a rigid body of the same density."""
+    material = template.material.changed(
+        model=MaterialModel.RIGID,
+        reason=f"a rigid body, as nothing asks it to deform; {template.material.reason}",
+    )
+    timing = template.preset.timing
+    if timing.substep_dt == "auto":
+        timing = timing.model_copy(update=dict(substep_dt=STEP))
+    preset = dataclasses.replace(template.preset, timing=timing)
+    return dataclasses.replace(template, material=material, preset=preset, damping_ratio=0.0)

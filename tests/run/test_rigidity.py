@@ -1,0 +1,140 @@
+"""Hard objects that move as rigid bodies, and what keeps them from it."""
+
+import json
+
+import numpy as np
+import pytest
+import trimesh
+
+from physagent_jax.mpm import simulate
+from physagent_jax.run.reading import place_for_field, read_for_scene
+from physagent_jax.run.resolve import resolve
+from physagent_jax.run.rigidity import STEP
+from physagent_jax.scene.body import make_body
+from physagent_jax.scene.compile import compile_scene
+from physagent_jax.scene.config import MaterialModel
+from physagent_jax.scene.fuse import fuse
+from physagent_jax.scene.materials import LIBRARY, is_hard
+from physagent_jax.scene.priors import PRIORS
+from tests.run.specs import small, with_rules
+
+RIGID = MaterialModel.RIGID
+KINDS = {kind for kind, prior in PRIORS.items() if prior.hard}
+
+
+@pytest.fixture(scope="module")
+def table(tmp_path_factory):
+    """A stool of a seat and four thin legs, and its body at rest."""
+    path = tmp_path_factory.mktemp("rigid") / "stool.obj"
+    legs = [(x, y) for x in (-0.3, 0.3) for y in (-0.3, 0.3)]
+    parts = [trimesh.creation.box((0.1, 0.1, 0.8)).apply_translation((x, y, 0.4)) for x, y in legs]
+    trimesh.util.concatenate(
+        [*parts, trimesh.creation.box((0.8, 0.8, 0.12)).apply_translation((0, 0, 0.86))]
+    ).export(path)
+    template = resolve(spec(path, "push the stool to the left")).template
+    return path, make_body(template.source, template.preset.filling, template.preset.domain, ".")
+
+
+def spec(path, prompt, **parts):
+    return small(path, prompt, object={"path": str(path), "up": "+z"}, frames=30, particles=1500, **parts)
+
+
+def place(table, prompt, **parts):
+    """Template and reply of a sentence."""
+    path, body = table
+    run = resolve(spec(path, prompt, **parts))
+    reply = read_for_scene(run, body, with_rules().semantic.compile).value
+    return run.place(body, reply)[0], reply
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    ["push the stool to the left", "drop the stool", "throw the stool up into the air", "spin the stool around",
+     "lift the stool up and hold it there", "the stool stands still", "hit the stool hard from the left"],
+)  # fmt: skip
+def test_what_is_hard_and_moved_as_a_whole_is_rigid(table, prompt):
+    template, _ = place(table, prompt)
+    assert template.material.model is RIGID and template.preset.timing.substep_dt == STEP
+    assert template.material.density == PRIORS["furniture"].density
+    assert template.material.reason.startswith("a rigid body, as nothing asks it to deform")
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "squeeze the stool",
+        "stretch the stool upwards",
+        "twist the stool",
+        "the stool wobbles",
+        "push the top of the stool to the left",
+        "bend the stool to the left",
+        "tip the stool over to the left",
+        "push the stool made of jelly to the left",
+        "push the stool made of rubber to the left",
+        "the stool is fixed to the floor; the wind pushes it to the left",
+    ],
+)
+def test_what_changes_its_shape_is_not(table, prompt):
+    assert place(table, prompt)[0].material.model is not RIGID
+
+
+@pytest.mark.parametrize(
+    "choice",
+    [{"youngs_modulus": 1e6}, {"name": "steel"}, {"name": "wood"}, {"damping_ratio": 0.1}, {"soften": 10.0}],
+)
+def test_the_users_own_material_stays(table, choice):
+    name = {"name": "oak"} if "name" not in choice and "soften" in choice else {}
+    assert (
+        place(table, "push the stool to the left", material={**name, **choice})[0].material.model is not RIGID
+    )
+
+
+def test_a_sentence_of_steel_makes_soft_kinds_rigid(robot_path):
+    run = resolve(small(robot_path, "push the robot made of steel to the left"))
+    template = run.template
+    body = make_body(template.source, template.preset.filling, template.preset.domain, ".")
+    reply = read_for_scene(run, body, with_rules().semantic.compile).value
+    made, notes = run.place(body, reply)
+    assert made.material.model is RIGID and made.material.density == LIBRARY["steel"].material.density
+    assert not any("softened" in note for note in notes)
+
+
+def test_a_field_without_a_sentence_keeps_the_kinds_stiffness(table):
+    path, body = table
+    run = resolve(spec(path, "push the stool to the left"))
+    _, reply = place(table, "push the stool to the left")
+    assert place_for_field(run, body, reply.force_field)[0].material.model is not RIGID
+
+
+def test_hard_are_kinds_and_materials_that_nobody_sees_bend():
+    assert KINDS == {"instrument", "furniture", "vessel", "vehicle"}
+    hard = {name for name, entry in LIBRARY.items() if is_hard(entry.material)}
+    assert {"steel", "glass", "concrete", "oak"} & set(LIBRARY) <= hard
+    assert not {"rubber", "cork", "sand", "water", "jelly", "snow"} & hard
+
+
+def test_a_dropped_stool_lands_on_its_legs_in_its_shape(table):
+    """Its mass centre falls as a free body's, and distances within it stay; it then stands, and nothing creeps."""
+    template, reply = place(table, "drop the stool")
+    _, body = table
+    scene = compile_scene(fuse(template, body, reply.force_field), body, ".")
+    timing = scene.config.timing
+    frames = list(
+        simulate(
+            scene.windowed,
+            scene.state,
+            frame_count=30,
+            frame_dt=timing.frame_dt,
+            substep_dt=timing.substep_dt,
+        )
+    )
+    x = np.array([np.asarray(frame.state.x, np.float64) for frame in frames])
+    assert sum(frame.substeps for frame in frames) <= 30 * round(timing.frame_dt / STEP)
+    for pair in ((0, -1), (10, 500), (200, 900)):
+        lengths = np.linalg.norm(x[:, pair[0]] - x[:, pair[1]], axis=-1)
+        np.testing.assert_allclose(lengths, lengths[0], rtol=1e-4)
+    height, time = x[:, :, 2].mean(1), 4 * timing.frame_dt
+    assert height[0] - height[4] == pytest.approx(9.8 * time**2 / 2, rel=0.05)
+    assert height[0] - height[-1] > 0.1 and np.ptp(height[-8:]) < 2e-3
+    assert np.abs(x[-1] - x[-8]).max() < 5e-3
+    assert json.loads(scene.config.model_dump_json())["material"]["model"] == "rigid"
