@@ -15,8 +15,8 @@ from physagent_jax.motion.schema import ExpectedMotion, MotionKind
 from physagent_jax.run.spec import MaterialChoice
 from physagent_jax.scene import materials, priors
 from physagent_jax.scene.config import MaterialModel
-from physagent_jax.scene.fuse import SceneTemplate
 from physagent_jax.scene.priors import PRIORS
+from physagent_jax.scene.template import SceneTemplate
 
 STEP = 4e-3
 """Longest substep of a rigid body [s]: at the speed of a fall from its own height it moves by less than half a cell."""
