@@ -9,14 +9,15 @@ from pathlib import Path
 
 import numpy as np
 
-from physagent_jax.forces.part import Part
+from physagent_jax.forces.part import Part, PartChoice
 from physagent_jax.gaussians.binding import Binding, bind
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.gaussians.diagnosis import check_cloud, diagnose_cloud
 from physagent_jax.scene.config import Domain, Filling, SceneConfig, Source
 from physagent_jax.scene.filling import Particles, fill
-from physagent_jax.scene.load import load_object
-from physagent_jax.scene.parts import find_parts
+from physagent_jax.scene.load import load_named_parts, load_object
+from physagent_jax.scene.mesh_formats import MeshPart
+from physagent_jax.scene.parts import choose_parts, find_groups, find_parts, join_parts
 from physagent_jax.scene.pieces import LoosePiece, explain_loose, join_pieces
 from physagent_jax.scene.placement import Placement, place
 
@@ -35,6 +36,8 @@ class Body:
         reading: How the object's file was read, in words; "" = it was not read from a file.
         loose: Pieces that nothing joins to the rest.
         plain: The cloud in the colours that people see; None = in its own.
+        surfaces: Surfaces of the object's file that it names, in the world [m].
+        choices: Parts that a person names.
     """
 
     cloud: GaussianCloud
@@ -44,6 +47,8 @@ class Body:
     reading: str = ""
     loose: tuple[LoosePiece, ...] = ()
     plain: GaussianCloud | None = None
+    surfaces: tuple[MeshPart, ...] = ()
+    choices: tuple[PartChoice, ...] = ()
 
     @property
     def low(self) -> np.ndarray:
@@ -62,8 +67,23 @@ class Body:
 
     @functools.cached_property
     def parts(self) -> tuple[Part, ...]:
-        """Parts that stick out of the object."""
-        return find_parts(np.asarray(self.particles.x, np.float64))
+        """Parts that the object's file or a person names, and those that stick out of it.
+
+        Raises:
+            UserError: What a person names is no part of it.
+        """
+        points = np.asarray(self.particles.x, np.float64)
+        groups = find_groups(points, self._find_normals(), self.surfaces) if self.surfaces else []
+        return choose_parts(
+            points, join_parts(points, groups, find_parts(points)), self.choices, self.placement
+        )
+
+    def _find_normals(self) -> np.ndarray:
+        """Normals of the discs whose centres are particles, zero for the other particles; shape (n, 3)."""
+        index = np.asarray(self.particles.gaussian_index)
+        w, x, y, z = np.asarray(self.cloud.quats, np.float64)[index].T
+        normals = np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=1)
+        return np.where(index[:, None] >= 0, normals, 0.0)
 
 
 def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | Path) -> Body:
@@ -93,7 +113,21 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
     reading = (
         f"{loaded.format_name}: {loaded.encoding}; {cloud.count:,} of {loaded.count_in_file:,} Gaussians kept"
     )
-    return Body(cloud, placement, particles, bind(cloud.means, particles.x), reading, loose, plain)
+    surfaces = tuple(
+        dataclasses.replace(each, vertices=placement.to_world(each.vertices))
+        for each in load_named_parts(source, base_dir)
+    )
+    return Body(
+        cloud,
+        placement,
+        particles,
+        bind(cloud.means, particles.x),
+        reading,
+        loose,
+        plain,
+        surfaces,
+        source.parts,
+    )
 
 
 def _warn_if_sparse(particles: Particles, dx: float) -> None:

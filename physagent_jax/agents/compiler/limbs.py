@@ -24,8 +24,9 @@ from physagent_jax.forces.calibration import (
     TURN,
     find_reference_time,
 )
-from physagent_jax.forces.part import Part
-from physagent_jax.forces.schema import CellsRegion, ConstraintType, VelocityConstraint
+from physagent_jax.forces.part import Part, split_name
+from physagent_jax.forces.schema import ConstraintType, VelocityConstraint
+from physagent_jax.motion.parts import find_named, join_rest
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import clamp, cosine, cross, dot, norm, normalise, scale, subtract
 
@@ -37,17 +38,15 @@ _TIME = 1.0  # [s] in which a limb gets where it goes, at most
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them
 _DRIVEN = (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE)
 _THERE = 0.2  # cosine to a side from which on a limb is on it
-_MOST_SEEDS = 256  # of a region
-_NAMES = {"side": "part at its side"}
 
 
 def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     """Places in the brief's parts of what a part's word means; several for a plural without a side, none if unknown."""
-    noun = part.phrase.rpartition(" ")[2]
-    named = read_lexicon().parts.get(noun) or read_lexicon().parts.get(noun.removesuffix("s"))
-    if named is None or not named.role:
-        return ()
-    fitting = [index for index, each in enumerate(brief.parts) if named.role in each.roles]
+    if named := find_named(brief.parts, part.phrase, plural=_is_plural(part.text)):
+        return named
+    role = _find_role(part.phrase)
+    fitting = [index for index, each in enumerate(brief.parts) if role and _find_role(each.name) == role]
+    fitting = fitting or [index for index, each in enumerate(brief.parts) if role in each.roles]
     side = sum_directions(part.place.names, brief) if " " in part.phrase else (0.0, 0.0, 0.0)
     if norm(side):
         fitting = [index for index in fitting if cosine(brief.parts[index].side, side) > _THERE]
@@ -56,17 +55,19 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     return tuple(fitting if _is_plural(part.text) else fitting[:1])
 
 
+def _find_role(phrase: str) -> str:
+    """The role of a part that is called so; empty if the word names none."""
+    noun, parts = (
+        ([word for word in split_name(phrase) if not word.isdigit()] or [""])[-1],
+        read_lexicon().parts,
+    )
+    place = parts.get(noun) or parts.get(noun.removesuffix("s"))
+    return "" if place is None else place.role
+
+
 def _is_plural(text: str) -> bool:
     word = text.split()[-1].lower() if text.split() else ""
     return word.endswith("s") or word == "feet"
-
-
-def explain_missing(text: str, brief: SceneBrief) -> str:
-    """The doubt about a part that the object does not show."""
-    if not brief.parts:
-        return f"Where '{text}' is, is not known: no part sticks out of the object."
-    found = dict.fromkeys(_NAMES.get(part.roles[0], part.roles[0]) for part in brief.parts)
-    return f"Where '{text}' is, is not known: the parts that stick out are {', '.join(found)}."
 
 
 def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
@@ -90,7 +91,7 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
     if alone and anchor.kind is None:
         limbs = sorted({each.limb for each in asked if each.limb is not None})
         words = asked[0].words or "a part"
-        anchor = AnchorRequest(kind="rest", words=words, region=_join_rest([brief.parts[k] for k in limbs]))
+        anchor = AnchorRequest(kind="rest", words=words, region=join_rest([brief.parts[k] for k in limbs]))
     field = reply.force_field.model_copy(update=dict(actions=actions, constraints=tuple(constraints)))
     note = "A part turns about its joint" + (", and the rest is held." if anchor.kind == "rest" else ".")
     return reply.model_copy(
@@ -175,9 +176,10 @@ def _turn(
     brief: SceneBrief,
     frame_count: int,
 ) -> list[VelocityConstraint]:
-    """The limb turned about its joint so that its tip goes ``way``, or moved along itself."""
+    """The limb turned about its joint so that its tip goes ``way``, or moved along itself; what is seated only moves."""
     arm = normalise(part.arm) or brief.directions.up
-    if abs(dot(arm, way)) < _ALONG:
+    slides = part.seated and not _find_role(part.name)
+    if abs(dot(arm, way)) < _ALONG and not slides:
         axis = normalise(cross(arm, subtract(way, scale(arm, dot(arm, way))))) or brief.directions.up
         return [_rotate(part, axis, angle, window, stop, brief, frame_count)]
     length = _REACH * norm(part.arm) * angle / _PLAIN
@@ -236,24 +238,3 @@ def _make(
         region=part.moved,
         pivot=part.joint if kind is ConstraintType.PARTICLE_ROTATION else None,
     )
-
-
-def _join_rest(limbs: list[Part]) -> CellsRegion:
-    """The particles that belong to none of the limbs."""
-    outside = tuple(seed for limb in limbs for seed in limb.rest.outside)
-    inside = tuple(
-        seed for limb in limbs for seed in limb.rest.inside if all(_is_in_rest(seed, each) for each in limbs)
-    )
-    return CellsRegion(inside=_thin(inside or limbs[0].rest.inside), outside=_thin(outside))
-
-
-def _thin(seeds: tuple[Vector, ...]) -> tuple[Vector, ...]:
-    """At most as many of the seeds as a region holds, evenly."""
-    return seeds[:: -(-len(seeds) // _MOST_SEEDS)]
-
-
-def _is_in_rest(seed: Vector, limb: Part) -> bool:
-    def find_nearest(seeds) -> float:
-        return min(norm(subtract(seed, each)) for each in seeds)
-
-    return find_nearest(limb.rest.inside) < find_nearest(limb.rest.outside)
