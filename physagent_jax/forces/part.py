@@ -16,6 +16,7 @@ PartRole = Literal["head", "ear", "arm", "leg", "tail", "side"]
 
 
 PartOrigin = Literal["shape", "file", "option"]
+ORIGINS = {"shape": "found by its shape", "file": "named in the file", "option": "named by --part"}
 Coordinate = Annotated[float, Field(ge=-1e12, le=1e12)]
 MOST_LETTERS = 60
 
@@ -46,6 +47,11 @@ class PartChoice(Strict):
                 f"the box of the part {self.name!r} is x0 y0 z0 x1 y1 z1, each x0 < x1 (got {self.box})"
             )
         return self
+
+    def format(self) -> str:
+        """The text of the option `--part` that says the same."""
+        place = self.box or self.point or (self.number,)
+        return f"{self.name}={','.join(f'{each:.12g}' for each in place)}"
 
 
 class Part(Strict):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.part import Part, split_name
+from physagent_jax.forces.part import ORIGINS, Part, split_name
 from physagent_jax.forces.schema import CellsRegion
 from physagent_jax.motion.schema import DirectionTable, SceneBrief
 from physagent_jax.motion.vectors import cosine, norm, subtract
@@ -13,8 +13,7 @@ from physagent_jax.motion.vectors import cosine, norm, subtract
 _SIDE = 0.5  # cosine to one of the viewer's directions from which a part lies there
 _SIDES = dict(left="left", right="right", toward="front", away="back", up="upper", down="lower")
 _PLAIN = {"side": "part at the side"}
-_ORIGINS = {"shape": "found by its shape", "file": "named in the file", "option": "named by --part"}
-_MOST_SEEDS = 256  # of a region
+_MOST_SEEDS = 1024  # of a region
 _RANK = {"option": 0, "file": 1, "shape": 2}
 
 
@@ -32,7 +31,7 @@ def label_parts(parts: Sequence[Part], table: DirectionTable) -> tuple[Part, ...
         labels.append(sided)
     found = []
     for index, (part, label) in enumerate(zip(parts, labels)):
-        told = f"{label} (part {index + 1}, {_ORIGINS[part.origin]})"
+        told = f"{label} (part {index + 1}, {ORIGINS[part.origin]})"
         moved = part.moved.model_copy(update=dict(label=told))
         found.append(part.model_copy(update=dict(label=label, moved=moved)))
     return tuple(found)

@@ -11,8 +11,8 @@ from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import CellsRegion
 
 _MOST_POINTS = 30_000  # that seeds are fitted to
-_FIRST_SEEDS, _MOST_SEEDS, _AT_ONCE = 16, 120, 12  # on either side
-_GOOD = 2e-3  # share of the points that may lie in the wrong cells
+_PAIRS, _SPREAD, _AT_ONCE, _MOST_SEEDS = 160, 60, 12, 320  # seeds on either side
+_AROUND = 24  # points on either side that tell where the border runs
 _TOUCH = 2.0  # spacings between particles that touch
 _SLIM = 3.5  # length over the radius of gyration of where it joins, from which on a piece turns about its joint: a
 # cube on a cube has 2.4, an arm 5
@@ -84,24 +84,60 @@ def _find_contact(own: np.ndarray, rest: np.ndarray, size: float) -> np.ndarray:
 
 
 def _fit_seeds(points: np.ndarray, inside: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Places among ``points`` whose nearest cells are inside or outside as the points are; shapes (k, 3), (m, 3).
+    """Places whose nearest cells are inside or outside as the points are; shapes (k, 3), (m, 3).
 
-    Begins with seeds spread over both, and adds those points that lie in wrong cells, farthest from each other first.
+    Pairs of them are each other's image in the border between the two, so that the border of their cells is that
+    border; the others are spread over both, away from it. Then points in wrong cells are added while that helps.
     """
     step = -(-len(points) // _MOST_POINTS)
-    chosen_points = points[::step] if inside[::step].any() and not inside[::step].all() else points
-    chosen_inside = inside[::step] if chosen_points is not points else inside
-    sides = [chosen_points[chosen_inside], chosen_points[~chosen_inside]]
-    seeds = [spread(each, _FIRST_SEEDS) for each in sides]
-    while max(map(len, seeds)) < _MOST_SEEDS:
-        near = np.asarray(KDTree(np.concatenate(seeds)).query(chosen_points)[1]) < len(seeds[0])
-        wrong = near != chosen_inside
-        if wrong.mean() <= _GOOD and wrong[chosen_inside].mean() <= 5 * _GOOD:
+    if step > 1 and inside[::step].any() and not inside[::step].all():
+        points, inside = points[::step], inside[::step]
+    own, rest = points[inside], points[~inside]
+    pairs, gap = _find_pairs(own, rest, float(np.ptp(points, axis=0).max()))
+    border: Any = KDTree(pairs.mean(1))
+    seeds = []
+    for index, side in enumerate((own, rest)):
+        away = side[border.query(side)[0] > gap]
+        seeds.append(np.concatenate([pairs[:, index], spread(away if len(away) else side, _SPREAD)]))
+    wrong = _find_wrong(points, inside, seeds)
+    while wrong.any() and max(map(len, seeds)) < _MOST_SEEDS:
+        more = [
+            np.concatenate([each, spread(points[wrong & here], _AT_ONCE)]) if (wrong & here).any() else each
+            for each, here in zip(seeds, (inside, ~inside))
+        ]
+        found = _find_wrong(points, inside, more)
+        if found.sum() >= wrong.sum():
             break
-        for side, here in enumerate((chosen_inside, ~chosen_inside)):
-            if (wrong & here).any():
-                seeds[side] = np.concatenate([seeds[side], spread(chosen_points[wrong & here], _AT_ONCE)])
-    return seeds[0][:_MOST_SEEDS], seeds[1][:_MOST_SEEDS]
+        seeds, wrong = more, found
+    return seeds[0], seeds[1]
+
+
+def _find_wrong(points: np.ndarray, inside: np.ndarray, seeds: list[np.ndarray]) -> np.ndarray:
+    near = np.asarray(KDTree(np.concatenate(seeds)).query(points)[1])
+    return (near < len(seeds[0])) != inside
+
+
+def _find_pairs(own: np.ndarray, rest: np.ndarray, size: float) -> tuple[np.ndarray, float]:
+    """Pairs of places on either side of where two sets of points touch, and how far apart the pairs lie.
+
+    Returns:
+        Places in ``own`` and in ``rest``, shape (k, 2, 3), and a length, of the points' unit.
+    """
+    spacing = size / max(len(own) + len(rest), 8) ** (1 / 3)
+    contact = spread(_find_contact(own, rest, size), _PAIRS)
+    near = []
+    for side in (own, rest):
+        tree: Any = KDTree(side)
+        near.append(side[tree.query(contact, k=min(_AROUND, len(side)))[1].reshape(len(contact), -1)])
+    way = near[0].mean(1) - near[1].mean(1)
+    way /= np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-12)
+    along = [((each - contact[:, None]) * way[:, None]).sum(-1) for each in near]
+    level = 0.5 * (np.quantile(along[0], 0.1, axis=1) + np.quantile(along[1], 0.9, axis=1))
+    middle = contact + level[:, None] * way
+    pairs = np.stack([middle + spacing * way, middle - spacing * way], axis=1)
+    tree = KDTree(middle)
+    gap = float(np.median(tree.query(middle, k=min(2, len(middle)))[0].reshape(len(middle), -1)[:, -1]))
+    return pairs, max(gap, 2 * spacing)
 
 
 def spread(places: np.ndarray, count: int) -> np.ndarray:
