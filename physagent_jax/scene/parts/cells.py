@@ -125,11 +125,17 @@ def _find_pairs(own: np.ndarray, rest: np.ndarray, size: float) -> tuple[np.ndar
     """
     spacing = size / max(len(own) + len(rest), 8) ** (1 / 3)
     contact = spread(_find_contact(own, rest, size), _PAIRS)
+    trees: list[Any] = [KDTree(side) for side in (own, rest)]
+    for _ in range(2):  # from particles near the border to places between the nearest of either side
+        contact = 0.5 * sum(side[tree.query(contact)[1]] for side, tree in zip((own, rest), trees))
     near = []
-    for side in (own, rest):
-        tree: Any = KDTree(side)
+    for side, tree in zip((own, rest), trees):
         near.append(side[tree.query(contact, k=min(_AROUND, len(side)))[1].reshape(len(contact), -1)])
-    way = near[0].mean(1) - near[1].mean(1)
+    apart = [each - each.mean(1, keepdims=True) for each in near]
+    within = sum(each.transpose(0, 2, 1) @ each for each in apart)
+    within = within + 1e-3 * np.trace(within, axis1=1, axis2=2)[:, None, None] * np.eye(3)
+    # Fisher's discriminant: the way across the border, however unevenly the points lie along it.
+    way = np.linalg.solve(within, (near[0].mean(1) - near[1].mean(1))[..., None])[..., 0]
     way /= np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-12)
     along = [((each - contact[:, None]) * way[:, None]).sum(-1) for each in near]
     level = 0.5 * (np.quantile(along[0], 0.1, axis=1) + np.quantile(along[1], 0.9, axis=1))
