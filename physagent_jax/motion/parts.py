@@ -56,7 +56,11 @@ def find_named(parts: Sequence[Part], phrase: str, *, plural: bool = False) -> t
         plural: Whether several may be meant; else several that are called alike are none.
     """
     said = split_name(phrase)
-    for match in (lambda name: name == said, lambda name: _drop_number(name)[-1:] == said):
+    if not said:
+        return ()
+    ends = {said[-1], *((said[-1].removesuffix("s"), said[-1].removesuffix("es")) if plural else ())}
+    phrases = {(*said[:-1], end) for end in ends}
+    for match in (lambda name: name in phrases, lambda name: _drop_number(name)[-1:] in phrases):
         for rank in sorted(_RANK.values()):
             found = [
                 index
@@ -65,9 +69,6 @@ def find_named(parts: Sequence[Part], phrase: str, *, plural: bool = False) -> t
             ]
             if len(found) == 1 or found and plural:
                 return tuple(found)
-    single = tuple(word.removesuffix("s") for word in said[-1:])
-    if plural and said and (*said[:-1], *single) != said:
-        return find_named(parts, " ".join((*said[:-1], *single)), plural=True)
     return ()
 
 
@@ -82,7 +83,7 @@ def list_names(brief: SceneBrief) -> frozenset[tuple[str, ...]]:
     """The phrases that name a part of the object: whole names, and their last words, singular and plural."""
     whole = {split_name(part.name) for part in brief.parts if part.name}
     last = {_drop_number(name)[-1] for name in whole}
-    return frozenset(whole | {(form,) for word in last for form in (word, word + "s")})
+    return frozenset(whole | {(form,) for word in last for form in (word, word + "s", word + "es")})
 
 
 def _drop_number(name: tuple[str, ...]) -> tuple[str, ...]:

@@ -68,7 +68,7 @@ def read_named_part(reader: Reader, at: int) -> Mention | None:
     """Reads a part that has a name of its own; words that are verbs too need an article."""
     for size in range(max(map(len, reader.parts), default=0), 0, -1):
         phrase = tuple(token.text for token in reader.tokens[at : at + size])
-        if phrase not in reader.parts:
+        if len(phrase) < size or phrase not in reader.parts:
             continue
         known = (
             phrase[0] in reader.names or phrase[0] in LEXICON.part_adjectives or phrase[0] in LEXICON.parts
