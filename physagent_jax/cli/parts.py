@@ -8,8 +8,8 @@ from typing import Any
 from physagent_jax.core.errors import UserError
 
 FORMS = (
-    "--part NAME=X0,Y0,Z0,X1,Y1,Z1 (a box) or --part NAME=X,Y,Z (the part nearest to a point), both in the file's units "
-    "and axes as `physagent inspect` shows them, or --part NAME=N (its number there)"
+    "--part NAME=X0,Y0,Z0,X1,Y1,Z1 (a box) or --part NAME=X,Y,Z (the part nearest to a point), both in the file's "
+    "units and axes as `physagent inspect` shows them, or --part NAME=N (its number there)"
 )
 
 

@@ -96,7 +96,8 @@ def join_rest(limbs: Sequence[Part]) -> CellsRegion:
     inside = tuple(
         seed for limb in limbs for seed in limb.rest.inside if all(_is_in_rest(seed, each) for each in limbs)
     )
-    return CellsRegion(inside=_thin(inside or limbs[0].rest.inside), outside=_thin(outside))
+    rigid = all(limb.rest.rigid for limb in limbs)
+    return CellsRegion(inside=_thin(inside or limbs[0].rest.inside), outside=_thin(outside), rigid=rigid)
 
 
 def _thin(seeds: tuple[Vector, ...]) -> tuple[Vector, ...]:

@@ -10,14 +10,21 @@ from pathlib import Path
 import numpy as np
 
 from physagent_jax.forces.part import Part, PartChoice
-from physagent_jax.gaussians.binding import Binding, bind
+from physagent_jax.gaussians.binding import Binding, bind_pieces
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.gaussians.diagnosis import check_cloud, diagnose_cloud
 from physagent_jax.scene.config import Domain, Filling, SceneConfig, Source
 from physagent_jax.scene.filling import Particles, fill
 from physagent_jax.scene.load import load_named_parts, load_object
 from physagent_jax.scene.mesh_formats import MeshPart
-from physagent_jax.scene.parts import choose_parts, find_groups, find_parts, join_parts
+from physagent_jax.scene.parts import (
+    choose_parts,
+    find_groups,
+    find_parts,
+    find_pieces,
+    join_parts,
+    make_parts,
+)
 from physagent_jax.scene.pieces import LoosePiece, explain_loose, join_pieces
 from physagent_jax.scene.placement import Placement, place
 
@@ -36,7 +43,7 @@ class Body:
         reading: How the object's file was read, in words; "" = it was not read from a file.
         loose: Pieces that nothing joins to the rest.
         plain: The cloud in the colours that people see; None = in its own.
-        surfaces: Surfaces of the object's file that it names, in the world [m].
+        named: Parts that the object's file names.
         choices: Parts that a person names.
     """
 
@@ -47,7 +54,7 @@ class Body:
     reading: str = ""
     loose: tuple[LoosePiece, ...] = ()
     plain: GaussianCloud | None = None
-    surfaces: tuple[MeshPart, ...] = ()
+    named: tuple[Part, ...] = ()
     choices: tuple[PartChoice, ...] = ()
 
     @property
@@ -73,17 +80,8 @@ class Body:
             UserError: What a person names is no part of it.
         """
         points = np.asarray(self.particles.x, np.float64)
-        groups = find_groups(points, self._find_normals(), self.surfaces) if self.surfaces else []
-        return choose_parts(
-            points, join_parts(points, groups, find_parts(points)), self.choices, self.placement
-        )
-
-    def _find_normals(self) -> np.ndarray:
-        """Normals of the discs whose centres are particles, zero for the other particles; shape (n, 3)."""
-        index = np.asarray(self.particles.gaussian_index)
-        w, x, y, z = np.asarray(self.cloud.quats, np.float64)[index].T
-        normals = np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=1)
-        return np.where(index[:, None] >= 0, normals, 0.0)
+        found = join_parts(points, self.named, find_parts(points))
+        return choose_parts(points, found, self.choices, self.placement)
 
 
 def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | Path) -> Body:
@@ -113,21 +111,25 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
     reading = (
         f"{loaded.format_name}: {loaded.encoding}; {cloud.count:,} of {loaded.count_in_file:,} Gaussians kept"
     )
-    surfaces = tuple(
-        dataclasses.replace(each, vertices=placement.to_world(each.vertices))
-        for each in load_named_parts(source, base_dir)
-    )
-    return Body(
-        cloud,
-        placement,
-        particles,
-        bind(cloud.means, particles.x),
-        reading,
-        loose,
-        plain,
-        surfaces,
-        source.parts,
-    )
+    named = _find_named(cloud, placement, particles, load_named_parts(source, base_dir))
+    means, points = np.asarray(cloud.means), np.asarray(particles.x)
+    binding = bind_pieces(means, points, *reversed(find_pieces(named, points, means)))
+    return Body(cloud, placement, particles, binding, reading, loose, plain, named, source.parts)
+
+
+def _find_named(
+    cloud: GaussianCloud, placement: Placement, particles: Particles, surfaces: list[MeshPart]
+) -> tuple[Part, ...]:
+    """The parts that a mesh file names by its surfaces, in its own frame."""
+    if not surfaces:
+        return ()
+    placed = [dataclasses.replace(each, vertices=placement.to_world(each.vertices)) for each in surfaces]
+    index = np.asarray(particles.gaussian_index)
+    w, x, y, z = np.asarray(cloud.quats, np.float64)[index].T
+    normals = np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=1)
+    normals[index < 0] = 0.0  # filled, or a joint: on no disc
+    points = np.asarray(particles.x, np.float64)
+    return make_parts(points, find_groups(points, normals, placed))
 
 
 def _warn_if_sparse(particles: Particles, dx: float) -> None:

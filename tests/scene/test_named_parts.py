@@ -67,7 +67,10 @@ def find(path, **options):
         ("LidShape", "lid"),
         ("lid.001", "lid 1"),
         ("Lid_lambert1_0", "lid"),
-        *((each, "") for each in ("default", "Object.001", "mesh_0", "pCube3", "Cube.002", "lambert1", "L", "")),
+        *(
+            (each, "")
+            for each in ("default", "Object.001", "mesh_0", "pCube3", "Cube.002", "lambert1", "L", "")
+        ),
         *((each, "") for each in ("RootNode", "group 7", "12", "None", "gltf_scene_rootnode")),
     ],
 )
@@ -153,7 +156,9 @@ def test_a_group_of_one_skin_bends_beside_its_joint(tmp_path):
 
 def test_a_box_in_the_files_units_is_a_part(tmp_path):
     choice = dict(name="top", box=(-1, -1, 0.9, 1, 1, 3))
-    body, source, parts = find(write_obj(tmp_path / "figure.obj", {"body": FIGURE["body"]}), up="+z", parts=[choice])
+    body, source, parts = find(
+        write_obj(tmp_path / "figure.obj", {"body": FIGURE["body"]}), up="+z", parts=[choice]
+    )
     assert parts["top"].origin == "option"
     held = ~make_region_mask(parts["top"].rest, np.asarray(body.particles.x, float))
     assert (held == (source[:, 2] >= 0.9)).mean() > 0.98
@@ -180,9 +185,10 @@ def test_a_point_and_a_number_name_parts_that_are_there(tmp_path):
     ],
 )
 def test_what_is_no_part_is_refused(tmp_path, choice, words):
-    body = find(write_obj(tmp_path / "figure.obj"), up="+z", parts=[]) and load_object(
-        write_obj(tmp_path / "figure.obj"), up="+z", max_particles=3000, parts=[choice]
-    ).body
+    body = (
+        find(write_obj(tmp_path / "figure.obj"), up="+z", parts=[])
+        and load_object(write_obj(tmp_path / "figure.obj"), up="+z", max_particles=3000, parts=[choice]).body
+    )
     with pytest.raises(UserError) as error:
         _ = body.parts
     assert all(word in str(error.value) for word in words)

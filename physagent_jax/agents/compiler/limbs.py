@@ -176,7 +176,7 @@ def _turn(
     brief: SceneBrief,
     frame_count: int,
 ) -> list[VelocityConstraint]:
-    """The limb turned about its joint so that its tip goes ``way``, or moved along itself; what is seated only moves."""
+    """The limb turned about its joint so that its tip goes ``way``, or moved along itself; what is seated slides."""
     arm = normalise(part.arm) or brief.directions.up
     slides = part.seated and not _find_role(part.name)
     if abs(dot(arm, way)) < _ALONG and not slides:

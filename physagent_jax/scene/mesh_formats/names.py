@@ -17,10 +17,10 @@ _SIDES = "left right upper lower front back rear top bottom inner outer middle".
 _MACHINE = frozenset(
     """
     default object objects obj mesh meshes group groups grp node nodes geometry geometries geom geo polygon polygons
-    poly polysurface shape shapes root rootnode scene world model material materials mat primitive primitives prim instance
-    untitled none null unnamed noname submesh part parts element item entity layer collection surface surf solid
-    sketchfab gltf glb fbx dae usd blender cleaner merger materialmerger gles export exported import imported empty
-    transform locator component body instance
+    poly polysurface shape shapes root rootnode scene world model material materials mat primitive primitives prim
+    instance untitled none null unnamed noname submesh part parts element item entity layer collection surface
+    surf solid sketchfab gltf glb fbx dae usd blender cleaner merger materialmerger gles export exported import imported empty
+    transform locator component
     """.split()
 )
 _PRIMITIVES = frozenset(
@@ -51,11 +51,11 @@ def _read_name(raw: str, looks: set[str]) -> str:
             words = words[:-size]
             break
     words = [_LETTERS.get(word, word) for word in words]
-    if set(words) - {"body"} - _MACHINE:
-        words = [word for word in words if word not in _MACHINE or word == "body"]
+    if set(words) - _MACHINE:
+        words = [word for word in words if word not in _MACHINE]
     told = [word for word in words if not word.isdigit() and word not in ("left", "right") and len(word) > 1]
     counted = any(word.isdigit() for word in words)
-    if not told or set(told) <= _MACHINE - {"body"} or counted and set(told) <= _PRIMITIVES:
+    if not told or set(told) <= _MACHINE or counted and set(told) <= _PRIMITIVES:
         return ""
     sides = [word for word in words if word in _SIDES]
     rest = [str(int(word)) if word.isdigit() else word for word in words if word not in _SIDES]

@@ -55,13 +55,16 @@ def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool) -> Part:
         free &= beyond | ~(mask & beyond).any()
     away = centre - 0.5 * (low + high)
 
-    def divide(inside: np.ndarray) -> CellsRegion:
+    def divide(inside: np.ndarray, **more: bool) -> CellsRegion:
         seeds = _fit_seeds((points - low) / size, inside)
         scaled = (tuple(tuple(np.round(p * size / box, 5).tolist()) for p in each) for each in seeds)
-        return CellsRegion(**dict(zip(("inside", "outside"), scaled)))
+        return CellsRegion(**dict(zip(("inside", "outside"), scaled)), **more)
 
-    moved = divide(free)
-    other = CellsRegion(inside=moved.outside, outside=moved.inside) if (free == mask).all() else divide(~mask)
+    moved = divide(free, rigid=not joined)
+    if (free == mask).all():
+        other = moved.model_copy(update=dict(inside=moved.outside, outside=moved.inside))
+    else:
+        other = divide(~mask)
     return Part(
         seated=bool(seated),
         moved=moved,

@@ -11,7 +11,7 @@ from scipy.spatial import KDTree
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.part import Part, PartChoice, list_parts
-from physagent_jax.forces.regions import make_region_mask
+from physagent_jax.forces.regions import find_in_cells, make_region_mask
 from physagent_jax.scene.mesh_formats import MeshPart
 from physagent_jax.scene.parts.cells import fit_part
 from physagent_jax.scene.placement import Placement
@@ -119,27 +119,62 @@ def _list_edges(surfaces: Sequence[MeshPart]) -> np.ndarray:
     return np.concatenate([np.where(swap, b, a), np.where(swap, a, b)], axis=1)
 
 
-def join_parts(points: np.ndarray, groups: Sequence[Group], shapes: Sequence[Part]) -> tuple[Part, ...]:
+def make_parts(points: np.ndarray, groups: Sequence[Group]) -> tuple[Part, ...]:
+    """The parts that groups of particles are.
+
+    Args:
+        points: Particles at rest [m], shape (n, 3).
+        groups: Groups with the file's names.
+    """
+    told = [fit_part(points, group.mask, joined=group.joined) for group in groups]
+    return tuple(
+        part.model_copy(update=dict(name=group.name, origin="file")) for part, group in zip(told, groups)
+    )
+
+
+def find_pieces(
+    parts: Sequence[Part], points: np.ndarray, others: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """The piece of its own that each point belongs to: those in the same rigid parts are one.
+
+    Args:
+        parts: The object's parts.
+        points: Particles at rest [m], shape (n, 3).
+        others: Other points, shape (m, 3).
+
+    Returns:
+        Labels of the particles, shape (n,), and of the other points, shape (m,).
+    """
+    low, size = points.min(0), np.maximum(np.ptp(points, axis=0), 1e-12)
+    both = np.concatenate([points, others])
+    inside = [find_in_cells(part.moved, both, low, size) for part in parts if part.moved.rigid]
+    if not inside:
+        return np.zeros(len(points), int), np.zeros(len(others), int)
+    labels = np.unique(np.stack(inside), axis=1, return_inverse=True)[1].ravel()
+    return labels[: len(points)], labels[len(points) :]
+
+
+def join_parts(points: np.ndarray, named: Sequence[Part], shapes: Sequence[Part]) -> tuple[Part, ...]:
     """The parts that the file names, then those of the shape that are none of them.
 
     A named part takes the roles of the shape that it is.
 
     Args:
         points: Particles at rest [m], shape (n, 3).
-        groups: Particles by the file's names.
+        named: Parts that the file names.
         shapes: Parts that the shape shows.
     """
     masks = [~make_region_mask(part.rest, points) for part in shapes]
-    taken, named = set(), []
-    for group in groups:
-        part = fit_part(points, group.mask, joined=group.joined)
-        same = max(range(len(shapes)), key=lambda k: _overlap(masks[k], group.mask), default=None)
-        roles = ()
-        if same is not None and _overlap(masks[same], group.mask) > _SAME:
+    taken, found = set(), []
+    for part in named:
+        mask = ~make_region_mask(part.rest, points)
+        overlaps = [_overlap(each, mask) for each in masks]
+        same = int(np.argmax(overlaps)) if overlaps and max(overlaps) > _SAME else None
+        if same is not None:
             taken.add(same)
-            roles = shapes[same].roles
-        named.append(part.model_copy(update=dict(name=group.name, origin="file", roles=roles)))
-    return (*named, *(part for index, part in enumerate(shapes) if index not in taken))
+            part = part.model_copy(update=dict(roles=shapes[same].roles))
+        found.append(part)
+    return (*found, *(part for index, part in enumerate(shapes) if index not in taken))
 
 
 def _overlap(a: np.ndarray, b: np.ndarray) -> float:
