@@ -53,7 +53,9 @@ def test_the_forms_of_the_option(text, fields):
     assert parse_part(text) == fields
 
 
-@pytest.mark.parametrize("text", ["lid", "=1", "lid=", "lid=1,2", "lid=1,2,x", "lid=nan,1,2", "lid=0.5", "lid=m.png", ""])
+@pytest.mark.parametrize(
+    "text", ["lid", "=1", "lid=", "lid=1,2", "lid=1,2,x", "lid=nan,1,2", "lid=0.5", "lid=m.png", ""]
+)
 def test_what_is_none_of_them_is_refused_with_all_of_them(text):
     with pytest.raises(UserError, match="NAME=X0,Y0,Z0,X1,Y1,Z1.*NAME=X,Y,Z.*NAME=N"):
         parse_part(text)
@@ -126,4 +128,6 @@ def test_the_command_of_an_inspection_keeps_the_names(figure, capsys):
     found = json.loads(out)
     assert "--part mask=4" in found["command"]
     assert [each["label"] for each in found["parts"]][:4] == ["body", "left arm", "right arm", "mask"]
-    assert found["parts"][1]["low"][0] == pytest.approx(FIGURE["Arm_L"][0][0] - FIGURE["Arm_L"][1][0], abs=0.05)
+    assert found["parts"][1]["low"][0] == pytest.approx(
+        FIGURE["Arm_L"][0][0] - FIGURE["Arm_L"][1][0], abs=0.05
+    )

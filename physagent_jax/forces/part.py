@@ -12,6 +12,10 @@ from physagent_jax.core.strict import Direction, Numbers, Strict
 from physagent_jax.forces.schema import CellsRegion
 
 _WORD = re.compile(r"[^\W\d_]+|\d+")
+_HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])")
+_LETTERS = {"l": "left", "r": "right"}
+SIDES = frozenset("left right upper lower front back rear top bottom inner outer middle".split())
+"""Words for a side, which a name begins with."""
 PartRole = Literal["head", "ear", "arm", "leg", "tail", "side"]
 
 
@@ -87,9 +91,10 @@ class Part(Strict):
 
 
 def split_name(name: str) -> tuple[str, ...]:
-    """The words and numbers of a name, in lower case; none if it has no letters."""
-    words = tuple(_WORD.findall(name.lower()))
-    return words if any(not word.isdigit() for word in words) else ()
+    """The words and numbers of a name, in lower case, sides first: "Arm_L" is the left arm; none without letters."""
+    words = [_LETTERS.get(word, word) for word in _WORD.findall(_HUMP.sub(" ", name).lower())]
+    words.sort(key=lambda word: word not in SIDES)
+    return tuple(words) if any(not word.isdigit() for word in words) else ()
 
 
 def list_parts(parts: Sequence[Part]) -> str:

@@ -36,7 +36,8 @@ def make_region_mask(region: Region, rest: np.ndarray, origin: str = "region") -
             center = low + np.asarray(region.center) * size
             mask = np.linalg.norm(rest - center, axis=1) <= region.radius * size.max()
         case CellsRegion():
-            mask = find_in_cells(region, rest, low, size)
+            seeds = low + np.asarray((*region.inside, *region.outside)) * size
+            mask = np.asarray(KDTree(seeds).query(rest)[1]) < len(region.inside)
     if not mask.any():
         raise UserError(
             f"`{origin}` selects no particle of the object",
@@ -44,19 +45,6 @@ def make_region_mask(region: Region, rest: np.ndarray, origin: str = "region") -
             do="Regions are fractions of the bounding box: (0,0,0) is its low corner, (1,1,1) its high corner",
         )
     return mask
-
-
-def find_in_cells(region: CellsRegion, points: np.ndarray, low: np.ndarray, size: np.ndarray) -> np.ndarray:
-    """Return whether points lie in a region's cells, bool, shape (m,).
-
-    Args:
-        region: In fractions of a box.
-        points: Positions [m], shape (m, 3).
-        low: Low corner of the box [m], shape (3,).
-        size: Its sides [m], shape (3,).
-    """
-    seeds = low + np.asarray((*region.inside, *region.outside)) * size
-    return np.asarray(KDTree(seeds).query(points)[1]) < len(region.inside)
 
 
 def confine(value: jax.Array, weight: jax.Array | None) -> jax.Array:

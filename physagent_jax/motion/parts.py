@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.part import ORIGINS, Part, split_name
+from physagent_jax.forces.part import ORIGINS, SIDES, Part, split_name
 from physagent_jax.forces.schema import CellsRegion
 from physagent_jax.motion.schema import DirectionTable, SceneBrief
 from physagent_jax.motion.vectors import cosine, norm, subtract
@@ -82,7 +82,10 @@ def explain_missing(text: str, parts: Sequence[Part]) -> str:
 def list_names(brief: SceneBrief) -> frozenset[tuple[str, ...]]:
     """The phrases that name a part of the object: whole names, and their last words, singular and plural."""
     whole = {split_name(part.name) for part in brief.parts if part.name}
-    last = {_drop_number(name)[-1] for name in whole}
+    sided = [(name[0], name[1:]) for name in whole if len(name) > 1 and name[0] in SIDES]
+    turned = {(*rest, end) for side, rest in sided for end in (side, side[0])}  # as files have it: "Arm_L"
+    whole |= turned | {(side[0], *rest) for side, rest in sided}
+    last = {_drop_number(split_name(part.name))[-1] for part in brief.parts if part.name}
     return frozenset(whole | {(form,) for word in last for form in (word, word + "s", word + "es")})
 
 

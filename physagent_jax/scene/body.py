@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from physagent_jax.forces.part import Part, PartChoice
-from physagent_jax.gaussians.binding import Binding, bind_pieces
+from physagent_jax.gaussians.binding import Binding, bind, bind_pieces
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.gaussians.diagnosis import check_cloud, diagnose_cloud
 from physagent_jax.scene.config import Domain, Filling, SceneConfig, Source
@@ -111,25 +111,27 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
     reading = (
         f"{loaded.format_name}: {loaded.encoding}; {cloud.count:,} of {loaded.count_in_file:,} Gaussians kept"
     )
-    named = _find_named(cloud, placement, particles, load_named_parts(source, base_dir))
-    means, points = np.asarray(cloud.means), np.asarray(particles.x)
-    binding = bind_pieces(means, points, *reversed(find_pieces(named, points, means)))
+    named, binding = _find_named(cloud, placement, particles, load_named_parts(source, base_dir))
     return Body(cloud, placement, particles, binding, reading, loose, plain, named, source.parts)
 
 
 def _find_named(
     cloud: GaussianCloud, placement: Placement, particles: Particles, surfaces: list[MeshPart]
-) -> tuple[Part, ...]:
-    """The parts that a mesh file names by its surfaces, in its own frame."""
+) -> tuple[tuple[Part, ...], Binding]:
+    """The parts that a mesh file names by its surfaces, in its own frame; and Gaussians bound within them."""
+    means, points = np.asarray(cloud.means, np.float64), np.asarray(particles.x, np.float64)
     if not surfaces:
-        return ()
+        return (), bind(cloud.means, particles.x)
     placed = [dataclasses.replace(each, vertices=placement.to_world(each.vertices)) for each in surfaces]
+    w, x, y, z = np.asarray(cloud.quats, np.float64).T
+    discs = np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=1)
     index = np.asarray(particles.gaussian_index)
-    w, x, y, z = np.asarray(cloud.quats, np.float64)[index].T
-    normals = np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=1)
-    normals[index < 0] = 0.0  # filled, or a joint: on no disc
-    points = np.asarray(particles.x, np.float64)
-    return make_parts(points, find_groups(points, normals, placed))
+    normals = np.where(index[:, None] >= 0, discs[index], 0.0)
+    groups = find_groups(np.concatenate([points, means]), np.concatenate([normals, discs]), placed)
+    count = len(points)
+    named = make_parts(points, [dataclasses.replace(each, mask=each.mask[:count]) for each in groups])
+    pieces = find_pieces(points, named, [each.mask[count:] for each in groups])
+    return named, bind_pieces(means, points, pieces[1], pieces[0])
 
 
 def _warn_if_sparse(particles: Particles, dx: float) -> None:

@@ -11,7 +11,7 @@ from scipy.spatial import KDTree
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.part import Part, PartChoice, list_parts
-from physagent_jax.forces.regions import find_in_cells, make_region_mask
+from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.scene.mesh_formats import MeshPart
 from physagent_jax.scene.parts.cells import fit_part
 from physagent_jax.scene.placement import Placement
@@ -133,24 +133,26 @@ def make_parts(points: np.ndarray, groups: Sequence[Group]) -> tuple[Part, ...]:
 
 
 def find_pieces(
-    parts: Sequence[Part], points: np.ndarray, others: np.ndarray
+    points: np.ndarray, parts: Sequence[Part], masks: Sequence[np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The piece of its own that each point belongs to: those in the same rigid parts are one.
+    """The piece of its own that each particle and each Gaussian belongs to: those in the same rigid parts are one.
 
     Args:
-        parts: The object's parts.
         points: Particles at rest [m], shape (n, 3).
-        others: Other points, shape (m, 3).
+        parts: Parts that the file names.
+        masks: The Gaussians of each part, shape (g,) each; where surfaces touch they tell more than cells.
 
     Returns:
-        Labels of the particles, shape (n,), and of the other points, shape (m,).
+        Labels of the particles, shape (n,), and of the Gaussians, shape (g,).
     """
-    low, size = points.min(0), np.maximum(np.ptp(points, axis=0), 1e-12)
-    both = np.concatenate([points, others])
-    inside = [find_in_cells(part.moved, both, low, size) for part in parts if part.moved.rigid]
-    if not inside:
-        return np.zeros(len(points), int), np.zeros(len(others), int)
-    labels = np.unique(np.stack(inside), axis=1, return_inverse=True)[1].ravel()
+    rows = [
+        np.concatenate([make_region_mask(part.moved, points), mask])
+        for part, mask in zip(parts, masks)
+        if part.moved.rigid
+    ]
+    if not rows:
+        return np.zeros(len(points), int), np.zeros(len(masks[0]) if masks else 0, int)
+    labels = np.unique(np.stack(rows), axis=1, return_inverse=True)[1].ravel()
     return labels[: len(points)], labels[len(points) :]
 
 
