@@ -103,6 +103,18 @@ def test_what_is_seated_moves_as_a_whole_and_turns_about_its_middle():
     assert nod.constraint_type is ConstraintType.PARTICLE_ROTATION
 
 
+def test_a_told_way_is_how_far_it_goes():
+    """M times gain times the usual length per reference time, while it acts."""
+    plain, told = (
+        read(sentence).force_field.constraints[0]
+        for sentence in ("lift the lid", "lift the lid by half a body length")
+    )
+    ways = [
+        each.magnitude * each.gain * (each.active_time[1] - each.active_time[0]) for each in (plain, told)
+    ]
+    assert ways[1] / ways[0] == pytest.approx(0.5 / (0.3 * 0.3), rel=0.02)
+
+
 def test_region_and_evidence_say_which_part_it_is_and_what_told_of_it():
     reply = read("turn the lid")
     assert reply.force_field.constraints[0].region.label == "pot lid (part 1, named in the file)"

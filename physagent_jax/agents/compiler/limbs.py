@@ -7,23 +7,13 @@ sentence moves limbs alone the rest is held.
 
 from __future__ import annotations
 
-import math
-
 from physagent_jax.agents.compiler.directions import sum_directions
 from physagent_jax.agents.compiler.events import KnownPart
 from physagent_jax.agents.lexicon import read_lexicon
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.agents.windows import Window, divide
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.calibration import (
-    GAIN_MAX,
-    GAIN_MIN,
-    MAGNITUDE_MAX,
-    MAGNITUDE_MIN,
-    PRESCRIBED_TRAVEL,
-    TURN,
-    find_reference_time,
-)
+from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.schema import ConstraintType, VelocityConstraint
 from physagent_jax.motion.parts import find_named, join_rest
@@ -93,7 +83,9 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
         words = asked[0].words or "a part"
         anchor = AnchorRequest(kind="rest", words=words, region=join_rest([brief.parts[k] for k in limbs]))
     field = reply.force_field.model_copy(update=dict(actions=actions, constraints=tuple(constraints)))
-    note = "A part turns about its joint" + (", and the rest is held." if anchor.kind == "rest" else ".")
+    turns = any(each.constraint_type is ConstraintType.PARTICLE_ROTATION for each in constraints)
+    done = "turns about its joint" if turns else "moves as a whole"
+    note = f"A part {done}" + (", and the rest is held." if anchor.kind == "rest" else ".")
     return reply.model_copy(
         update=dict(
             force_field=field,
@@ -132,6 +124,7 @@ def _drive(
     assert motion.limb is not None
     part, last = brief.parts[motion.limb], frame_count - 1.0
     first, end = motion.window
+    driver = PartDriver(part, brief.frame_dt, frame_count)
     if motion.kind is MotionKind.SWAY:
         way = motion.direction or _find_swing(part, brief)
         swings = max(motion.repeats, _SWINGS)
@@ -141,18 +134,16 @@ def _drive(
         made = []
         for index, window in enumerate(windows):
             share = (window[1] - window[0]) / max(each[1] - each[0] for each in windows)
-            made += _turn(part, way, (-1) ** index * angle * 2 * share, window, None, brief, frame_count)
+            made.append(_turn(driver, way, motion, (-1) ** index * angle * 2 * share, window, None, brief))
         return made, motion.model_copy(update=dict(direction=way, repeats=swings, limb=motion.limb))
     later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > first + 0.5]
     until = min([last, *later])
     window = (first, min(end, first + max(_TIME / brief.frame_dt, 2.0), until))
     stop = None if motion.released or until <= window[1] else until
     if motion.kind is MotionKind.ROTATE and motion.direction is not None:
-        made = [_rotate(part, motion.direction, _find_angle(motion), window, stop, brief, frame_count)]
-    else:
-        way = motion.direction or _find_swing(part, brief)
-        made = _turn(part, way, _find_angle(motion), window, stop, brief, frame_count)
-    return made, motion
+        return [driver.turn(motion.direction, _find_angle(motion), window, stop)], motion
+    way = motion.direction or _find_swing(part, brief)
+    return [_turn(driver, way, motion, _find_angle(motion), window, stop, brief)], motion
 
 
 def _find_swing(part: Part, brief: SceneBrief) -> Vector:
@@ -168,73 +159,21 @@ def _find_angle(motion: ExpectedMotion) -> float:
 
 
 def _turn(
-    part: Part,
+    driver: PartDriver,
     way: Vector,
+    motion: ExpectedMotion,
     angle: float,
     window: Window,
     stop: float | None,
     brief: SceneBrief,
-    frame_count: int,
-) -> list[VelocityConstraint]:
-    """The limb turned about its joint so that its tip goes ``way``, or moved along itself; what is seated slides."""
-    arm = normalise(part.arm) or brief.directions.up
-    slides = part.seated and not _find_role(part.name)
-    if abs(dot(arm, way)) < _ALONG and not slides:
-        axis = normalise(cross(arm, subtract(way, scale(arm, dot(arm, way))))) or brief.directions.up
-        return [_rotate(part, axis, angle, window, stop, brief, frame_count)]
-    length = _REACH * norm(part.arm) * angle / _PLAIN
-    return [
-        _make(
-            part,
-            ConstraintType.PARTICLE_TRANSLATION,
-            way,
-            length,
-            PRESCRIBED_TRAVEL,
-            window,
-            stop,
-            brief,
-            frame_count,
-        )
-    ]
-
-
-def _rotate(part, axis, angle, window, stop, brief, frame_count) -> VelocityConstraint:
-    return _make(
-        part,
-        ConstraintType.PARTICLE_ROTATION,
-        axis,
-        math.radians(angle),
-        TURN,
-        window,
-        stop,
-        brief,
-        frame_count,
-    )
-
-
-def _make(
-    part: Part,
-    kind: ConstraintType,
-    vector: Vector,
-    wanted: float,
-    usual: float,
-    window: Window,
-    stop: float | None,
-    brief: SceneBrief,
-    frame_count: int,
 ) -> VelocityConstraint:
-    """The constraint that does ``wanted`` in its window, where M = 1 does ``usual`` in the reference time."""
-    seconds = (window[1] - window[0]) * brief.frame_dt
-    duration = (frame_count - 1) * brief.frame_dt
-    effort = wanted / (usual * seconds / find_reference_time(True, duration))
-    size = clamp(abs(effort), MAGNITUDE_MIN, MAGNITUDE_MAX)
-    return VelocityConstraint(
-        constraint_type=kind,
-        vector=vector if effort >= 0 else scale(vector, -1.0),
-        magnitude=round(size, 3),
-        gain=round(clamp(abs(effort) / size, GAIN_MIN, GAIN_MAX), 4),
-        active_time=window,
-        held_until=stop,
-        region=part.moved,
-        pivot=part.joint if kind is ConstraintType.PARTICLE_ROTATION else None,
-    )
+    """The limb turned about its joint so that its tip goes ``way``, or moved along itself; what is seated slides."""
+    part = driver.part
+    arm = normalise(part.arm) or brief.directions.up
+    if abs(dot(arm, way)) < _ALONG and not (part.seated and not _find_role(part.name)):
+        axis = normalise(cross(arm, subtract(way, scale(arm, dot(arm, way))))) or brief.directions.up
+        return driver.turn(axis, angle, window, stop)
+    told = motion.amount if motion.kind is MotionKind.MOVE else None
+    if told is not None and told.unit in ("lengths", "metres"):
+        return driver.shift(way, told.value / (brief.size if told.unit == "metres" else 1.0), window, stop)
+    return driver.shift(way, _REACH * norm(part.arm) * angle / _PLAIN, window, stop)
