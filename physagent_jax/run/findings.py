@@ -58,7 +58,7 @@ class FoundPart(Strict):
         number: Its number, from 1, for `--part NAME=N` and in the picture.
         label: What it is called.
         origin: What told of it.
-        share: Its share of the particles.
+        share: Its share of the volume.
         low, high: Corners of its bounding box [file units].
     """
 

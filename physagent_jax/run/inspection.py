@@ -121,13 +121,13 @@ def _make_spec(**options: object) -> RunSpec:
 
 
 def _describe_parts(body: Body, parts: Sequence[Part]) -> tuple[FoundPart, ...]:
-    source = body.placement.to_source(body.particles.x)
+    source, volume = body.placement.to_source(body.particles.x), np.asarray(body.particles.volume, float)
     return tuple(
         FoundPart(
             number=number,
             label=part.label,
             origin=part.origin,
-            share=part.share,
+            share=round(float(volume[mask].sum() / volume.sum()), 4),
             low=tuple(source[mask].min(0).tolist()),
             high=tuple(source[mask].max(0).tolist()),
         )
