@@ -92,7 +92,8 @@ class Part(Strict):
 
 def split_name(name: str) -> tuple[str, ...]:
     """The words and numbers of a name, in lower case, sides first: "Arm_L" is the left arm; none without letters."""
-    words = [_LETTERS.get(word, word) for word in _WORD.findall(_HUMP.sub(" ", name).lower())]
+    found: list[str] = _WORD.findall(_HUMP.sub(" ", name).lower())
+    words = [_LETTERS.get(word, word) for word in found]
     words.sort(key=lambda word: word not in SIDES)
     return tuple(words) if any(not word.isdigit() for word in words) else ()
 

@@ -55,10 +55,13 @@ def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool) -> Part:
         free &= beyond | ~(mask & beyond).any()
     away = centre - 0.5 * (low + high)
 
-    def divide(inside: np.ndarray, **more: bool) -> CellsRegion:
+    def divide(inside: np.ndarray, rigid: bool = False) -> CellsRegion:
         seeds = _fit_seeds((points - low) / size, inside)
-        scaled = (tuple(tuple(np.round(p * size / box, 5).tolist()) for p in each) for each in seeds)
-        return CellsRegion(**dict(zip(("inside", "outside"), scaled)), **more)
+        own, other = (
+            tuple((float(x), float(y), float(z)) for x, y, z in np.round(each * size / box, 5))
+            for each in seeds
+        )
+        return CellsRegion(inside=own, outside=other, rigid=rigid)
 
     moved = divide(free, rigid=not joined)
     if (free == mask).all():
@@ -130,7 +133,8 @@ def _find_pairs(own: np.ndarray, rest: np.ndarray, size: float) -> tuple[np.ndar
     contact = spread(_find_contact(own, rest, size), _PAIRS)
     trees: list[Any] = [KDTree(side) for side in (own, rest)]
     for _ in range(2):  # from particles near the border to places between the nearest of either side
-        contact = 0.5 * sum(side[tree.query(contact)[1]] for side, tree in zip((own, rest), trees))
+        nearest = [side[tree.query(contact)[1]] for side, tree in zip((own, rest), trees)]
+        contact = 0.5 * (nearest[0] + nearest[1])
     near = []
     for side, tree in zip((own, rest), trees):
         near.append(side[tree.query(contact, k=min(_AROUND, len(side)))[1].reshape(len(contact), -1)])

@@ -202,7 +202,7 @@ def choose_parts(
         told = dict(name=choice.name, origin="option")
         if choice.box is not None:
             source = placement.to_source(points)
-            mask = ((source >= choice.box[:3]) & (source <= choice.box[3:])).all(1)
+            mask = np.asarray(((source >= choice.box[:3]) & (source <= choice.box[3:])).all(1))
             if not _FEWEST <= mask.sum() < len(mask):
                 low, high = (np.round(each, 4).tolist() for each in (source.min(0), source.max(0)))
                 raise UserError(
