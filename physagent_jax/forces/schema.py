@@ -61,7 +61,7 @@ class SphereRegion(Strict):
     radius: float = Field(ge=1e-6, le=1e6)
 
 
-_Seeds = Annotated[tuple[_Place, ...], Field(min_length=1, max_length=1024)]
+_Seeds = Annotated[tuple[_Place, ...], Field(min_length=1, max_length=256)]
 
 
 class CellsRegion(Strict):

@@ -11,7 +11,7 @@ from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import CellsRegion
 
 _MOST_POINTS = 30_000  # that seeds are fitted to
-_PAIRS, _SPREAD, _AT_ONCE, _MOST_SEEDS = 160, 60, 12, 320  # seeds on either side
+_PAIRS, _SPREAD, _AT_ONCE, _MOST_SEEDS = 160, 60, 12, 240  # seeds on either side
 _AROUND = 24  # points on either side that tell where the border runs
 _TOUCH = 2.0  # spacings between particles that touch
 _SLIM = 3.5  # length over the radius of gyration of where it joins, from which on a piece turns about its joint: a
