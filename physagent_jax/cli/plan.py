@@ -151,8 +151,6 @@ def describe_plan(reply: SemanticReply, brief: SceneBrief, reading: str = "") ->
     lines = ["should be seen:"]
     for each in reply.expectations:
         lines.append(f"  {describe_motion(each, table)}: {', '.join(list_details(each, table, frame_dt))}")
-    if brief.parts:
-        lines.insert(0, f"parts: {list_parts(brief.parts)}")
     lines.append("done by:")
     done = ["it is lifted a little and let fall"] * field.default_drop
     for item in (*field.actions, *field.constraints):
@@ -167,6 +165,8 @@ def describe_plan(reply: SemanticReply, brief: SceneBrief, reading: str = "") ->
     lines += [f"  {each}" for each in done or ["nothing"]]
     if reading:
         lines.append(f"object: {reading}")
+    if brief.parts:
+        lines.append(f"parts: {list_parts(brief.parts)}")
     lines.append(f"surroundings: {_describe_world(reply, brief)}")
     lines.append(f"held: {brief.anchored or 'nowhere'}")
     lines.append(f"clip: {brief.frame_count} frames, {(brief.frame_count - 1) * frame_dt:.3g} s")
