@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -53,6 +53,7 @@ def load_object(
     opacity_threshold: float = 0.02,
     splat_encoding: str | None = None,
     extent: float = 1.0,
+    parts: Sequence[Mapping[str, Any]] = (),
     preset: str = "fast",
     cells: int | None = None,
     max_particles: int | None = None,
@@ -68,6 +69,7 @@ def load_object(
         splat_encoding: How the file stores scales and opacities ("log-logit", "plain-plain", "log-plain",
             "plain-logit"); None = found from its content.
         extent: Its longest side in the domain [m].
+        parts: Parts that are named for the sentence, each with the fields of `forces.part.PartChoice`.
         preset: "fast" or "paper": domain, grid, particles, frames.
         cells: Cells along a side of the domain; None = the preset's.
         max_particles: Particles at most; None = the preset's.
@@ -84,6 +86,7 @@ def load_object(
             opacity_threshold=opacity_threshold,
             splat_encoding=splat_encoding,
             extent=extent,
+            parts=tuple(parts),
         ),
         prompt="",
         preset=preset,

@@ -20,7 +20,7 @@ from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene.procedural import PROCEDURAL
 
 FIELDS = set(
-    "path format encoding content count kept low high extent origin up kind pieces degenerate notes run refusal "
+    "path format encoding content count kept low high extent origin up kind pieces parts degenerate notes run refusal "
     "command preview".split()
 )
 

@@ -9,18 +9,20 @@ from typing import TYPE_CHECKING, Annotated
 
 import tyro
 
+from physagent_jax.forces.part import ORIGINS
 from physagent_jax.scene.config import SignedAxis, SplatEncoding
 
 if TYPE_CHECKING:
-    from physagent_jax.run.findings import Inspection, PlannedRun
+    from physagent_jax.run.findings import FoundPart, Inspection, PlannedRun
 
 
 @dataclasses.dataclass(frozen=True)
 class Inspect:
     """Say what an object file holds and which way up it is, and draw it from four sides.
 
-    Prints the format and how it was read, the size, the up axis with the reason for it, loose pieces, degenerate
-    Gaussians, what a run would take, and the command line that begins one. Nothing is simulated.
+    Prints the format and how it was read, the size, the up axis with the reason for it, loose pieces, the parts that
+    a sentence can name, degenerate Gaussians, what a run would take, and the command line that begins one. The picture
+    shows the parts coloured and numbered. Nothing is simulated.
     """
 
     file: tyro.conf.Positional[Path]
@@ -33,6 +35,8 @@ class Inspect:
     """The way in which scales and opacities are stored; default: found from the content."""
     opacity_threshold: float = 0.02
     """Gaussians with less opacity are left out."""
+    part: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
+    """A name for a part of the object, as for `physagent run`."""
     out: Path | None = None
     """PNG to draw; default: FILE's name with .preview.png, in the current folder. An earlier preview is replaced."""
     overwrite: bool = False
@@ -43,6 +47,7 @@ class Inspect:
     def __call__(self) -> int:
         """Run the command; return the exit code."""
         from physagent_jax.cli.options import report_as_options
+        from physagent_jax.cli.parts import parse_part
         from physagent_jax.run.inspection import inspect_object
 
         out = (
@@ -57,6 +62,7 @@ class Inspect:
                 kind=self.kind,
                 splat_encoding=self.splat_encoding,
                 opacity_threshold=self.opacity_threshold,
+                parts=list(map(parse_part, self.part)),
                 preview=out,
                 overwrite=self.overwrite,
             )
@@ -88,6 +94,7 @@ def describe_inspection(found: Inspection) -> list[str]:
     rows.append(("up", f"{known}: {found.up.reason}"))
     rows.append(("kind", f"{found.kind.kind if found.kind.known else 'not known'}: {found.kind.reason}"))
     rows += [("loose", f"{_describe_pieces(found)}")] if found.run else []
+    rows += [(f"part {each.number}", _describe_part(found, each)) for each in found.parts]
     rows += [("warning", name_options(each)) for each in found.degenerate]
     rows += [("note", name_options(each)) for each in found.notes]
     rows += [("run", _describe_run(found.run))] if found.run else []
@@ -97,6 +104,11 @@ def describe_inspection(found: Inspection) -> list[str]:
     if found.refusal is None:
         rows.append(("command", found.command))
     return [f"{title:<9} {text}" for title, text in rows]
+
+
+def _describe_part(found: Inspection, part: FoundPart) -> str:
+    low, high = (_format_place(found, each) for each in (part.low, part.high))
+    return f"{part.label}, {part.share:.1%} of it, {ORIGINS[part.origin]}, from ({low}) to ({high})"
 
 
 def _describe_pieces(found: Inspection) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
+from physagent_jax.cli.parts import parse_part
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import format_validation_error
 
@@ -22,6 +23,7 @@ OPTIONS = {
     "object.kind": "--kind",
     "object.opacity_threshold": "--opacity-threshold",
     "object.splat_encoding": "--splat-encoding",
+    "object.parts": "--part",
     "prompt": "--prompt",
     "preset": "--preset",
     "overrides.frame_count": "--frames",
@@ -81,6 +83,7 @@ def to_spec(options: Mapping[str, Any]) -> RunSpec:
         raise UserError(f"{' and '.join(missing)} must be given", do="Give them, or --spec file.json")
     _check_pairs(options)
     values = {field: _simplify(options[_name_attribute(option)]) for field, option in OPTIONS.items()}
+    values["object.parts"] = list(map(parse_part, options["part"]))
     values["overrides.height"] = values["overrides.width"]
     values["camera.follow"] = options["follow"] or None
     _check_model(options)

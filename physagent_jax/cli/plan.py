@@ -49,6 +49,8 @@ class Plan:
     """As for `physagent run`."""
     kind: str | None = None
     """plant, food, robot, ... (decides what is held); default: its card, else from the file's name."""
+    part: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
+    """As for `physagent run`."""
     azimuth: float | None = None
     """The camera's place, in degrees about the vertical: it decides what left is."""
     material: str | None = None
@@ -119,6 +121,7 @@ def to_json(reply: SemanticReply, brief: SceneBrief) -> dict:
     """The line that ``--json`` prints; ``brief`` is the scene with what the sentence says of it."""
     shown = reply.model_dump(mode="json", exclude_none=True)
     return {
+        "parts": [each.model_dump(include={"label", "origin", "share"}) for each in brief.parts],
         "targets": shown["expectations"],
         "actions": shown["force_field"]["actions"],
         "constraints": shown["force_field"]["constraints"],
@@ -138,9 +141,11 @@ def to_json(reply: SemanticReply, brief: SceneBrief) -> dict:
 
 def describe_plan(reply: SemanticReply, brief: SceneBrief, reading: str = "") -> list[str]:
     """The plan in lines of text; ``reading`` says how the object's file was read."""
+    from physagent_jax.forces.part import list_parts
     from physagent_jax.forces.schema import VelocityConstraint
     from physagent_jax.report.expectations import describe_motion, list_details
     from physagent_jax.report.force_cards import describe_effect
+    from physagent_jax.report.force_terms import describe_region
     from physagent_jax.report.formats import format_window
 
     table, frame_dt, field = brief.directions, brief.frame_dt, reply.force_field
@@ -151,7 +156,7 @@ def describe_plan(reply: SemanticReply, brief: SceneBrief, reading: str = "") ->
     done = ["it is lifted a little and let fall"] * field.default_drop
     for item in (*field.actions, *field.constraints):
         when = "the whole clip" if item.active_time is None else format_window(*item.active_time, frame_dt)
-        where = ", on a part of it" if item.region is not None else ""
+        where = f", on {describe_region(item.region)}" if item.region is not None else ""
         until = item.held_until if isinstance(item, VelocityConstraint) else None
         then = "" if until is None else f", then held until frame {until:g}"
         again = "" if item.gain == 1.0 else f" (k x {item.gain:.3g})"
@@ -161,6 +166,8 @@ def describe_plan(reply: SemanticReply, brief: SceneBrief, reading: str = "") ->
     lines += [f"  {each}" for each in done or ["nothing"]]
     if reading:
         lines.append(f"object: {reading}")
+    if brief.parts:
+        lines.append(f"parts: {list_parts(brief.parts)}")
     lines.append(f"surroundings: {_describe_world(reply, brief)}")
     lines.append(f"held: {brief.anchored or 'nowhere'}")
     lines.append(f"clip: {brief.frame_count} frames, {(brief.frame_count - 1) * frame_dt:.3g} s")

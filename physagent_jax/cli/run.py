@@ -80,6 +80,10 @@ class Run:
     """Gaussians with less opacity are left out."""
     splat_encoding: SplatEncoding | None = None
     """Encoding of scales and opacities: as logarithm and logit (the 3DGS layout) or plain; default: found out."""
+    part: tyro.conf.UseAppendAction[tuple[str, ...]] = ()
+    """A name for a part that the sentence speaks of; may be given several times. NAME=X0,Y0,Z0,X1,Y1,Z1: the part in a
+    box; NAME=X,Y,Z: the part nearest to a point; both in the file's units and axes, as `physagent inspect` shows them.
+    NAME=N: the part of that number in its list."""
     frames: int | None = None
     """Pictures of the clip; default: as many as the sentence needs, at least the preset's 50."""
     particles: int | None = None

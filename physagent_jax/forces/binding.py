@@ -19,7 +19,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.forces.opposition import find_friction, find_rubbing
 from physagent_jax.forces.parameters import ActionParameters, Array
 from physagent_jax.forces.regions import make_region_mask
-from physagent_jax.forces.schema import Action, Opposition, SkillScaling, VelocityConstraint
+from physagent_jax.forces.schema import Action, CellsRegion, Opposition, SkillScaling, VelocityConstraint
 from physagent_jax.forces.sections import find_stress_concentration
 from physagent_jax.forces.terms import PushCompensation, TurnCompensation
 from physagent_jax.mpm.boundaries import HalfSpace
@@ -160,6 +160,7 @@ class Binding:
         self._pivot = None if pivot is None else rest.min(0) + np.asarray(pivot) * np.ptp(rest, axis=0)
         hold_end = getattr(timed, "held_until", None)
         self._held_until = None if hold_end is None else self.leaf(hold_end * frame_dt)
+        self._rigid = isinstance(timed.region, CellsRegion) and timed.region.rigid
         self.whole = timed.region is None
         self.upwards = float(np.copysign(timed.vector[2], timed.vector[2] * timed.magnitude))
         self.weight = None if self.whole else self.leaf(self._mask)
@@ -309,9 +310,15 @@ class Binding:
             particles = to_device(np.flatnonzero(self._mask), np.int32)
         still = self.leaf(np.zeros(3))
         pivot = None if self._pivot is None else self.leaf(self._pivot)
-        motions = [PrescribedMotion(particles, velocity, angular_velocity, pivot, *self.window)]
+        windows = [self.window]
+        fields = [(velocity, angular_velocity, pivot)]
         if self._held_until is not None:
-            motions.append(PrescribedMotion(particles, still, still, still, self.window[1], self._held_until))
+            windows.append((self.window[1], self._held_until))
+            fields.append((still, still, still))
+        motions = [
+            PrescribedMotion(particles, *field, *window, rigid=self._rigid)
+            for field, window in zip(fields, windows)
+        ]
         return motions
 
     def press(self, k: float | Array) -> list[MovingPlate]:

@@ -2,20 +2,71 @@
 
 from __future__ import annotations
 
-from typing import Literal
+import re
+from collections.abc import Sequence
+from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from physagent_jax.core.strict import Direction, Numbers, Strict
 from physagent_jax.forces.schema import CellsRegion
 
+_WORD = re.compile(r"[^\W\d_]+|\d+")
+_HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])")
+_LETTERS = {"l": "left", "r": "right"}
+SIDES = frozenset("left right upper lower front back rear top bottom inner outer middle".split())
+"""Words for a side, which a name begins with."""
 PartRole = Literal["head", "ear", "arm", "leg", "tail", "side"]
 
 
-class Part(Strict):
-    """A part that sticks out of the object.
+PartOrigin = Literal["shape", "file", "option"]
+ORIGINS = {"shape": "found by its shape", "file": "named in the file", "option": "named by --part"}
+Coordinate = Annotated[float, Field(ge=-1e12, le=1e12)]
+MOST_LETTERS = 60
+
+
+class PartChoice(Strict):
+    """A part that a person names: in a box, at a point, or by its number in the list of `physagent inspect`.
 
     Attributes:
+        name: What it is called.
+        box: Two corners, low and high [file units, along the file's axes].
+        point: The part that is nearest to it is meant [file units].
+        number: Its place among the parts that are found without choices, from 1.
+    """
+
+    name: Annotated[str, Field(min_length=1, max_length=MOST_LETTERS)]
+    box: tuple[Coordinate, Coordinate, Coordinate, Coordinate, Coordinate, Coordinate] | None = None
+    point: tuple[Coordinate, Coordinate, Coordinate] | None = None
+    number: Annotated[int, Field(ge=1, le=10_000)] | None = None
+
+    @model_validator(mode="after")
+    def _check_one_place(self) -> PartChoice:
+        if not split_name(self.name):
+            raise ValueError(f"a part's name needs letters (got {self.name!r})")
+        if sum(each is not None for each in (self.box, self.point, self.number)) != 1:
+            raise ValueError(f"the part {self.name!r} is a box, a point or a number: give one of them")
+        if self.box is not None and any(a >= b for a, b in zip(self.box[:3], self.box[3:])):
+            raise ValueError(
+                f"the box of the part {self.name!r} is x0 y0 z0 x1 y1 z1, each x0 < x1 (got {self.box})"
+            )
+        return self
+
+    def format(self) -> str:
+        """The text of the option `--part` that says the same."""
+        place = self.box or self.point or (self.number,)
+        return f"{self.name}={','.join(f'{each:.12g}' for each in place)}"
+
+
+class Part(Strict):
+    """A part of the object: it sticks out, or the object's file or a person names it.
+
+    Attributes:
+        name: What the file or a person calls it; empty = nobody has named it.
+        origin: What told of it.
+        label: What people are told that it is, with its place: "left arm"; empty until the viewer is known.
+        seated: Whether it is a piece of its own that sits on the rest with a broad face, as a lid does: it moves
+            as a whole, and about its own middle. Others turn about their joint.
         roles: What it may be: "ear" comes in pairs on a head, "arm" in pairs elsewhere, "leg" stands on the ground,
             "tail" is alone, "side" is any that is neither on the head nor on the ground.
         moved: Particles that move with it: all but those next to its joint.
@@ -26,10 +77,28 @@ class Part(Strict):
         share: Share of the object's volume.
     """
 
-    roles: tuple[PartRole, ...]
+    name: Annotated[str, Field(max_length=MOST_LETTERS)] = ""
+    origin: PartOrigin = "shape"
+    label: Annotated[str, Field(max_length=200)] = ""
+    seated: bool = False
+    roles: tuple[PartRole, ...] = ()
     moved: CellsRegion
     rest: CellsRegion
     joint: Numbers
     arm: Numbers
     side: Direction
     share: float = Field(ge=0, le=1)
+
+
+def split_name(name: str) -> tuple[str, ...]:
+    """The words and numbers of a name, in lower case, sides first: "Arm_L" is the left arm; none without letters."""
+    found: list[str] = _WORD.findall(_HUMP.sub(" ", name).lower())
+    words = [_LETTERS.get(word, word) for word in found]
+    words.sort(key=lambda word: word not in SIDES)
+    return tuple(words) if any(not word.isdigit() for word in words) else ()
+
+
+def list_parts(parts: Sequence[Part]) -> str:
+    """All parts with their numbers, for messages: "1 head, 2 left arm"; "none" if there are none."""
+    told = [f"{index} {part.label or part.name or part.roles[0]}" for index, part in enumerate(parts, 1)]
+    return ", ".join(told) or "none"

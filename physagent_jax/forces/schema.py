@@ -67,12 +67,15 @@ _Seeds = Annotated[tuple[_Place, ...], Field(min_length=1, max_length=256)]
 class CellsRegion(Strict):
     """Particles whose nearest seed is one of ``inside`` (bounding-box fractions; distances in metres).
 
-    A part of any shape: the Voronoi cells of its own seeds among those of the whole object.
+    A part of any shape: the Voronoi cells of its own seeds among those of the whole object. ``label`` tells people
+    which part it is, and what told of it; ``rigid`` is a piece of its own, in which nothing bends where it is driven.
     """
 
     kind: Literal["cells"] = "cells"
     inside: _Seeds
     outside: _Seeds
+    label: Annotated[str, Field(max_length=200)] = ""
+    rigid: bool = False
 
 
 Region = Annotated[BoxRegion | HalfSpaceRegion | SphereRegion | CellsRegion, Field(discriminator="kind")]

@@ -80,6 +80,40 @@ def bind(
     )
 
 
+def bind_pieces(
+    gaussian_means: np.ndarray,
+    particle_positions: np.ndarray,
+    gaussian_piece: np.ndarray,
+    particle_piece: np.ndarray,
+) -> Binding:
+    """Bind Gaussians as `bind` does, each to particles of its own piece, so that nothing spans a gap as pieces part.
+
+    Args:
+        gaussian_means: Rest centres [m], shape (g, 3).
+        particle_positions: Rest positions in the same frame [m], shape (n, 3).
+        gaussian_piece: The piece of each Gaussian, int, shape (g,); one without particles is bound to all.
+        particle_piece: The piece of each particle, int, shape (n,).
+    """
+    means, particles = np.asarray(gaussian_means), np.asarray(particle_positions)
+    if (gaussian_piece == gaussian_piece[:1]).all():
+        return bind(means, particles)
+    found = []
+    for piece in np.unique(gaussian_piece):
+        own = np.flatnonzero(particle_piece == piece)
+        own = own if len(own) else np.arange(len(particles))
+        mine = np.flatnonzero(gaussian_piece == piece)
+        found.append((mine, own, bind(means[mine], particles[own])))
+    width = max(bound.indices.shape[1] for _, _, bound in found)
+    indices, weights = np.zeros((len(means), width), np.int32), np.zeros((len(means), width), np.float32)
+    offsets = np.zeros((len(means), width, 3), np.float32)
+    for mine, own, bound in found:
+        columns = slice(bound.indices.shape[1])
+        indices[mine] = own[0]
+        indices[mine, columns] = own[np.asarray(bound.indices)]
+        weights[mine, columns], offsets[mine, columns] = bound.weights, bound.offsets
+    return Binding(*map(to_device, (indices, weights, offsets), (np.int32, np.float32, np.float32)))
+
+
 @jax.jit
 def deform(
     cloud: GaussianCloud, binding: Binding, x: jax.Array, F: jax.Array, pre_rotation: np.ndarray | jax.Array

@@ -98,7 +98,7 @@ def describe_region(region: Region | None) -> str:
     if isinstance(region, HalfSpaceRegion):
         return f"beyond {format_vector(region.point)} of the bounding box, towards {format_vector(region.normal)}"
     if isinstance(region, CellsRegion):
-        return "a part that sticks out"
+        return f"the {region.label}" if region.label else "a part that sticks out"
     ball = f"a ball of radius {format_number(region.radius)} body lengths"
     return f"{ball} about {format_vector(region.center)} of the bounding box"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from physagent_jax.forces.part import Part
+from physagent_jax.motion.parts import label_parts
 from physagent_jax.motion.schema import DirectionTable, SceneBrief
 from physagent_jax.scene.broad_side import find_long_axis
 from physagent_jax.scene.camera import find_viewer_directions
@@ -18,8 +19,9 @@ def make_brief(
     Args:
         template: The scene without its force field.
         frames_fixed: Whether the clip's length is the user's.
-        parts: Parts that stick out of the object.
+        parts: The object's parts.
     """
+    directions = DirectionTable(**find_viewer_directions(template.camera))
     timing, anchor = template.preset.timing, template.anchor
     return SceneBrief(
         object_name=template.source.name,
@@ -32,6 +34,6 @@ def make_brief(
         size=template.source.extent,
         long_axis=find_long_axis(template.source, template.preset.domain),
         world="ground" if template.world.gravity == "down" and template.world.ground else "free",
-        directions=DirectionTable(**find_viewer_directions(template.camera)),
-        parts=parts,
+        directions=directions,
+        parts=label_parts(parts, directions),
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from physagent_jax.core.strict import Strict, Vector
+from physagent_jax.forces.part import PartOrigin
 from physagent_jax.scene.config import SignedAxis
 
 
@@ -50,6 +51,25 @@ class Piece(Strict):
     distance: float
 
 
+class FoundPart(Strict):
+    """A part of the object that a sentence can name.
+
+    Attributes:
+        number: Its number, from 1, for `--part NAME=N` and in the picture.
+        label: What it is called.
+        origin: What told of it.
+        share: Its share of the volume.
+        low, high: Corners of its bounding box [file units].
+    """
+
+    number: int
+    label: str
+    origin: PartOrigin
+    share: float
+    low: Vector
+    high: Vector
+
+
 class PlannedRun(Strict):
     """A run with the settings of its preset.
 
@@ -91,6 +111,7 @@ class Inspection(Strict):
         up: The up axis.
         kind: The class of the object.
         pieces: Loose pieces, the nearest first.
+        parts: Parts that a sentence can name.
         degenerate: Gaussians that are out of the ordinary, in words.
         notes: Sentences that a user should read before a run.
         run: The run that `command` begins; None = it cannot be planned.
@@ -112,6 +133,7 @@ class Inspection(Strict):
     up: UpAxis
     kind: Kind
     pieces: tuple[Piece, ...] = ()
+    parts: tuple[FoundPart, ...] = ()
     degenerate: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     run: PlannedRun | None = None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import warnings
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +13,13 @@ from pydantic import ValidationError
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import format_validation_error, shorten
+from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.gaussians.diagnosis import diagnose_cloud
 from physagent_jax.gaussians.formats import LoadedSplats, find_format, read_head
-from physagent_jax.run.findings import Inspection, Kind, Piece, PlannedRun, UpAxis
+from physagent_jax.run.brief import make_brief
+from physagent_jax.run.findings import FoundPart, Inspection, Kind, Piece, PlannedRun, UpAxis
+from physagent_jax.run.part_marks import find_masks, find_owners
 from physagent_jax.run.preview import check_preview, draw_preview, write_preview
 from physagent_jax.run.resolve import ResolvedRun, resolve
 from physagent_jax.run.spec import ObjectChoice, RunSpec
@@ -47,6 +51,7 @@ def inspect_object(
     kind: str | None = None,
     splat_encoding: str | None = None,
     opacity_threshold: float = 0.02,
+    parts: Sequence[Mapping[str, Any]] = (),
     preview: str | Path | None = None,
     overwrite: bool = False,
 ) -> Inspection:
@@ -58,7 +63,8 @@ def inspect_object(
         kind: Class of the object; None = its card's, else from the file's name.
         splat_encoding: Reading of scales and opacities; None = found from the content.
         opacity_threshold: Gaussians with a lower opacity are dropped.
-        preview: PNG to write with the object from four sides; None = none is written.
+        parts: Parts that are named, each with the fields of `forces.part.PartChoice`.
+        preview: PNG to write with the object from four sides, its parts coloured and numbered; None = none is written.
         overwrite: Replace a file at ``preview`` that is no preview.
 
     Raises:
@@ -67,7 +73,12 @@ def inspect_object(
     path = Path(path)
     if preview is not None:
         check_preview(Path(preview), overwrite=overwrite)
-    spec = _make_spec(path=str(path), splat_encoding=splat_encoding, opacity_threshold=opacity_threshold)
+    spec = _make_spec(
+        path=str(path),
+        splat_encoding=splat_encoding,
+        opacity_threshold=opacity_threshold,
+        parts=tuple(parts),
+    )
     card, found = load_card(path), _choose_kind(kind, load_card(path), path)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # they are among the notes
@@ -85,14 +96,18 @@ def inspect_object(
     run = resolve(spec.model_copy(update=dict(object=choice)))
     body, plan = _plan(run, inspection)
     inspection = inspection.model_copy(update=plan)
+    known = () if body is None else make_brief(run.template, parts=body.parts).parts
+    if body is not None:
+        inspection = inspection.model_copy(update=dict(parts=_describe_parts(body, known)))
     if preview is not None:
         source, domain = run.template.source, run.template.preset.domain
         if body is None:
             cloud, placement = place(loaded.cloud, source, domain, loaded.origin)
+            owner = None
         else:
-            cloud, placement = body.cloud, body.placement
+            cloud, placement, owner = body.cloud, body.placement, find_owners(body, known)
         label = f"up = {chosen.axis}{'' if chosen.known else ' ?'}"
-        picture = draw_preview(cloud, placement, run.template.camera, domain, label)
+        picture = draw_preview(cloud, placement, run.template.camera, domain, label, owner)
         write_preview(Path(preview), picture, overwrite=overwrite)
         inspection = inspection.model_copy(update=dict(preview=str(preview)))
     return inspection
@@ -103,6 +118,21 @@ def _make_spec(**options: object) -> RunSpec:
         return RunSpec.model_validate(dict(object=options, prompt=SENTENCE))
     except ValidationError as error:
         raise format_validation_error(error, "arguments", RunSpec) from None
+
+
+def _describe_parts(body: Body, parts: Sequence[Part]) -> tuple[FoundPart, ...]:
+    source, volume = body.placement.to_source(body.particles.x), np.asarray(body.particles.volume, float)
+    return tuple(
+        FoundPart(
+            number=number,
+            label=part.label,
+            origin=part.origin,
+            share=round(float(volume[mask].sum() / volume.sum()), 4),
+            low=tuple(source[mask].min(0).tolist()),
+            high=tuple(source[mask].max(0).tolist()),
+        )
+        for number, (part, mask) in enumerate(zip(parts, find_masks(body, parts)), 1)
+    )
 
 
 def _describe_content(path: Path, loaded: LoadedSplats) -> dict[str, Any]:
@@ -217,5 +247,6 @@ def _make_command(choice: ObjectChoice, kind: Kind) -> str:
         options += ["--opacity-threshold", choice.opacity_threshold]
     if choice.splat_encoding is not None:
         options += ["--splat-encoding", choice.splat_encoding]
+    options += [word for each in choice.parts for word in ("--part", each.format())]
     options += ["--prompt", SENTENCE, "--out", f"runs/{stem}"]
     return shlex.join(["physagent", "run", *map(str, options)])

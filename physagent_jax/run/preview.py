@@ -19,6 +19,7 @@ from physagent_jax.output.video import encode_png
 from physagent_jax.render import render
 from physagent_jax.render.camera import Camera
 from physagent_jax.render.stage import Stage, compose, make_backdrop
+from physagent_jax.run.part_marks import place_numbers, tint
 from physagent_jax.scene.camera import frame_camera, make_reference_camera
 from physagent_jax.scene.compile.buckets import pad_cloud
 from physagent_jax.scene.config import CameraConfig, Domain, Rendering
@@ -38,7 +39,12 @@ MARK = b"Software\0physagent inspect"
 
 
 def draw_preview(
-    cloud: GaussianCloud, placement: Placement, camera: CameraConfig, domain: Domain, up: str
+    cloud: GaussianCloud,
+    placement: Placement,
+    camera: CameraConfig,
+    domain: Domain,
+    up: str,
+    owner: np.ndarray | None = None,
 ) -> np.ndarray:
     """Draw an object on the ground from its front, right, back and left.
 
@@ -48,6 +54,7 @@ def draw_preview(
         camera: The direction from which the front is seen; where it stands follows from the object.
         domain: The domain that the object is placed in.
         up: The label of the arrow that points up.
+        owner: The part of each Gaussian, which gets its colour and number; -1 = none, shape (g,); None = no parts.
 
     Returns:
         The picture, uint8, shape (2 `HEIGHT`, 2 `WIDTH`, 3).
@@ -55,6 +62,8 @@ def draw_preview(
     Raises:
         UserError: A view does not fit into memory.
     """
+    if owner is not None:
+        cloud = tint(cloud, owner)
     points, low, high = _choose_points(cloud)
     stage = Stage(float(low[2]), max(float((high - low).max()), 1e-6))
     splats, rendering = _make_splats(cloud, placement.rotation), Rendering(width=WIDTH, height=HEIGHT)
@@ -69,6 +78,10 @@ def draw_preview(
         seen = make_reference_camera(each.model_copy(update=dict(distance=distance)), rendering, domain)
         image = render(splats, seen, background=(0.0, 0.0, 0.0))
         picture = compose(image, splats, make_backdrop(stage, seen))
+        if owner is not None:
+            centres = np.asarray(cloud.means, np.float64)
+            for index, at in place_numbers(seen, np.asarray(image.depth), centres, owner):
+                _write(picture, str(index + 1), (at[0] - 5, at[1] + 5))
         _write(picture, f"{name} (--azimuth {azimuth:g})", (12, 24))
         _draw_up(picture, up)
         _draw_axes(picture, seen, placement.rotation)

@@ -304,6 +304,7 @@ def _make_source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str, up: S
         opacity_threshold=spec.object.opacity_threshold,
         splat_encoding=spec.object.splat_encoding,
         extent=spec.object.extent,
+        parts=spec.object.parts,
     )
 
 

@@ -11,6 +11,7 @@ from physagent_jax.agents import registry as agents
 from physagent_jax.chat.registry import MODELS
 from physagent_jax.core.reading import YAML_SUFFIXES, format_validation_error, read_json, read_yaml
 from physagent_jax.core.strict import Seed, Strict
+from physagent_jax.forces.part import PartChoice
 from physagent_jax.perception import backends
 from physagent_jax.run.manifest import MOST_ROUNDS
 from physagent_jax.scene.config import MOST_FRAMES, SignedAxis, SplatEncoding
@@ -32,6 +33,7 @@ class ObjectChoice(Strict):
         splat_encoding: How the file stores scales and opacities (`gaussians.formats.encoding`); None = found from
             its content.
         extent: Longest side in the domain [m].
+        parts: Parts that a person names, for sentences to speak of.
     """
 
     path: FilePath
@@ -40,6 +42,7 @@ class ObjectChoice(Strict):
     opacity_threshold: float = Field(default=0.02, ge=0, lt=1)
     splat_encoding: SplatEncoding | None = None
     extent: Length = 1.0
+    parts: Annotated[tuple[PartChoice, ...], Field(max_length=64)] = ()
 
 
 class Overrides(Strict):

@@ -9,14 +9,22 @@ from pathlib import Path
 
 import numpy as np
 
-from physagent_jax.forces.part import Part
-from physagent_jax.gaussians.binding import Binding, bind
+from physagent_jax.forces.part import Part, PartChoice
+from physagent_jax.gaussians.binding import Binding, bind, bind_pieces
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.gaussians.diagnosis import check_cloud, diagnose_cloud
 from physagent_jax.scene.config import Domain, Filling, SceneConfig, Source
 from physagent_jax.scene.filling import Particles, fill
-from physagent_jax.scene.load import load_object
-from physagent_jax.scene.parts import find_parts
+from physagent_jax.scene.load import load_named_parts, load_object
+from physagent_jax.scene.mesh_formats import MeshPart
+from physagent_jax.scene.parts import (
+    choose_parts,
+    find_groups,
+    find_parts,
+    find_pieces,
+    join_parts,
+    make_parts,
+)
 from physagent_jax.scene.pieces import LoosePiece, explain_loose, join_pieces
 from physagent_jax.scene.placement import Placement, place
 
@@ -35,6 +43,8 @@ class Body:
         reading: How the object's file was read, in words; "" = it was not read from a file.
         loose: Pieces that nothing joins to the rest.
         plain: The cloud in the colours that people see; None = in its own.
+        named: Parts that the object's file names.
+        choices: Parts that a person names.
     """
 
     cloud: GaussianCloud
@@ -44,6 +54,8 @@ class Body:
     reading: str = ""
     loose: tuple[LoosePiece, ...] = ()
     plain: GaussianCloud | None = None
+    named: tuple[Part, ...] = ()
+    choices: tuple[PartChoice, ...] = ()
 
     @property
     def low(self) -> np.ndarray:
@@ -62,8 +74,14 @@ class Body:
 
     @functools.cached_property
     def parts(self) -> tuple[Part, ...]:
-        """Parts that stick out of the object."""
-        return find_parts(np.asarray(self.particles.x, np.float64))
+        """Parts that the object's file or a person names, and those that stick out of it.
+
+        Raises:
+            UserError: What a person names is no part of it.
+        """
+        points = np.asarray(self.particles.x, np.float64)
+        found = join_parts(points, self.named, find_parts(points))
+        return choose_parts(points, found, self.choices, self.placement)
 
 
 def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | Path) -> Body:
@@ -93,7 +111,27 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
     reading = (
         f"{loaded.format_name}: {loaded.encoding}; {cloud.count:,} of {loaded.count_in_file:,} Gaussians kept"
     )
-    return Body(cloud, placement, particles, bind(cloud.means, particles.x), reading, loose, plain)
+    named, binding = _find_named(cloud, placement, particles, load_named_parts(source, base_dir))
+    return Body(cloud, placement, particles, binding, reading, loose, plain, named, source.parts)
+
+
+def _find_named(
+    cloud: GaussianCloud, placement: Placement, particles: Particles, surfaces: list[MeshPart]
+) -> tuple[tuple[Part, ...], Binding]:
+    """The parts that a mesh file names by its surfaces, in its own frame; and Gaussians bound within them."""
+    means, points = np.asarray(cloud.means, np.float64), np.asarray(particles.x, np.float64)
+    if not surfaces:
+        return (), bind(cloud.means, particles.x)
+    placed = [dataclasses.replace(each, vertices=placement.to_world(each.vertices)) for each in surfaces]
+    w, x, y, z = np.asarray(cloud.quats, np.float64).T
+    discs = np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=1)
+    index = np.asarray(particles.gaussian_index)
+    normals = np.where(index[:, None] >= 0, discs[index], 0.0)
+    groups = find_groups(np.concatenate([points, means]), np.concatenate([normals, discs]), placed)
+    count = len(points)
+    named = make_parts(points, [dataclasses.replace(each, mask=each.mask[:count]) for each in groups])
+    pieces = find_pieces(points, named, [each.mask[count:] for each in groups])
+    return named, bind_pieces(means, points, pieces[1], pieces[0])
 
 
 def _warn_if_sparse(particles: Particles, dx: float) -> None:

@@ -22,6 +22,7 @@ from physagent_jax.gaussians.formats.ply_header import MOST_BYTES
 from physagent_jax.scene import mesh_formats
 from physagent_jax.scene.config import SignedAxis, Source
 from physagent_jax.scene.config.source import MESH_SUFFIXES
+from physagent_jax.scene.mesh_formats import MeshPart
 
 
 def load_object(source: Source, base_dir: str | Path) -> LoadedSplats:
@@ -48,6 +49,20 @@ def load_object(source: Source, base_dir: str | Path) -> LoadedSplats:
             warnings.warn(note, stacklevel=2)
         return loaded
     return _sample_mesh(path, source)
+
+
+def load_named_parts(source: Source, base_dir: str | Path) -> list[MeshPart]:
+    """The surfaces that the object's file names, in its own frame and units; none for what is no mesh.
+
+    Raises:
+        UserError: The file cannot be read.
+    """
+    path = Path(base_dir) / source.path
+    if _holds_splats(path):
+        return []
+    from physagent_jax.scene.mesh_files import read_named_parts  # trimesh takes long to import
+
+    return read_named_parts(path)
 
 
 def find_prescribed_up(path: str | Path, encoding: str | None = None) -> SignedAxis | None:

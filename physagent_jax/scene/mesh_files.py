@@ -14,6 +14,7 @@ from physagent_jax.core.names import explain_unknown_name
 from physagent_jax.core.reading import read_bytes, shorten
 from physagent_jax.scene.config.source import MESH_SUFFIXES, MOST_MESH_BYTES
 from physagent_jax.scene.mesh_formats import HEAD_BYTES, MeshPart, Neighbours, find_mesh_format
+from physagent_jax.scene.mesh_formats.obj import OBJ, read_groups
 
 # Its loaders log tracebacks of what they survive, which would reach the terminal.
 logging.getLogger("trimesh").addHandler(logging.NullHandler())
@@ -65,6 +66,29 @@ def read_parts(path: str | Path) -> list[MeshPart]:
         extra = f" ({more} more)" if more else ""
         warnings.warn(f"{path}: colours are left out: {beside.missing[0]}{extra}", stacklevel=2)
     return parts
+
+
+def read_named_parts(path: str | Path) -> list[MeshPart]:
+    """Read a file's surfaces with the names that it gives them; none if the file names no part of itself.
+
+    Raises:
+        UserError: As `read_parts`.
+    """
+    path = Path(path)
+    data = read_bytes(path, most=MOST_MESH_BYTES, what="the mesh file")
+    if isinstance(find_mesh_format(data[:HEAD_BYTES], path), OBJ):
+        try:
+            parts = read_groups(data)
+        except (ValueError, IndexError) as error:
+            got = shorten(f"{type(error).__name__}: {error}")
+            raise UserError(
+                f"cannot read the groups of {shorten(path)}", got=got, do="Export it again"
+            ) from None
+    else:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # of colours, which are not asked for
+            parts = read_parts(path)
+    return parts if any(part.names for part in parts) else []
 
 
 def join_parts(parts: list[MeshPart]) -> tuple[np.ndarray, np.ndarray]:

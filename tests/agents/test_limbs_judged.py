@@ -43,3 +43,26 @@ def test_an_arm_that_is_raised_is_judged_by_itself(degrees, verdict):
 
 def test_an_object_that_rises_with_its_arm_still_is_no_raised_arm():
     assert judge(0, whole=0.3).verdict is Verdict.FAIL
+
+
+@pytest.mark.parametrize(("rigid", "verdict"), [(True, "SUCCESS"), (False, "FAIL")])
+def test_a_piece_of_its_own_may_come_off(rigid, verdict):
+    """A lid that is lifted is a second piece in the picture; the head of one skin is torn off."""
+    moved = HEAD.moved.model_copy(update=dict(rigid=rigid))
+    lid = HEAD.model_copy(update=dict(name="lid", origin="file", moved=moved, seated=True))
+    sentence = "lift the lid"
+    chance = np.random.default_rng(0)
+    body = chance.uniform((-0.2, -0.2, -0.5), (0.2, 0.2, 0.3), (600, 3))
+    top = chance.uniform((-0.2, -0.2, 0.3), (0.2, 0.2, 0.5), (200, 3))
+    frames = [np.concatenate([body, top + (0, 0, 0.3 * min(k / 25, 1))]) for k in range(49)]
+    reply = read(sentence, lid)
+    context = AgentContext(sentence, brief(parts=(lid,), anchored="all but the part"), (), reply)
+    report = report_true_motion(
+        np.stack(frames),
+        frame_dt=0.04,
+        windows=RulePlanner().windows(context),
+        parts={0: np.arange(800) >= 600},
+    )
+    report = report.model_copy(update=dict(pieces=tuple(1 + (k > 5) for k in range(49))))
+    judged = RulePlanner().judge(context, Observation(reply.force_field, report, Unseen())).value
+    assert judged.verdict is Verdict(verdict), judged.checks

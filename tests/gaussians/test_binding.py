@@ -22,6 +22,7 @@ from physagent_jax.gaussians import (
     read_ply,
     splats_to_cloud,
 )
+from physagent_jax.gaussians.binding import bind_pieces
 from physagent_jax.scene.compile.buckets import pad_gaussians
 
 
@@ -161,3 +162,20 @@ def test_splats_that_nobody_sees_make_an_empty_cloud(cloud):
     cloud = dataclasses.replace(cloud, opacities=jnp.zeros(cloud.count))
     splats = deform(cloud, bind(cloud.means, cloud.means), cloud.means, identities(cloud.count), np.eye(3))
     assert splats_to_cloud(splats).count == 0
+
+
+def test_pieces_keep_what_belongs_to_them():
+    """Of two slabs that touch, one is lifted: Gaussians in the plane between go with their own."""
+    rng = np.random.default_rng(0)
+    particles = rng.uniform(0, 1, (400, 3)) - (0.5, 0.5, 0)
+    particles[200:, 2] *= -1
+    above = np.arange(400) < 200
+    means = np.concatenate([rng.uniform(-0.5, 0.5, (60, 2)), np.zeros((60, 1))], axis=1)
+    piece = np.arange(60) % 2
+    binding = bind_pieces(means, particles, piece, above.astype(int))
+    lifted = particles + above[:, None] * (0.0, 0.0, 2.0)
+    predictions = lifted[np.asarray(binding.indices)] + np.asarray(binding.offsets)
+    places = (np.asarray(binding.weights)[..., None] * predictions).sum(1)
+    np.testing.assert_allclose(places[:, 2], 2.0 * piece, atol=1e-5)
+    alone = bind_pieces(means, particles, piece, np.zeros(400, int))  # a piece without particles
+    np.testing.assert_allclose(np.asarray(alone.weights).sum(1), 1.0, atol=1e-6)

@@ -181,3 +181,21 @@ def test_a_rotation_of_zero_has_the_derivative_of_a_small_one(x64):
         for k, unit in enumerate(np.eye(3)):
             difference = (rotate(x, at + eps * unit) - rotate(x, at - eps * unit)) / (2 * eps)
             np.testing.assert_allclose(derivative[:, k], difference, atol=1e-8)
+
+
+def test_what_is_rigid_is_not_strained_by_what_it_leaves_behind(x64):
+    """Half of a block is lifted off the other half, which is held, and turned; F^T F stays the identity in both."""
+    model, state = block((4, 4, 4), dtype=np.float64, dt=1e-3)
+    upper = np.asarray(state.x)[:, 2] > float(state.x[:, 2].mean())
+    turned = np.array([0.0, 0.0, 2.0])
+    for rigid in (True, False):
+        lifted = dataclasses.replace(
+            motion(np.flatnonzero(upper), velocity=(0, 0, 1.0), angular=turned), rigid=rigid
+        )
+        held = PrescribedMotion.fixed(jnp.asarray(np.flatnonzero(~upper)), jnp.float64, rigid=rigid)
+        end = run(model.replace(constraints=(lifted, held)), state, 100)
+        strain = np.abs(np.swapaxes(end.F, 1, 2) @ np.asarray(end.F) - np.eye(3)).max()
+        assert strain < 1e-12 if rigid else strain > 0.1
+        if rigid:
+            wanted = Rotation.from_rotvec(turned * 0.1).as_matrix()
+            np.testing.assert_allclose(end.F[upper], np.broadcast_to(wanted, end.F[upper].shape), atol=1e-12)

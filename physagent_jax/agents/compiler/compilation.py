@@ -15,11 +15,12 @@ from physagent_jax.agents.compiler.sequence import apply_holding, choose_anchor,
 from physagent_jax.agents.compiler.skills import compile_slots
 from physagent_jax.agents.compiler.words import look_up, suggest_motions
 from physagent_jax.agents.intent import Intent
-from physagent_jax.agents.lexicon import Effect
+from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.parts import explain_missing, list_names
 from physagent_jax.motion.schema import MotionKind, SceneBrief, WorldRequest
 
 EXAMPLES = (
@@ -42,7 +43,7 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     Raises:
         UserError: No motion is known, and nothing is said about holding or gravity.
     """
-    told = [look_up(clause) for clause in intent.clauses]
+    told = [look_up(clause, list_names(brief)) for clause in intent.clauses]
     known = [event for event in told if event.is_known]
     unknown = [event for event in told if not event.is_known]
     if not known and intent.held is None and intent.surroundings.gravity is None:
@@ -131,8 +132,13 @@ def _collect_doubts(intent: Intent, unknown: list[Event], builder: ForceFieldBui
             builder.add_doubt(doubt)
     if builder.gravity == "none" and any(each.kind is MotionKind.FALL for each in builder.expectations):
         builder.add_doubt("How it falls without gravity is not understood.")
-    for doubt in (*intent.doubts, *(f"'{word}' is not understood." for word in intent.unknown)):
+    for doubt in intent.doubts:
         builder.add_doubt(doubt)
+    for word in intent.unknown:
+        part = word in read_lexicon().unplaced
+        builder.add_doubt(
+            explain_missing(word, builder.brief.parts) if part else f"'{word}' is not understood."
+        )
 
 
 def _choose_kinds(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:

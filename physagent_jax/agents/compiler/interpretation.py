@@ -9,11 +9,12 @@ from physagent_jax.agents import intent
 from physagent_jax.agents.compiler.amounts import MOST, find_target
 from physagent_jax.agents.compiler.directions import TOWARDS, sum_directions, take_heading
 from physagent_jax.agents.compiler.events import WAYS, Event, ValueSource, WayKind
-from physagent_jax.agents.compiler.limbs import explain_missing, find_limbs
+from physagent_jax.agents.compiler.limbs import find_limbs
 from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
 from physagent_jax.agents.regions import make_end_region, make_middle_region
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.motion.parts import explain_missing
 from physagent_jax.motion.schema import Amount, ObstacleRequest, SceneBrief
 from physagent_jax.motion.vectors import clamp, normalise, scale
 
@@ -260,10 +261,11 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         event.limbs = find_limbs(named[0], brief)
     if event.limbs:
         event.region, event.part = brief.parts[event.limbs[0]].moved, brief.parts[event.limbs[0]].side
-        event.sources["region"] = ValueSource(named[0].text, "a part of the object")
+        told = brief.parts[event.limbs[0]].moved.label or "a part of the object"
+        event.sources["region"] = ValueSource(named[0].text, told)
         return
     if place.role and not place.names:
-        event.doubts.append(explain_missing(named[0].text, brief))
+        event.doubts.append(explain_missing(named[0].text, brief.parts))
         return
     event.part = normalise(sum_directions(place.names, brief))
     if not event.excludes_part:

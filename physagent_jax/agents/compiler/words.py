@@ -11,7 +11,8 @@ import re
 
 from physagent_jax.agents import intent
 from physagent_jax.agents.compiler.events import Event, KnownPart, KnownWay, WayKind
-from physagent_jax.agents.lexicon import Motion, Names, Place, read_forms, read_lexicon
+from physagent_jax.agents.lexicon import NAMED, Motion, Names, Place, read_forms, read_lexicon
+from physagent_jax.forces.part import split_name
 
 _ARTICLE = re.compile(r"^(the )?(an? )?(its )?")
 _AROUND = re.compile(r"^((to|from|towards?) )?((the|an?|its) )?|( side)?( direction)?$")
@@ -25,8 +26,8 @@ _ENDS_AT = 2 / 3  # of the extent: where "the top" or "its left" begins
 _NOT_LESS, _NOT_MORE = 0.8, 1.2  # factors of "not hard" and "not gently"
 
 
-def look_up(clause: intent.Clause) -> Event:
-    """The meanings of a clause's words."""
+def look_up(clause: intent.Clause, named: frozenset[tuple[str, ...]] = frozenset()) -> Event:
+    """The meanings of a clause's words; ``named`` are phrases for parts that have names of their own."""
     senses = {1: "counterclockwise", -1: "clockwise"}
     found = Event(clause, clause.timing, clause.stays)
     _look_up_motion(found)
@@ -39,7 +40,7 @@ def look_up(clause: intent.Clause) -> Event:
         else:
             found.ways.append(known)
     for part in clause.parts:
-        place = find_place(part.word)
+        place = find_place(part.word) or (NAMED if split_name(normalise(part.word)) in named else None)
         if place is None:
             found.doubts.append(f"The part '{part.word}' is not understood.")
         else:

@@ -97,7 +97,7 @@ def sort_words(mentions: list[Mention], names: frozenset[str], brief: SceneBrief
     found: dict[str, list[str]] = {"ignored": [], "doubtful": [], "taken": []}
     seen: set[str] = set()
     for spot in _list_spots(mentions, names):
-        look = is_look(spot.word) and not _is_telling_a_part(spot)
+        look = is_look(spot.word) and not (_is_telling_a_part(spot) or _is_moved_part(spot))
         if nameless and spot.word.isalpha() and _is_named_here(spot, named, found["taken"]):
             kind = "taken"
         elif look or mentions[spot.index].kind is MentionKind.IGNORED:
@@ -224,6 +224,13 @@ def _is_a_part(spot: _Spot) -> bool:
     """A part of the object: "the corners", "the handle", "its lid"."""
     owned = spot.get(-1) in get_set("pronouns_of_owners") and spot.get(-2) not in get_set("prepositions")
     return spot.word in LEXICON.unplaced or spot.word.removesuffix("s") in LEXICON.part_nouns or owned
+
+
+def _is_moved_part(spot: _Spot) -> bool:
+    """A part that something is done to, though it may be scenery elsewhere: "open the door"."""
+    verb = spot.mentions[spot.index - 2] if spot.index > 1 else None
+    told = verb is not None and verb.kind is MentionKind.VERB and spot.get(-1) in get_set("determiners")
+    return told and spot.word in LEXICON.unplaced
 
 
 def _is_telling_a_part(spot: _Spot) -> bool:

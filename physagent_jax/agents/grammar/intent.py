@@ -7,7 +7,7 @@ from physagent_jax.agents.grammar.clauses import OPPOSITE_GRAVITY, Clause, find_
 from physagent_jax.agents.grammar.coverage import Coverage
 from physagent_jax.agents.grammar.mentions import Mention, MentionKind
 from physagent_jax.agents.grammar.tables import LEXICON
-from physagent_jax.agents.lexicon import Effect, Join, Place
+from physagent_jax.agents.lexicon import NAMED, Effect, Join, Place
 
 _RELATIONS = {
     MentionKind.DIRECTION: intent.Relation.TO,
@@ -148,7 +148,7 @@ def _name_part(mention: Mention) -> str:
     """The lexicon's words for a part: its own phrase, or a side with a noun for where it begins."""
     place = mention.value
     assert isinstance(place, Place)
-    if LEXICON.parts.get(mention.phrase) == place:
+    if place == NAMED or LEXICON.parts.get(mention.phrase) == place:
         return mention.phrase
     side, own = " ".join(place.names), mention.phrase.split()[-1]
     nouns = [noun for noun, start in LEXICON.part_nouns.items() if start == place.start and noun != "third"]

@@ -101,14 +101,16 @@ class Reader:
         sentence: The sentence.
         tokens, words: Its tokens, and the same as one string.
         names: Words for the object.
+        parts: Phrases for parts that the object's file or a person names.
         used: Indices of the tokens that belong to a mention.
         mentions: Mentions found so far, in order of the first words.
     """
 
-    def __init__(self, sentence: str, names: frozenset[str]):
-        self.sentence, self.tokens = sentence, correct_spelling(tokenise(sentence), names)
+    def __init__(self, sentence: str, names: frozenset[str], parts: frozenset[tuple[str, ...]] = frozenset()):
+        known = names | {word for phrase in parts for word in phrase}
+        self.sentence, self.tokens = sentence, correct_spelling(tokenise(sentence), known)
         self.words = Words(self.tokens)
-        self.names = names
+        self.names, self.parts = names, parts
         self.used: set[int] = set()
         self.mentions: list[Mention] = []
 

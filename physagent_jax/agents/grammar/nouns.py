@@ -10,7 +10,8 @@ from physagent_jax.agents.grammar.mentions import MOTIONS, Mention, MentionKind,
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.grammar.tokens import FORMS, tokenise
 from physagent_jax.agents.intent import Solid
-from physagent_jax.agents.lexicon import Effect, Names, Place
+from physagent_jax.agents.lexicon import NAMED, Effect, Names, Place
+from physagent_jax.motion.parts import list_names
 from physagent_jax.motion.schema import SceneBrief
 
 _REACH = 12  # words before "the right one" in which the part is named
@@ -22,8 +23,13 @@ def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
     A noun that the lexicon has another meaning for is none, nor is one beside the object's own name, unless both are
     one name ("the teddy bear", "the loaf of bread"): then it is a part, or another thing.
     """
-    own = set(_add_plurals(_split(f"{brief.object_name} {brief.object_kind}")))
-    nouns = {w for w in _add_plurals(brief.object_nouns) if not _has_other_meaning(w)}
+    parts = {word for phrase in list_names(brief) for word in phrase[-1:]}
+    name = [
+        word for word in _split(brief.object_name) if word not in parts
+    ]  # "pot with lid", of a pot and a lid
+    name = name if is_telling(" ".join(name)) else _split(brief.object_name)
+    own = set(_add_plurals([*name, *_split(brief.object_kind)]))
+    nouns = {w for w in _add_plurals(brief.object_nouns) if not _has_other_meaning(w) and w not in parts}
     tokens = tokenise(sentence)
     texts = [token.text for token in tokens]
     places = [at for at, text in enumerate(texts) if text in own]
@@ -56,6 +62,21 @@ def _add_plurals(words) -> list[str]:
 
 def _has_other_meaning(word: str) -> bool:
     return word in LEXICON.words or word in LEXICON.parts or word in FORMS
+
+
+def read_named_part(reader: Reader, at: int) -> Mention | None:
+    """Reads a part that has a name of its own; words that are verbs too need an article."""
+    for size in range(max(map(len, reader.parts), default=0), 0, -1):
+        phrase = tuple(token.text for token in reader.tokens[at : at + size])
+        if len(phrase) < size or phrase not in reader.parts:
+            continue
+        known = (
+            phrase[0] in reader.names or phrase[0] in LEXICON.part_adjectives or phrase[0] in LEXICON.parts
+        )
+        if size > 1 or not known and (phrase[0] not in FORMS or reader.is_after_determiner(at)):
+            used = list(range(at, at + size))
+            return reader.make_mention(MentionKind.PLACE, NAMED, " ".join(phrase), used)
+    return None
 
 
 def read_part(reader: Reader, at: int) -> Mention | None:

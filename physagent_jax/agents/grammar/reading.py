@@ -17,16 +17,18 @@ from physagent_jax.agents.grammar.measures import (
     match_time,
 )
 from physagent_jax.agents.grammar.mentions import Mention, MentionKind, Reader, get_last_motion
-from physagent_jax.agents.grammar.nouns import read_part, read_solid
+from physagent_jax.agents.grammar.nouns import read_named_part, read_part, read_solid
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.lexicon import Effect, Join, Repeat
 
 _MOST_STROKES = 1000  # a count beyond any clip's frames means nothing more than "very often"
 
 
-def read_mentions(sentence: str, names: frozenset[str]) -> list[Mention]:
-    """The mentions of ``sentence``; ``names`` are words for the object and never verbs after "the"."""
-    reader = Reader(sentence, names)
+def read_mentions(
+    sentence: str, names: frozenset[str], parts: frozenset[tuple[str, ...]] = frozenset()
+) -> list[Mention]:
+    """The mentions of ``sentence``; ``names`` are for the object, ``parts`` for its parts: no verbs after "the"."""
+    reader = Reader(sentence, names, parts)
     for at in range(len(reader.tokens)):
         if at not in reader.used:
             reader.mentions.append(_read_at(reader, at))
@@ -41,6 +43,8 @@ def _read_at(reader: Reader, at: int) -> Mention:
     if not token.is_word:
         join = {",": Join.COMMA, ":": Join.RESULT}.get(token.text, Join.THEN)
         return reader.make_mention(MentionKind.JOIN, join, token.text, [at])
+    if (part := read_named_part(reader, at)) is not None:
+        return part
     if token.text in reader.names and (token.lemma not in LEXICON.motions or reader.is_after_determiner(at)):
         return reader.make_mention(MentionKind.FUNCTION, None, token.text, [at])
     found = (read(reader, at) for read in _READERS)

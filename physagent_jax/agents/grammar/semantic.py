@@ -24,6 +24,7 @@ from physagent_jax.agents.protocols import SemanticAgent
 from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.agents.trace import Reply
 from physagent_jax.core.errors import UserError
+from physagent_jax.motion.parts import list_names
 from physagent_jax.motion.schema import SceneBrief
 
 EXAMPLES = (
@@ -58,7 +59,7 @@ def read_intent(prompt: str, brief: SceneBrief) -> Intent:
     _check_text(prompt)
     materials = find_materials(prompt, brief)
     names, text = collect_names(prompt, brief), mask_materials(prompt, materials)
-    mentions = ignore_captions(read_mentions(text, names))
+    mentions = ignore_captions(read_mentions(text, names, list_names(brief)))
     coverage = sort_words(mentions, names, brief)
     if is_mostly_unknown(mentions, coverage):
         raise UserError(

@@ -2,9 +2,20 @@
 
 from physagent_jax.agents.lexicon.inflection import inflect, read_forms
 from physagent_jax.agents.lexicon.reading import LexiconError, make_lexicon, read_lexicon
-from physagent_jax.agents.lexicon.types import Effect, Join, Lexicon, Moment, Motion, Names, Place, Repeat
+from physagent_jax.agents.lexicon.types import (
+    NAMED,
+    Effect,
+    Join,
+    Lexicon,
+    Moment,
+    Motion,
+    Names,
+    Place,
+    Repeat,
+)
 
 __all__ = [
+    "NAMED",
     "Effect",
     "Join",
     "Lexicon",

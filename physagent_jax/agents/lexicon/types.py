@@ -136,6 +136,10 @@ class Place:
     role: str = ""
 
 
+NAMED = Place(role="named")
+"""The place of a part that the object's file or a person names."""
+
+
 @dataclass(frozen=True)
 class Moment:
     """A fixed phrase of time, in fractions of the clip; None leaves it to the sequence.

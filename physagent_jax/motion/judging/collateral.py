@@ -270,8 +270,8 @@ def _check_whole(view: View) -> list[Check]:
     checks = []
     pieces = [(t, float(count)) for t, count in enumerate(view.report.pieces) if count is not None]
     if pieces and not torn:
-        whole = min(count for _, count in pieces[:_LASTING])
-        extra = [(t, count - whole) for t, count in pieces]
+        whole = min(count for _, count in pieces[:_LASTING]) + len(_list_taken_off(view))
+        extra = [(t, max(count - whole, 0.0)) for t, count in pieces]
         value = _find_lasting(count for _, count in extra)
         seen = f"{value:.0f} pieces come off" if value else "none"
         blamed = _blame(view, _find_onset(extra, 1.0))
@@ -290,6 +290,12 @@ def _check_whole(view: View) -> list[Check]:
     blamed = _blame(view, _find_onset([(t, v - 1.0) for t, v in growths], limit - 1.0))
     figures, sigma = {"most": limit, "growth": growth}, view.sigma("stretch")
     return [*checks, check_limit(blamed, "size", max(growth - 1.0, 0.0), limit - 1.0, sigma, 0.5, **figures)]
+
+
+def _list_taken_off(view: View) -> set[int]:
+    """The parts that a sentence moves and that nothing joins to the rest: a lid may come off."""
+    limbs = {each.limb for each in view.expectations if each.limb is not None}
+    return {limb for limb in limbs if view.brief.parts[limb].moved.rigid}
 
 
 def _list_growths(view: View) -> Signal:

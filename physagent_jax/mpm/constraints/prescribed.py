@@ -8,10 +8,10 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
-from physagent_jax.mpm.constraints.rotation import rotate
+from physagent_jax.mpm.constraints.rotation import rotate, rotation_matrix
 from physagent_jax.mpm.edges import window_value
 from physagent_jax.mpm.fields import EDGE, END, HELD, PER_HELD, START
-from physagent_jax.mpm.linalg import cross, skew
+from physagent_jax.mpm.linalg import cross, matmul, skew
 from physagent_jax.mpm.protocols import Constraint
 from physagent_jax.mpm.reductions import find_mass_centre, sum_devices
 from physagent_jax.mpm.state import Model, State
@@ -38,6 +38,8 @@ class PrescribedMotion(Constraint):
         start, end: Active for start <= time < end [s], scalars or one per particle, shape (k,).
         edge: Width of the window's smooth edges [s], scalar: within them each substep goes a share of the way from the
             free motion to the prescribed one; None = hard.
+        rigid: Whether F turns with the motion and nothing in it bends: a piece of its own. What shares nodes with other
+            matter would otherwise be strained as that moves away.
     """
 
     particles: jax.Array = dataclasses.field(metadata=HELD)
@@ -47,12 +49,13 @@ class PrescribedMotion(Constraint):
     start: jax.Array = dataclasses.field(metadata={**PER_HELD, **START})
     end: jax.Array = dataclasses.field(metadata={**PER_HELD, **END})
     edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
+    rigid: bool = dataclasses.field(default=False, metadata=dict(static=True))
 
     @staticmethod
-    def fixed(particles: jax.Array, dtype=jnp.float32) -> PrescribedMotion:
+    def fixed(particles: jax.Array, dtype=jnp.float32, *, rigid: bool = False) -> PrescribedMotion:
         """Hold ``particles`` where they are, for ever."""
         zero, forever = jnp.zeros(3, dtype), jnp.asarray(jnp.inf, dtype)
-        return PrescribedMotion(particles, zero, zero, zero, jnp.zeros((), dtype), forever)
+        return PrescribedMotion(particles, zero, zero, zero, jnp.zeros((), dtype), forever, rigid=rigid)
 
     def active(self, time: jax.Array) -> jax.Array:
         """Return whether each particle is held at ``time`` [s], shape (k,)."""
@@ -125,7 +128,11 @@ class PrescribedMotion(Constraint):
         target = motion.displace(before.x[p], model.dt)
         x = choose(target, after.x[p])
         v = choose(motion.field(target), after.v[p])
-        return dataclasses.replace(after, x=after.x.at[p].set(x), v=after.v.at[p].set(v))
+        moved = dataclasses.replace(after, x=after.x.at[p].set(x), v=after.v.at[p].set(v))
+        if not self.rigid:
+            return moved
+        F = choose(matmul(rotation_matrix(self.angular_velocity * model.dt), before.F[p]), after.F[p])
+        return dataclasses.replace(moved, F=after.F.at[p].set(F))
 
     def _make_choice(self, time: jax.Array):
         """A function of the prescribed and the free value, (k, ...), that gives what holds at ``time`` [s]."""

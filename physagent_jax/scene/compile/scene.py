@@ -11,6 +11,7 @@ import numpy as np
 
 from physagent_jax.core.arrays import to_device
 from physagent_jax.forces.parameters import ForceFieldParameters
+from physagent_jax.forces.schema import CellsRegion
 from physagent_jax.gaussians.binding import Binding
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.mpm import (
@@ -178,8 +179,9 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     forces, constraints = compile_forces(config, body, rest, volume)
     imposed, prescribed = compile_constraints(config, rest, whole)
     bodies = tuple(RigidBody(buckets.find_places(mask)) for mask in materials.find_rigid_bodies())
+    rigid = isinstance(config.anchor.region, CellsRegion) and config.anchor.region.rigid
     if (still := anchor_mask | materials.find_stationary()).any():
-        prescribed = (*prescribed, PrescribedMotion.fixed(buckets.find_places(still)))
+        prescribed = (*prescribed, PrescribedMotion.fixed(buckets.find_places(still), rigid=rigid))
     mode = (
         find_lowest_mode(rest, volume, still, config.material, materials.firmness)
         if materials.damped

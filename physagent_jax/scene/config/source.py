@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from physagent_jax.core.strict import Number, Seed, Strict
+from physagent_jax.forces.part import PartChoice
 from physagent_jax.scene.config.common import (
     Degrees,
     Length,
@@ -43,6 +44,7 @@ class Source(Strict):
             (PhysGaussian's pre-rotation), before ``up``.
         extent: Longest side in the domain [m].
         center: Centre of the bounding box in the domain [m]; None = the domain's centre.
+        parts: Parts that a person names.
         surface_samples: Gaussians sampled on a mesh's surface (meshes only).
     """
 
@@ -59,6 +61,7 @@ class Source(Strict):
     rotation_axes: RotationAxes = ()
     extent: Length = 1.0
     center: Point | None = None
+    parts: Annotated[tuple[PartChoice, ...], Field(max_length=64)] = ()
     surface_samples: int = Field(default=20_000, ge=8, le=10_000_000)
 
     @model_validator(mode="after")

@@ -26,12 +26,14 @@ class MeshPart:
         faces: Vertices of the triangles, int, shape (m, 3).
         look: Declared colours; None = the file declares none.
         normals: Normals of the vertices, of any length, shape (n, 3); None = the file has none.
+        names: What the file calls it, and what it belongs to; the nearest name first.
     """
 
     vertices: np.ndarray
     faces: np.ndarray
     look: Look | None = None
     normals: np.ndarray | None = None
+    names: tuple[str, ...] = ()
 
 
 class Neighbours:

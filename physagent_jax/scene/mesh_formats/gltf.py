@@ -7,6 +7,7 @@ of that, and the attributes once read are the mesh.
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,7 @@ from physagent_jax.scene.mesh_formats.gltf_document import (
     read_gltf,
 )
 from physagent_jax.scene.mesh_formats.gltf_materials import Materials
+from physagent_jax.scene.mesh_formats.names import list_names
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression")
@@ -75,7 +77,8 @@ def _read_parts(document: Document, place: str, beside: Neighbours) -> list[Mesh
                 do="Export it without compression",
             )
         materials, made = Materials(document, beside), {}
-        worlds = _place_nodes(document.tree, place)
+        worlds, names = _place_nodes(document.tree, place), _name_nodes(document.tree)
+        looks = [each.get("name", "") for each in document.tree.get("materials", [])]
         for index, world in worlds.items():
             node = document.tree["nodes"][index]
             if "mesh" not in node:
@@ -89,7 +92,8 @@ def _read_parts(document: Document, place: str, beside: Neighbours) -> list[Mesh
                 made[mesh] = [(each, _read_primitive(document, each, materials)) for each in shown]
             for primitive, part in made[mesh]:
                 bones = _read_bones(document, node, primitive, worlds)
-                parts.append(_move(part, world if bones is None else bones))
+                moved = _move(part, world if bones is None else bones)
+                parts.append(dataclasses.replace(moved, names=list_names(names[index], looks)))
     return parts
 
 
@@ -113,6 +117,21 @@ def _place_nodes(tree: Any, place: str) -> dict[int, np.ndarray]:
         worlds[index] = parent @ _read_transform(nodes[index])
         waiting += [(child, worlds[index]) for child in reversed(nodes[index].get("children", []))]
     return worlds
+
+
+def _name_nodes(tree: Any) -> list[list[str]]:
+    """Names of each node: its own, its mesh's, and those of the nodes above it."""
+    nodes = tree.get("nodes", [])
+    above = {child: index for index, node in enumerate(nodes) for child in node.get("children", [])}
+    found = []
+    for index, node in enumerate(nodes):
+        names = [node.get("name", "")]
+        if "mesh" in node:
+            names.append(tree["meshes"][node["mesh"]].get("name", ""))
+        while (index := above.get(index, -1)) >= 0:
+            names.append(nodes[index].get("name", ""))
+        found.append([each for each in names if isinstance(each, str)])
+    return found
 
 
 def _read_transform(node: Any) -> np.ndarray:

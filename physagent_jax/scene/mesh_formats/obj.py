@@ -16,11 +16,13 @@ from physagent_jax.scene.config.common import SignedAxis
 from physagent_jax.scene.mesh_formats.base import MeshPart, Neighbours, decode_utf8
 from physagent_jax.scene.mesh_formats.look import Look, Texture, as_rgba
 from physagent_jax.scene.mesh_formats.mtl import CUTOFF, Material, parse_mtl, read_picture
+from physagent_jax.scene.mesh_formats.names import list_names
 
 _NUMBER = rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _BAD_VERTEX = re.compile(rb"^v[ \t]+(?![ \t]|(?:%b[ \t]+){2}%b(?=\s|$))[^\n]*" % (_NUMBER, _NUMBER), re.M)
 _BAD_FACE = re.compile(rb"^f[ \t][^\n]*?(?<=[ \t])0+(?=[/\s]|$)[^\n]*", re.M)  # OBJ counts from 1
 _LINE = re.compile(rb"^[ \t]*(?:v|vt|vn|f)[ \t]+[-+.\d]", re.M)
+_GROUP = re.compile(rb"^[ \t]*[og][ \t]+([^\r\n]+)", re.M)
 _LIBRARY = re.compile(rb"^mtllib[ \t]+([^\r\n]+)", re.M)
 
 
@@ -51,6 +53,40 @@ class OBJ:
         names = "\n".join(f"newmtl {name}" for name in materials).encode()
         loaded: Any = load_obj(io.BytesIO(data), resolver=collections.defaultdict(lambda: names))  # pyright: ignore
         return [_make_part(each, materials, beside) for each in loaded.get("geometry", {}).values()]
+
+
+def read_groups(data: bytes) -> list[MeshPart]:
+    """The surfaces of an OBJ file by object and group, with their names; none for a file that has one group for all.
+
+    `OBJ.read` has them by material. Polygons are cut into fans: only where the surfaces lie is asked of them.
+    """
+    if len(set(_GROUP.findall(data))) < 2:
+        return []
+    lines = [line.split() for line in decode_utf8(data).decode().replace("\\\n", " ").splitlines()]
+    places: list[list[str]] = []
+    groups: dict[tuple[str, ...], list[tuple[int, int, int]]] = {}
+    looks, group, thing = set(), (), ()
+    for words in filter(None, lines):
+        match words[0]:
+            case "v":
+                places.append(words[1:4])
+            case "f":
+                corners = [int(each.partition("/")[0]) for each in words[1:]]
+                corners = [each - 1 if each > 0 else len(places) + each for each in corners]
+                fan = groups.setdefault((*group, *thing), [])
+                fan += [(corners[0], *pair) for pair in zip(corners[1:], corners[2:])]
+            case "g":  # of several names a face is in each; most programs mean one name with blanks in it
+                group = (" ".join(words[1:]), *words[1:])
+            case "o":
+                thing = (" ".join(words[1:]),)
+            case "usemtl":
+                looks.add(" ".join(words[1:]))
+    vertices = np.array(places, np.float64).reshape(-1, 3)
+    return [
+        MeshPart(vertices, np.array(faces), names=list_names(names, looks))
+        for names, faces in groups.items()
+        if faces
+    ]
 
 
 def _read_libraries(data: bytes, beside: Neighbours) -> dict[str, Material]:

@@ -1,0 +1,115 @@
+"""The object's parts for people and for words: what each is called, and which of them a phrase names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from physagent_jax.core.strict import Vector
+from physagent_jax.forces.part import ORIGINS, SIDES, Part, split_name
+from physagent_jax.forces.schema import CellsRegion
+from physagent_jax.motion.schema import DirectionTable, SceneBrief
+from physagent_jax.motion.vectors import cosine, norm, subtract
+
+_SIDE = 0.5  # cosine to one of the viewer's directions from which a part lies there
+_SIDES = dict(left="left", right="right", toward="front", away="back", up="upper", down="lower")
+_PLAIN = {"side": "part at the side"}
+_MOST_SEEDS = 256  # of a region
+_RANK = {"option": 0, "file": 1, "shape": 2}
+
+
+def label_parts(parts: Sequence[Part], table: DirectionTable) -> tuple[Part, ...]:
+    """The parts with labels for people: their names, else their roles, with a side where several are alike.
+
+    Args:
+        parts: The object's parts.
+        table: The viewer's directions.
+    """
+    plain = [part.name or _PLAIN.get(part.roles[0], part.roles[0]) for part in parts]
+    labels = []
+    for part, name in zip(parts, plain):
+        sided = name if part.name or plain.count(name) == 1 else f"{_find_sides(part, table)} {name}".strip()
+        labels.append(sided)
+    found = []
+    for index, (part, label) in enumerate(zip(parts, labels)):
+        told = f"{label} (part {index + 1}, {ORIGINS[part.origin]})"
+        moved = part.moved.model_copy(update=dict(label=told))
+        found.append(part.model_copy(update=dict(label=label, moved=moved)))
+    return tuple(found)
+
+
+def _find_sides(part: Part, table: DirectionTable) -> str:
+    """The words for where a part is: "front left"; by as many of them as tell it."""
+    shares = {word: cosine(part.side, getattr(table, way)) for way, word in _SIDES.items()}
+    level = [word for word in ("front", "back", "left", "right") if shares[word] > _SIDE]
+    return " ".join(level or [max(shares, key=lambda word: shares[word])])
+
+
+def find_named(parts: Sequence[Part], phrase: str, *, plural: bool = False) -> tuple[int, ...]:
+    """Places of the parts that a phrase names; none if no part is called so.
+
+    A part's whole name counts first, then its last word: "lid" is the "pot lid". What a person has named goes before
+    what the file names.
+
+    Args:
+        parts: The object's parts.
+        phrase: The words of a sentence, without articles.
+        plural: Whether several may be meant; else several that are called alike are none.
+    """
+    said = split_name(phrase)
+    if not said:
+        return ()
+    ends = {said[-1], *((said[-1].removesuffix("s"), said[-1].removesuffix("es")) if plural else ())}
+    phrases = {(*said[:-1], end) for end in ends}
+    for match in (lambda name: name in phrases, lambda name: _drop_number(name)[-1:] in phrases):
+        for rank in sorted(_RANK.values()):
+            found = [
+                index
+                for index, part in enumerate(parts)
+                if part.name and _RANK[part.origin] == rank and match(split_name(part.name))
+            ]
+            if len(found) == 1 or found and plural:
+                return tuple(found)
+    return ()
+
+
+def explain_missing(text: str, parts: Sequence[Part]) -> str:
+    """The doubt about a part that the object does not show and nobody has named, or about which of several is meant."""
+    known = ", ".join(dict.fromkeys(part.label or part.name or part.roles[0] for part in parts))
+    told = f"the parts that are known are {known}" if known else "no part of the object is known"
+    return f"Where '{text}' is, is not known: {told}; `--part` names others (`physagent inspect` shows them all)."
+
+
+def list_names(brief: SceneBrief) -> frozenset[tuple[str, ...]]:
+    """The phrases that name a part of the object: whole names, and their last words, singular and plural."""
+    whole = {split_name(part.name) for part in brief.parts if part.name}
+    sided = [(name[0], name[1:]) for name in whole if len(name) > 1 and name[0] in SIDES]
+    turned = {(*rest, end) for side, rest in sided for end in (side, side[0])}  # as files have it: "Arm_L"
+    whole |= turned | {(side[0], *rest) for side, rest in sided}
+    last = {_drop_number(split_name(part.name))[-1] for part in brief.parts if part.name}
+    return frozenset(whole | {(form,) for word in last for form in (word, word + "s", word + "es")})
+
+
+def _drop_number(name: tuple[str, ...]) -> tuple[str, ...]:
+    return name[:-1] if len(name) > 1 and name[-1].isdigit() else name
+
+
+def join_rest(limbs: Sequence[Part]) -> CellsRegion:
+    """The particles that belong to none of the limbs."""
+    outside = tuple(seed for limb in limbs for seed in limb.rest.outside)
+    inside = tuple(
+        seed for limb in limbs for seed in limb.rest.inside if all(_is_in_rest(seed, each) for each in limbs)
+    )
+    rigid = all(limb.rest.rigid for limb in limbs)
+    return CellsRegion(inside=_thin(inside or limbs[0].rest.inside), outside=_thin(outside), rigid=rigid)
+
+
+def _thin(seeds: tuple[Vector, ...]) -> tuple[Vector, ...]:
+    """At most as many of the seeds as a region holds, evenly."""
+    return seeds[:: -(-len(seeds) // _MOST_SEEDS)]
+
+
+def _is_in_rest(seed: Vector, limb: Part) -> bool:
+    def find_nearest(seeds) -> float:
+        return min(norm(subtract(seed, each)) for each in seeds)
+
+    return find_nearest(limb.rest.inside) < find_nearest(limb.rest.outside)

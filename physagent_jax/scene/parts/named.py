@@ -1,0 +1,235 @@
+"""Parts that the object's file or a person names, as regions of its particles."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from physagent_jax.core.errors import UserError
+from physagent_jax.forces.part import Part, PartChoice, list_parts
+from physagent_jax.forces.regions import make_region_mask
+from physagent_jax.scene.mesh_formats import MeshPart
+from physagent_jax.scene.parts.cells import fit_part
+from physagent_jax.scene.placement import Placement
+
+_SAMPLES = 60_000  # on all surfaces
+_FEWEST_SAMPLES = 16  # on one
+_NEAREST = 12  # samples among which a particle's is chosen
+_WRONG = 3.0  # spacings that a sample is farther if the particle lies before it, or faces another way
+_WHOLE = 0.98  # share of the object from which on a name is the object's own
+_FEWEST = 5  # particles
+_SKIN = 4  # edges that a part's surface shares with others, from which on they are one skin
+_SAME = 0.5  # overlap (intersection over union) from which on a shape is the part that is named
+
+
+@dataclasses.dataclass(frozen=True)
+class Group:
+    """Particles with one name.
+
+    Attributes:
+        name: As the file has it, cleaned.
+        mask: Which particles, shape (n,).
+        joined: Whether its surface goes over into that of the rest.
+    """
+
+    name: str
+    mask: np.ndarray
+    joined: bool
+
+
+def find_groups(points: np.ndarray, normals: np.ndarray, surfaces: Sequence[MeshPart]) -> list[Group]:
+    """The named groups of particles: each particle belongs to the surface that is nearest to it.
+
+    Two surfaces may touch, as a lid's and a pot's do. Between samples that are as near, a particle belongs to the one
+    that faces its way, or that it lies behind.
+
+    Args:
+        points: Particles in the frame of the surfaces, shape (n, 3).
+        normals: Outward unit normals where a particle lies on a surface, else zero, shape (n, 3).
+        surfaces: Surfaces with the names that they go by.
+
+    Returns:
+        Groups with distinct particles, in the order of the file; none that is all of the object.
+    """
+    owner = _find_owners(points, normals, surfaces)
+    found: list[Group] = []
+    for name in dict.fromkeys(name for each in surfaces for name in each.names):
+        mine = np.array([name in each.names for each in surfaces])
+        mask = mine[owner]
+        known = any((mask == other.mask).all() for other in found)
+        if _FEWEST <= mask.sum() < _WHOLE * len(mask) and not known:
+            found.append(Group(name, mask, _is_joined(surfaces, mine)))
+    return found
+
+
+def _find_owners(points: np.ndarray, normals: np.ndarray, surfaces: Sequence[MeshPart]) -> np.ndarray:
+    """The surface of each particle, shape (n,)."""
+    corners = [each.vertices[each.faces] for each in surfaces]
+    doubled = [np.cross(each[:, 1] - each[:, 0], each[:, 2] - each[:, 0]) for each in corners]
+    areas = np.array([np.linalg.norm(each, axis=1).sum() / 2 for each in doubled])
+    counts = np.maximum(np.round(_SAMPLES * areas / max(areas.sum(), 1e-30)), _FEWEST_SAMPLES).astype(int)
+    chance = np.random.default_rng(0)
+    places, ways = [], []
+    for triangles, normal, count in zip(corners, doubled, counts):
+        size = np.linalg.norm(normal, axis=1)
+        if not size.sum() > 0:
+            size = np.ones_like(size)
+        face = np.searchsorted(np.cumsum(size) / size.sum(), chance.random(count)).clip(0, len(size) - 1)
+        u, v = np.sqrt(chance.random((count, 1))), chance.random((count, 1))
+        a, b, c = (triangles[face, k] for k in range(3))
+        places.append((1 - u) * a + u * (1 - v) * b + u * v * c)
+        ways.append(normal[face] / np.maximum(size[face], 1e-30)[:, None])
+    place, way = np.concatenate(places), np.concatenate(ways)
+    owner = np.repeat(np.arange(len(surfaces)), counts)
+    tree: Any = KDTree(place)
+    distance, near = tree.query(points, k=min(_NEAREST, len(place)))
+    distance, near = distance.reshape(len(points), -1), near.reshape(len(points), -1)
+    spacing = np.sqrt(areas.sum() / len(place))
+    on_surface = (normals**2).sum(1) > 0
+    faces = (way[near] * normals[:, None]).sum(-1) > 0.3
+    behind = ((points[:, None] - place[near]) * way[near]).sum(-1) <= 0
+    right = np.where(on_surface[:, None], faces, behind)
+    best = (distance + np.where(right, 0.0, _WRONG * spacing)).argmin(1)
+    return owner[np.take_along_axis(near, best[:, None], 1)[:, 0]]
+
+
+def _is_joined(surfaces: Sequence[MeshPart], mine: np.ndarray) -> bool:
+    """Return whether open edges of some surfaces are edges of the others too."""
+    own, other = (
+        [each for each, chosen in zip(surfaces, mine) if bool(chosen) == wanted] for wanted in (True, False)
+    )
+    edges, counts = np.unique(_list_edges(own), axis=0, return_counts=True)
+    rest = np.unique(_list_edges(other), axis=0)
+    open_edges = edges[counts == 1]
+    shared = len(open_edges) + len(rest) - len(np.unique(np.concatenate([open_edges, rest]), axis=0))
+    return shared >= _SKIN
+
+
+def _list_edges(surfaces: Sequence[MeshPart]) -> np.ndarray:
+    """Edges of triangles as pairs of places, the lower first, rounded so that equal ones are equal; shape (m, 6)."""
+    ends = [each.vertices[each.faces][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2, 3) for each in surfaces]
+    pairs = np.concatenate([np.zeros((0, 2, 3)), *ends]).astype(np.float32)
+    a, b = pairs[:, 0], pairs[:, 1]
+    first = (a != b).argmax(1)[:, None]
+    swap = np.take_along_axis(a, first, 1) > np.take_along_axis(b, first, 1)
+    return np.concatenate([np.where(swap, b, a), np.where(swap, a, b)], axis=1)
+
+
+def make_parts(points: np.ndarray, groups: Sequence[Group]) -> tuple[Part, ...]:
+    """The parts that groups of particles are.
+
+    Args:
+        points: Particles at rest [m], shape (n, 3).
+        groups: Groups with the file's names.
+    """
+    told = [fit_part(points, group.mask, joined=group.joined) for group in groups]
+    return tuple(
+        part.model_copy(update=dict(name=group.name, origin="file")) for part, group in zip(told, groups)
+    )
+
+
+def find_pieces(
+    points: np.ndarray, parts: Sequence[Part], masks: Sequence[np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """The piece of its own that each particle and each Gaussian belongs to: those in the same rigid parts are one.
+
+    Args:
+        points: Particles at rest [m], shape (n, 3).
+        parts: Parts that the file names.
+        masks: The Gaussians of each part, shape (g,) each; where surfaces touch they tell more than cells.
+
+    Returns:
+        Labels of the particles, shape (n,), and of the Gaussians, shape (g,).
+    """
+    rows = [
+        np.concatenate([make_region_mask(part.moved, points), mask])
+        for part, mask in zip(parts, masks)
+        if part.moved.rigid
+    ]
+    if not rows:
+        return np.zeros(len(points), int), np.zeros(len(masks[0]) if masks else 0, int)
+    labels = np.unique(np.stack(rows), axis=1, return_inverse=True)[1].ravel()
+    return labels[: len(points)], labels[len(points) :]
+
+
+def join_parts(points: np.ndarray, named: Sequence[Part], shapes: Sequence[Part]) -> tuple[Part, ...]:
+    """The parts that the file names, then those of the shape that are none of them.
+
+    A named part takes the roles of the shape that it is.
+
+    Args:
+        points: Particles at rest [m], shape (n, 3).
+        named: Parts that the file names.
+        shapes: Parts that the shape shows.
+    """
+    masks = [~make_region_mask(part.rest, points) for part in shapes]
+    taken, found = set(), []
+    for part in named:
+        mask = ~make_region_mask(part.rest, points)
+        overlaps = [_overlap(each, mask) for each in masks]
+        same = int(np.argmax(overlaps)) if overlaps and max(overlaps) > _SAME else None
+        if same is not None:
+            taken.add(same)
+            part = part.model_copy(update=dict(roles=shapes[same].roles))
+        found.append(part)
+    return (*found, *(part for index, part in enumerate(shapes) if index not in taken))
+
+
+def _overlap(a: np.ndarray, b: np.ndarray) -> float:
+    return float((a & b).sum() / max((a | b).sum(), 1))
+
+
+def choose_parts(
+    points: np.ndarray, parts: tuple[Part, ...], choices: Sequence[PartChoice], placement: Placement
+) -> tuple[Part, ...]:
+    """The parts with the names that a person gives them; boxes are added behind the others.
+
+    Args:
+        points: Particles at rest [m], shape (n, 3).
+        parts: Parts that file and shape show.
+        choices: What the person names.
+        placement: From the file's frame to the world.
+
+    Raises:
+        UserError: A box holds none or all of the particles, a number is not in the list, or there is no part to name.
+    """
+    found, count = list(parts), len(parts)
+    for choice in choices:
+        told = dict(name=choice.name, origin="option")
+        if choice.box is not None:
+            source = placement.to_source(points)
+            mask = np.asarray(((source >= choice.box[:3]) & (source <= choice.box[3:])).all(1))
+            if not _FEWEST <= mask.sum() < len(mask):
+                low, high = (np.round(each, 4).tolist() for each in (source.min(0), source.max(0)))
+                raise UserError(
+                    f"the box of the part {choice.name!r} holds {'all' if mask.all() else 'nothing'} of the object",
+                    got=f"{list(choice.box)}; the object reaches from {low} to {high}",
+                    do="Give --part NAME=X0,Y0,Z0,X1,Y1,Z1 in the file's units and axes (`physagent inspect`)",
+                )
+            found.append(fit_part(points, mask, joined=True).model_copy(update=told))
+            continue
+        if not parts or (choice.number or 1) > count:
+            raise UserError(
+                f"there is no such part to be called {choice.name!r}",
+                got="no part was found"
+                if not parts
+                else f"number {choice.number} of {count}: {list_parts(parts)}",
+                do="Mark it with a box, --part NAME=X0,Y0,Z0,X1,Y1,Z1, in the file's units and axes",
+            )
+        index = (choice.number or _find_nearest(points, parts, choice, placement) + 1) - 1
+        found[index] = found[index].model_copy(update=told)
+    return tuple(found)
+
+
+def _find_nearest(points: np.ndarray, parts: Sequence[Part], choice: PartChoice, placement: Placement) -> int:
+    """The part with the particle nearest to a point; of parts within each other the smaller one."""
+    place = placement.to_world(np.array(choice.point))
+    distances = np.linalg.norm(points - place, axis=1)
+    near = [float(distances[make_region_mask(part.moved, points)].min()) for part in parts]
+    slack = 1e-3 * float(np.ptp(points, axis=0).max())
+    close = [index for index, each in enumerate(near) if each <= min(near) + slack]
+    return min(close, key=lambda index: parts[index].share)

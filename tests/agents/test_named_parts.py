@@ -1,0 +1,139 @@
+"""Parts that have names of their own: which of them a sentence means, and what it does to them."""
+
+import pytest
+
+from physagent_jax.agents.compiler import compile_intent
+from physagent_jax.agents.grammar.semantic import read_intent
+from physagent_jax.forces.part import Part
+from physagent_jax.forces.schema import CellsRegion, ConstraintType
+from physagent_jax.motion.parts import find_named, label_parts
+from physagent_jax.motion.schema import MotionKind
+from tests.agents.scenes import brief
+
+MIDDLE = ((0.5, 0.5, 0.5), (0.5, 0.5, 0.3))
+
+
+def make_part(name="", side=(0, 0, 1), origin="file", **fields):
+    place = tuple(0.5 + 0.4 * c for c in side)
+    return Part(
+        name=name,
+        origin=origin,
+        moved=CellsRegion(inside=(place,), outside=MIDDLE),
+        rest=CellsRegion(inside=MIDDLE, outside=(place,)),
+        joint=place,
+        arm=tuple(0.3 * c for c in side),
+        side=side,
+        share=0.1,
+        **fields,
+    )
+
+
+LID, POT = make_part("pot lid", seated=True), make_part("pot", (0, 0, -1), seated=True)
+ARM = make_part("left arm", (1, 0, 0))  # the figure's own left, on the viewer's right
+HEAD = make_part(roles=("head",), origin="shape")
+
+
+def read(sentence, *parts, **scene):
+    about = brief(parts=label_parts(parts or (LID, POT, ARM, HEAD), brief().directions), **scene)
+    return compile_intent(read_intent(sentence, about), about)
+
+
+def find_limbs(sentence, *parts, **scene):
+    reply = read(sentence, *parts, **scene)
+    return [each.limb for each in reply.expectations], reply.unsure
+
+
+@pytest.mark.parametrize(
+    ("sentence", "limb"),
+    [
+        ("turn the lid", 0),
+        ("lift the pot lid", 0),
+        ("the lid of the robot turns to the left", 0),
+        ("the robot lifts its lid and then turns it", 0),
+        ("raise left_arm", 2),
+        ("raise the left arm", 2),
+        ("bend the Left Arm forward", 2),
+        ("push the head to the left", 3),
+    ],
+)
+def test_a_noun_that_is_a_parts_name_takes_that_part(sentence, limb):
+    limbs, doubts = find_limbs(sentence)
+    assert not doubts and limbs[0] == limb
+
+
+def test_names_of_the_file_go_before_shapes_of_the_same_role():
+    shape = make_part(roles=("head",), origin="shape")
+    assert find_limbs("push the head to the left", shape, make_part("head"))[0] == [1]
+    assert find_limbs("push the face to the left", shape, make_part("head"))[0] == [
+        1
+    ]  # the lexicon's word for it
+    assert find_limbs("push the head to the left", make_part("head"), make_part("head", origin="option"))[
+        0
+    ] == [1]
+
+
+def test_the_objects_own_name_is_the_object():
+    assert find_limbs("push the pot to the left", object_name="pot")[0] == [None]
+    assert find_limbs("turn the lid", object_name="pot with lid")[0] == [0]
+    assert find_limbs("push the pot to the left")[0] == [1]
+
+
+def test_a_plural_means_all_and_a_word_for_several_is_asked_about():
+    boxes = [make_part(f"{where} box", side) for where, side in (("top", (0, 0, 1)), ("bottom", (0, 0, -1)))]
+    assert sorted(find_limbs("turn the boxes", *boxes)[0]) == [0, 1]
+    assert find_limbs("turn the top box", *boxes) == ([0], ())
+    limbs, doubts = find_limbs("turn the box", *boxes)
+    assert limbs == [None] and any("'box'" in each and "top box, bottom box" in each for each in doubts)
+
+
+@pytest.mark.parametrize("sentence", ["turn the lid", "lift the lid", "raise its tail"])
+def test_a_part_that_nobody_knows_is_asked_for_with_those_that_are_known(sentence):
+    _, doubts = find_limbs(sentence, ARM, HEAD)
+    assert any("left arm, head" in each and "`--part`" in each for each in doubts)
+
+
+def test_what_is_seated_moves_as_a_whole_and_turns_about_its_middle():
+    (lift,) = read("lift the lid").force_field.constraints
+    (push,) = read("push the lid to the left").force_field.constraints
+    assert lift.constraint_type is push.constraint_type is ConstraintType.PARTICLE_TRANSLATION
+    (turn,) = read("turn the lid").force_field.constraints
+    assert (turn.constraint_type, turn.pivot) == (ConstraintType.PARTICLE_ROTATION, LID.joint)
+    head = make_part("head", seated=True)  # a head is no lid, however it is modelled
+    (nod,) = read("push the head to the left", head).force_field.constraints
+    assert nod.constraint_type is ConstraintType.PARTICLE_ROTATION
+
+
+def test_a_told_way_is_how_far_it_goes():
+    """M times gain times the usual length per reference time, while it acts."""
+    plain, told = (
+        read(sentence).force_field.constraints[0]
+        for sentence in ("lift the lid", "lift the lid by half a body length")
+    )
+    ways = [
+        each.magnitude * each.gain * (each.active_time[1] - each.active_time[0]) for each in (plain, told)
+    ]
+    assert ways[1] / ways[0] == pytest.approx(0.5 / (0.3 * 0.3), rel=0.02)
+
+
+def test_region_and_evidence_say_which_part_it_is_and_what_told_of_it():
+    reply = read("turn the lid")
+    assert reply.force_field.constraints[0].region.label == "pot lid (part 1, named in the file)"
+    assert reply.anchor.kind == "rest" and reply.expectations[0].kind is MotionKind.ROTATE
+
+
+def test_alike_parts_are_told_by_their_sides():
+    parts = [make_part("", side, "shape", roles=("arm",)) for side in ((-1, 0, 0), (1, 0, 0))]
+    labels = [part.label for part in label_parts((*parts, HEAD, ARM), brief().directions)]
+    assert labels == ["left arm", "right arm", "head", "left arm"]
+
+
+def test_a_name_is_found_whole_then_by_its_last_word():
+    parts = [
+        make_part("lid 1"),
+        make_part("pot lid", origin="option"),
+        make_part("wheel 1"),
+        make_part("wheel 2"),
+    ]
+    assert find_named(parts, "lid 1") == (0,)
+    assert find_named(parts, "lid") == (1,)  # somebody's own name goes first
+    assert find_named(parts, "wheel") == () and find_named(parts, "wheels", plural=True) == (2, 3)

@@ -1,0 +1,194 @@
+"""Parts that an object's file or a person names: which particles they are, and how they hang on the rest."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from physagent_jax.api import load_object
+from physagent_jax.core.errors import UserError
+from physagent_jax.forces.regions import make_region_mask
+from physagent_jax.scene.mesh_files import read_named_parts
+from physagent_jax.scene.mesh_formats.names import list_names
+
+FIGURE = {  # centre and half sizes, z up
+    "body": ((0, 0, 0.5), (0.2, 0.1, 0.5)),
+    "Arm_L": ((-0.45, 0, 0.85), (0.25, 0.06, 0.06)),
+    "Arm_R": ((0.45, 0, 0.85), (0.25, 0.06, 0.06)),
+    "head": ((0, 0, 1.15), (0.15, 0.1, 0.15)),
+}
+
+
+def make_box(centre, half):
+    return trimesh.creation.box(extents=2 * np.array(half)).apply_translation(centre)
+
+
+def write_obj(path, boxes=FIGURE, keyword="g"):
+    """Boxes as groups or objects of an OBJ file."""
+    lines, count = [], 0
+    for name, (centre, half) in boxes.items():
+        mesh = make_box(centre, half)
+        lines += [f"{keyword} {name}", *("v {} {} {}".format(*v) for v in mesh.vertices)]
+        lines += ["f {} {} {}".format(*(f + count + 1)) for f in mesh.faces]
+        count += len(mesh.vertices)
+    path.write_text("\n".join(lines))
+    return path
+
+
+def write_glb(path, meshes, up="+y", **names):
+    """Meshes as nodes of a GLB file, by name; built z up."""
+    scene = trimesh.Scene()
+    for name, mesh in meshes.items():
+        turned = mesh.copy().apply_transform(trimesh.transformations.rotation_matrix(-np.pi / 2, [1, 0, 0]))
+        scene.add_geometry(turned, node_name=name, geom_name=f"mesh_{len(scene.geometry)}", **names)
+    path.write_bytes(scene.export(file_type="glb"))
+    return path
+
+
+def make_pot():
+    """A pot with a lid of the same width that lies 0.02 above it."""
+    pot = trimesh.creation.cylinder(0.5, 0.6, sections=32)
+    lid = trimesh.creation.cylinder(0.52, 0.1, sections=32).apply_translation((0, 0, 0.37))
+    return {"pot": pot, "lid": lid}
+
+
+def find(path, **options):
+    """The body, its particles in the file's frame, and its parts by name."""
+    body = load_object(path, preset="fast", max_particles=6000, **options).body
+    source = body.placement.to_source(body.particles.x)
+    return body, source, {part.name or part.roles[0]: part for part in body.parts}
+
+
+@pytest.mark.parametrize(
+    ("raw", "name"),
+    [
+        ("left_arm", "left arm"),
+        ("Arm.L", "left arm"),
+        ("armR_geo", "right arm"),
+        ("LidShape", "lid"),
+        ("lid.001", "lid 1"),
+        ("Lid_lambert1_0", "lid"),
+        *(
+            (each, "")
+            for each in ("default", "Object.001", "mesh_0", "pCube3", "Cube.002", "lambert1", "L", "")
+        ),
+        *((each, "") for each in ("RootNode", "group 7", "12", "None", "gltf_scene_rootnode")),
+    ],
+)
+def test_names_that_a_person_gave_are_told_from_machine_made_ones(raw, name):
+    assert list_names([raw], ["lambert1"]) == ((name,) if name else ())
+
+
+@pytest.mark.parametrize("keyword", ["g", "o"])
+def test_groups_of_an_obj_are_parts(tmp_path, keyword):
+    body, source, parts = find(write_obj(tmp_path / "figure.obj", keyword=keyword), up="+z")
+    named = {name: part for name, part in parts.items() if part.origin == "file"}
+    assert list(named) == ["body", "left arm", "right arm", "head"]
+    for name, (centre, half) in zip(named, FIGURE.values()):
+        held = ~make_region_mask(named[name].rest, np.asarray(body.particles.x, float))
+        around, within = ((np.abs(source - centre) <= np.add(half, by)).all(1) for by in (0.03, -0.03))
+        assert (held & around).sum() > 0.97 * held.sum(), name
+        assert (held & within).sum() > 0.99 * within.sum() > 0, name
+
+
+def test_what_hangs_on_a_neck_turns_and_what_sits_on_the_rest_moves(tmp_path):
+    _, _, parts = find(write_obj(tmp_path / "figure.obj"), up="+z")
+    arm = parts["left arm"]
+    assert not arm.seated and arm.arm[0] < -0.25 and abs(arm.arm[0]) > 3 * np.abs(arm.arm[1:]).max()
+    _, _, parts = find(write_glb(tmp_path / "pot.glb", make_pot()))
+    lid = parts["lid"]
+    assert lid.seated and lid.arm[2] > 0.9 * np.linalg.norm(lid.arm) and lid.side[2] > 0.9
+    np.testing.assert_allclose(lid.joint[:2], 0.5, atol=0.03)  # it turns about its own middle
+
+
+def test_the_lid_of_a_glb_is_the_lid_alone(tmp_path):
+    body, source, parts = find(write_glb(tmp_path / "pot.glb", make_pot()))
+    assert parts["lid"].origin == "file"
+    x = np.asarray(body.particles.x, float)
+    moved, rest = (make_region_mask(region, x) for region in (parts["lid"].moved, parts["lid"].rest))
+    assert (moved ^ rest).all()  # a piece of its own has no joint that bends
+    on_top = source[:, 1] > 0.31  # glTF is y up
+    assert (moved == on_top).mean() > 0.99
+
+
+def test_a_node_holds_those_below_it(tmp_path):
+    """An arm takes its hand along, by whatever names the meshes go."""
+    scene = trimesh.Scene()
+    scene.add_geometry(make_box((0, 0, 0), (0.5, 0.2, 0.2)), node_name="body", geom_name="mesh_0")
+    scene.add_geometry(make_box((0.7, 0, 0), (0.2, 0.05, 0.05)), node_name="arm", geom_name="mesh_1")
+    scene.add_geometry(
+        make_box((1.0, 0, 0), (0.1, 0.08, 0.08)), node_name="hand", geom_name="mesh_2", parent_node_name="arm"
+    )
+    (tmp_path / "thing.glb").write_bytes(scene.export(file_type="glb"))
+    names = {part.names for part in read_named_parts(tmp_path / "thing.glb")}
+    assert {("body",), ("arm",), ("hand", "arm")} <= names
+
+
+@pytest.mark.parametrize("name", ["default", "Object.001", "mesh_0"])
+def test_machine_made_names_are_no_parts(tmp_path, name):
+    boxes = {f"{name}{k}": box for k, box in enumerate(FIGURE.values())}
+    body = find(write_obj(tmp_path / "figure.obj", boxes), up="+z")[0]
+    assert all(part.origin == "shape" for part in body.parts)
+
+
+def test_one_group_for_all_is_no_part(tmp_path):
+    path = tmp_path / "figure.obj"
+    write_obj(path)
+    path.write_text("g figure\n" + "\n".join(l for l in path.read_text().splitlines() if l[0] != "g"))
+    assert all(part.origin == "shape" for part in find(path, up="+z")[0].parts)
+
+
+def test_a_group_of_one_skin_bends_beside_its_joint(tmp_path):
+    """Faces of one closed surface in two groups: the end of a bar that is marked is no piece of its own."""
+    bar = trimesh.creation.box(extents=(2.0, 0.2, 0.2)).subdivide().subdivide().subdivide()
+    middles = bar.triangles_center[:, 0]
+    lines = ["v {} {} {}".format(*v) for v in bar.vertices]
+    for name, chosen in (("shaft", middles < 0.2), ("blade", middles >= 0.2)):
+        lines += [f"g {name}", *("f {} {} {}".format(*(f + 1)) for f in bar.faces[chosen])]
+    (tmp_path / "bar.obj").write_text("\n".join(lines))
+    body, source, parts = find(tmp_path / "bar.obj", up="+z")
+    x = np.asarray(body.particles.x, float)
+    moved, rest = (make_region_mask(region, x) for region in (parts["blade"].moved, parts["blade"].rest))
+    assert not (moved & rest).any() and not parts["blade"].seated
+    beside = ~moved & ~rest
+    assert source[beside, 0].min() > 0.1 and 0.3 < source[beside, 0].max() < 0.6
+    assert source[moved, 0].min() > 0.3
+
+
+def test_a_box_in_the_files_units_is_a_part(tmp_path):
+    choice = dict(name="top", box=(-1, -1, 0.9, 1, 1, 3))
+    body, source, parts = find(
+        write_obj(tmp_path / "figure.obj", {"body": FIGURE["body"]}), up="+z", parts=[choice]
+    )
+    assert parts["top"].origin == "option"
+    held = ~make_region_mask(parts["top"].rest, np.asarray(body.particles.x, float))
+    assert (held == (source[:, 2] >= 0.9)).mean() > 0.98
+
+
+def test_a_point_and_a_number_name_parts_that_are_there(tmp_path):
+    path = write_obj(tmp_path / "figure.obj")
+    point = dict(name="pump handle", point=(0.6, 0, 0.85))
+    number = dict(name="torso", number=1)
+    before = find(path, up="+z")[0].parts
+    after = find(path, up="+z", parts=[point, number])[0].parts
+    assert [part.moved for part in before] == [part.moved for part in after]
+    assert [part.name for part in before][:3] == ["body", "left arm", "right arm"]
+    assert [part.name for part in after][:3] == ["torso", "left arm", "pump handle"]
+    assert [part.origin for part in after][:3] == ["option", "file", "option"]
+
+
+@pytest.mark.parametrize(
+    ("choice", "words"),
+    [
+        (dict(name="x", box=(5, 5, 5, 6, 6, 6)), ("holds nothing", "reaches from")),
+        (dict(name="x", box=(-9, -9, -9, 9, 9, 9)), ("holds all", "reaches from")),
+        (dict(name="x", number=77), ("77", "1 body, 2 left arm")),
+    ],
+)
+def test_what_is_no_part_is_refused(tmp_path, choice, words):
+    body = (
+        find(write_obj(tmp_path / "figure.obj"), up="+z", parts=[])
+        and load_object(write_obj(tmp_path / "figure.obj"), up="+z", max_particles=3000, parts=[choice]).body
+    )
+    with pytest.raises(UserError) as error:
+        _ = body.parts
+    assert all(word in str(error.value) for word in words)
