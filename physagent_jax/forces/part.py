@@ -9,15 +9,33 @@ from pydantic import Field
 from physagent_jax.core.strict import Direction, Numbers, Strict
 from physagent_jax.forces.schema import CellsRegion
 
-PartRole = Literal["head", "ear", "arm", "leg", "tail", "side"]
+PartRole = Literal[
+    "head",
+    "ear",
+    "horn",
+    "arm",
+    "wing",
+    "leg",
+    "tail",
+    "handle",
+    "spout",
+    "lid",
+    "knob",
+    "back",
+    "top",
+    "bottom",
+    "side",
+]
 
 
 class Part(Strict):
     """A part that sticks out of the object.
 
     Attributes:
-        roles: What it may be: "ear" comes in pairs on a head, "arm" in pairs elsewhere, "leg" stands on the ground,
-            "tail" is alone, "side" is any that is neither on the head nor on the ground.
+        roles: What it may be, surest first: "ear" and "horn" come in pairs on a head, "arm" in pairs elsewhere, "wing"
+            is a flat one; "leg" stands on the ground with another, "back" on legs; "handle" is a loop, "spout" is
+            across from it; "tail" is across from the head; "lid" and "knob" are on top. "top", "bottom" and "side"
+            tell its place alone.
         moved: Particles that move with it: all but those next to its joint.
         rest: Particles of the rest of the object.
         joint: Where it joins the rest (bounding-box fractions).

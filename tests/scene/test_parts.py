@@ -26,20 +26,56 @@ RABBIT = [
     ("ball", (0.09, 0, 0.75), (0.05, 0.03, 0.2)),
     ("ball", (-0.09, 0, 0.75), (0.05, 0.03, 0.2)),
 ]
+COW = [
+    *BEAST,
+    *(("ball", (0.45, y, 0.38), (0.04, 0.12, 0.04)) for y in (0.15, -0.15)),
+    *(("box", (0.45, y, 0.46), (0.02, 0.02, 0.09)) for y in (0.05, -0.05)),
+]
+POT = ("ball", (0, 0, 0), (0.4, 0.4, 0.32))
+RING = ("ring", (0.45, 0, 0), (0.2, 0.05, 0.2))
+SPOUT = ("box", (-0.47, 0, 0.1), (0.15, 0.06, 0.06))
+LID = [("box", (0, 0, 0.35), (0.1, 0.1, 0.08)), ("box", (0, 0, 0.42), (0.2, 0.2, 0.04))]
+KNOB = ("ball", (0, 0, 0.52), (0.08, 0.08, 0.08))
+CUP = [("tube", (0, 0, 0), (0.35, 0.06, 0.4)), ("box", (0, 0, -0.37), (0.24, 0.24, 0.03))]
+JAR = [
+    ("tube", (0, 0, 0), (0.3, 0.3, 0.3)),
+    ("tube", (0, 0, 0.34), (0.08, 0.08, 0.06)),
+    ("ball", (0, 0, 0.48), (0.13, 0.13, 0.13)),
+]
+LEGS = [("box", (x, y, -0.3), (0.04, 0.04, 0.26)) for x in (0.22, -0.22) for y in (0.22, -0.22)]
+CHAIR = [("box", (0, 0, 0), (0.27, 0.27, 0.04)), ("box", (0, 0.23, 0.34), (0.27, 0.04, 0.3)), *LEGS]
+BIRD = [
+    ("ball", (0, 0, 0), (0.2, 0.36, 0.2)),
+    ("ball", (0, -0.42, 0.15), (0.12, 0.12, 0.12)),
+    *(("box", (x, 0, 0.05), (0.3, 0.12, 0.03)) for x in (0.4, -0.4)),
+    *(("box", (x, 0, -0.27), (0.03, 0.03, 0.15)) for x in (0.08, -0.08)),
+]
 
 
 def fill(solids, count=20_000, seed=0):
-    """Points inside a union of boxes and ellipsoids (kind, centre, half sizes)."""
+    """Points inside a union of boxes, ellipsoids, upright rings and tubes (kind, centre, half sizes).
+
+    Sizes of a ring across y are its radius, that of its wire, and its radius again; of a tube its radius, the thickness
+    of its wall, and half its height.
+    """
     chance = np.random.default_rng(seed)
-    low = np.min([np.subtract(c, s) for _, c, s in solids], axis=0)
-    high = np.max([np.add(c, s) for _, c, s in solids], axis=0)
+    low = np.min([np.subtract(c, max(s)) for _, c, s in solids], axis=0)
+    high = np.max([np.add(c, max(s)) for _, c, s in solids], axis=0)
     found, total = [], 0
     while total < count:
         points = chance.uniform(low, high, (100_000, 3))
         inside = np.zeros(len(points), bool)
         for kind, centre, half in solids:
             q = (points - centre) / half
-            inside |= (np.abs(q) <= 1).all(1) if kind == "box" else (q**2).sum(1) <= 1
+            away = points - centre
+            if kind == "ring":
+                inside |= np.hypot(np.hypot(away[:, 0], away[:, 2]) - half[0], away[:, 1]) <= half[1]
+            elif kind == "tube":
+                radius = np.hypot(away[:, 0], away[:, 1])
+                wall = (radius <= half[0]) & (radius >= half[0] - half[1])
+                inside |= wall & (np.abs(away[:, 2]) <= half[2])
+            else:
+                inside |= (np.abs(q) <= 1).all(1) if kind == "box" else (q**2).sum(1) <= 1
         found.append(points[inside])
         total += inside.sum()
     return np.concatenate(found)[:count]
@@ -55,14 +91,36 @@ def list_roles(points):
         (MAN, ["arm", "arm", "head", "leg", "leg"]),
         (BEAST, ["head", "leg", "leg", "leg", "leg", "tail"]),
         (RABBIT, ["ear", "ear", "head"]),
+        (COW, ["ear", "ear", "head", "horn", "horn", "leg", "leg", "leg", "leg", "tail"]),
+        (BIRD, ["head", "leg", "leg", "wing", "wing"]),
+        (CHAIR, ["back", "leg", "leg", "leg", "leg"]),
+        ([*CUP, RING], ["handle"]),
+        (CUP, []),
+        ([POT, RING, SPOUT, *LID, KNOB], ["handle", "knob", "lid", "spout"]),
+        ([POT, ("ring", (0, 0, 0.3), (0.25, 0.04, 0.25)), SPOUT], ["handle", "spout"]),
         ([("box", (0, 0, 0), (1, 0.5, 0.5))], []),
         ([("box", (0, 0, 0), (0.5, 0.5, 0.5))], []),
         ([("box", (0, 0, 0), (1, 0.7, 0.1))], []),
         ([("ball", (0, 0, 0), (0.5, 0.5, 0.5))], []),
     ],
-    ids=["man", "beast", "rabbit", "box", "cube", "slab", "ball"],
+    ids="man beast rabbit cow bird chair mug cup teapot kettle box cube slab ball".split(),
 )
 def test_the_parts_of_known_shapes_are_found(solids, roles):
+    assert list_roles(fill(solids)) == roles
+
+
+@pytest.mark.parametrize(
+    ("solids", "roles"),
+    [
+        (JAR, ["top"]),
+        ([("tube", (0, 0, 0), (0.3, 0.3, 0.06)), ("box", (0.5, 0, 0), (0.25, 0.04, 0.03))], ["side"]),
+        ([POT, RING, ("ring", (-0.45, 0, 0), (0.2, 0.05, 0.2))], ["side", "side"]),
+        ([("ball", (0, 0, 0.2), (0.4, 0.4, 0.2)), ("tube", (0, 0, -0.25), (0.08, 0.08, 0.3))], ["bottom"]),
+    ],
+    ids=["jar", "pan", "two handles", "mushroom"],
+)
+def test_a_part_that_may_be_several_things_is_named_by_its_place_alone(solids, roles):
+    """A knob may be a head, and a stem a leg: what the object does not tell is left to the sentence."""
     assert list_roles(fill(solids)) == roles
 
 

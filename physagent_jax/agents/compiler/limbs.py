@@ -7,53 +7,38 @@ sentence moves limbs alone the rest is held.
 
 from __future__ import annotations
 
-import math
-
 from physagent_jax.agents.compiler.directions import sum_directions
 from physagent_jax.agents.compiler.events import KnownPart
 from physagent_jax.agents.lexicon import read_lexicon
 from physagent_jax.agents.schema import Evidence, SemanticReply
-from physagent_jax.agents.windows import Window, divide
-from physagent_jax.core.strict import Vector
-from physagent_jax.forces.calibration import (
-    GAIN_MAX,
-    GAIN_MIN,
-    MAGNITUDE_MAX,
-    MAGNITUDE_MIN,
-    PRESCRIBED_TRAVEL,
-    TURN,
-    find_reference_time,
+from physagent_jax.agents.windows import divide
+from physagent_jax.forces.schema import VelocityConstraint
+from physagent_jax.motion.limbs import (
+    PLACES,
+    Turning,
+    choose_parts,
+    find_angle,
+    find_front,
+    find_swing,
+    join_rest,
 )
-from physagent_jax.forces.part import Part
-from physagent_jax.forces.schema import CellsRegion, ConstraintType, VelocityConstraint
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.motion.vectors import clamp, cosine, cross, dot, norm, normalise, scale, subtract
+from physagent_jax.motion.vectors import scale
 
-_PLAIN = 45.0  # [degrees] that a plain word turns a limb by
-_LEAST, _MOST = 15.0, 80.0  # [degrees]
-_ALONG = 0.85  # cosine to the limb from which on a way leads along it
-_REACH = 0.3  # of its length, by which a plain word moves a limb along itself
 _TIME = 1.0  # [s] in which a limb gets where it goes, at most
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them
 _DRIVEN = (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE)
-_THERE = 0.2  # cosine to a side from which on a limb is on it
-_MOST_SEEDS = 256  # of a region
-_NAMES = {"side": "part at its side"}
 
 
 def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     """Places in the brief's parts of what a part's word means; several for a plural without a side, none if unknown."""
-    noun = part.phrase.rpartition(" ")[2]
+    adjective, _, noun = part.phrase.rpartition(" ")
     named = read_lexicon().parts.get(noun) or read_lexicon().parts.get(noun.removesuffix("s"))
-    if named is None or not named.role:
-        return ()
-    fitting = [index for index, each in enumerate(brief.parts) if named.role in each.roles]
-    side = sum_directions(part.place.names, brief) if " " in part.phrase else (0.0, 0.0, 0.0)
-    if norm(side):
-        fitting = [index for index in fitting if cosine(brief.parts[index].side, side) > _THERE]
-        return tuple(sorted(fitting, key=lambda index: -cosine(brief.parts[index].side, side))[:1])
-    fitting.sort(key=lambda index: -brief.parts[index].share)
-    return tuple(fitting if _is_plural(part.text) else fitting[:1])
+    roles = named.role.split() if named else [noun] if noun not in PLACES else []
+    side, front = sum_directions(part.place.names, brief) if adjective else None, find_front(brief.parts)
+    if front is not None and part.place.names in (("toward",), ("away",)):
+        side = front if part.place.names == ("toward",) else scale(front, -1.0)
+    return choose_parts(brief.parts, roles, side, _is_plural(part.text))
 
 
 def _is_plural(text: str) -> bool:
@@ -65,7 +50,8 @@ def explain_missing(text: str, brief: SceneBrief) -> str:
     """The doubt about a part that the object does not show."""
     if not brief.parts:
         return f"Where '{text}' is, is not known: no part sticks out of the object."
-    found = dict.fromkeys(_NAMES.get(part.roles[0], part.roles[0]) for part in brief.parts)
+    names = {place: f"part at its {place}" for place in PLACES}
+    found = dict.fromkeys(names.get(part.roles[0], part.roles[0]) for part in brief.parts)
     return f"Where '{text}' is, is not known: the parts that stick out are {', '.join(found)}."
 
 
@@ -90,7 +76,7 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
     if alone and anchor.kind is None:
         limbs = sorted({each.limb for each in asked if each.limb is not None})
         words = asked[0].words or "a part"
-        anchor = AnchorRequest(kind="rest", words=words, region=_join_rest([brief.parts[k] for k in limbs]))
+        anchor = AnchorRequest(kind="rest", words=words, region=join_rest([brief.parts[k] for k in limbs]))
     field = reply.force_field.model_copy(update=dict(actions=actions, constraints=tuple(constraints)))
     note = "A part turns about its joint" + (", and the rest is held." if anchor.kind == "rest" else ".")
     return reply.model_copy(
@@ -130,130 +116,26 @@ def _drive(
     """The constraints that bring about a limb's motion, and the motion as it is then expected."""
     assert motion.limb is not None
     part, last = brief.parts[motion.limb], frame_count - 1.0
+    turning = Turning(part, brief, frame_count)
     first, end = motion.window
     if motion.kind is MotionKind.SWAY:
-        way = motion.direction or _find_swing(part, brief)
+        way = motion.direction or find_swing(part, brief)
         swings = max(motion.repeats, _SWINGS)
         windows = divide((first, end), [0.5, *[1.0] * (2 * swings - 1), 0.5])
         windows = [window for window in windows if window[1] - window[0] >= 1.0] or [(first, end)]
-        angle = _find_angle(motion) * 0.6
+        angle = find_angle(motion) * 0.6
         made = []
         for index, window in enumerate(windows):
             share = (window[1] - window[0]) / max(each[1] - each[0] for each in windows)
-            made += _turn(part, way, (-1) ** index * angle * 2 * share, window, None, brief, frame_count)
+            made.append(turning.bring(way, (-1) ** index * angle * 2 * share, window, None))
         return made, motion.model_copy(update=dict(direction=way, repeats=swings, limb=motion.limb))
     later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > first + 0.5]
     until = min([last, *later])
     window = (first, min(end, first + max(_TIME / brief.frame_dt, 2.0), until))
     stop = None if motion.released or until <= window[1] else until
     if motion.kind is MotionKind.ROTATE and motion.direction is not None:
-        made = [_rotate(part, motion.direction, _find_angle(motion), window, stop, brief, frame_count)]
+        made = turning.rotate(motion.direction, find_angle(motion), window, stop)
     else:
-        way = motion.direction or _find_swing(part, brief)
-        made = _turn(part, way, _find_angle(motion), window, stop, brief, frame_count)
-    return made, motion
-
-
-def _find_swing(part: Part, brief: SceneBrief) -> Vector:
-    """The level way across a limb; the viewer's right where it stands upright."""
-    return normalise(cross(brief.directions.up, part.arm)) or brief.directions.right
-
-
-def _find_angle(motion: ExpectedMotion) -> float:
-    """Angle that a limb turns by [degrees]."""
-    if motion.amount is not None and motion.amount.unit == "degrees":
-        return motion.amount.value
-    return clamp(_PLAIN * motion.strength, _LEAST, _MOST)
-
-
-def _turn(
-    part: Part,
-    way: Vector,
-    angle: float,
-    window: Window,
-    stop: float | None,
-    brief: SceneBrief,
-    frame_count: int,
-) -> list[VelocityConstraint]:
-    """The limb turned about its joint so that its tip goes ``way``, or moved along itself."""
-    arm = normalise(part.arm) or brief.directions.up
-    if abs(dot(arm, way)) < _ALONG:
-        axis = normalise(cross(arm, subtract(way, scale(arm, dot(arm, way))))) or brief.directions.up
-        return [_rotate(part, axis, angle, window, stop, brief, frame_count)]
-    length = _REACH * norm(part.arm) * angle / _PLAIN
-    return [
-        _make(
-            part,
-            ConstraintType.PARTICLE_TRANSLATION,
-            way,
-            length,
-            PRESCRIBED_TRAVEL,
-            window,
-            stop,
-            brief,
-            frame_count,
-        )
-    ]
-
-
-def _rotate(part, axis, angle, window, stop, brief, frame_count) -> VelocityConstraint:
-    return _make(
-        part,
-        ConstraintType.PARTICLE_ROTATION,
-        axis,
-        math.radians(angle),
-        TURN,
-        window,
-        stop,
-        brief,
-        frame_count,
-    )
-
-
-def _make(
-    part: Part,
-    kind: ConstraintType,
-    vector: Vector,
-    wanted: float,
-    usual: float,
-    window: Window,
-    stop: float | None,
-    brief: SceneBrief,
-    frame_count: int,
-) -> VelocityConstraint:
-    """The constraint that does ``wanted`` in its window, where M = 1 does ``usual`` in the reference time."""
-    seconds = (window[1] - window[0]) * brief.frame_dt
-    duration = (frame_count - 1) * brief.frame_dt
-    effort = wanted / (usual * seconds / find_reference_time(True, duration))
-    size = clamp(abs(effort), MAGNITUDE_MIN, MAGNITUDE_MAX)
-    return VelocityConstraint(
-        constraint_type=kind,
-        vector=vector if effort >= 0 else scale(vector, -1.0),
-        magnitude=round(size, 3),
-        gain=round(clamp(abs(effort) / size, GAIN_MIN, GAIN_MAX), 4),
-        active_time=window,
-        held_until=stop,
-        region=part.moved,
-        pivot=part.joint if kind is ConstraintType.PARTICLE_ROTATION else None,
-    )
-
-
-def _join_rest(limbs: list[Part]) -> CellsRegion:
-    """The particles that belong to none of the limbs."""
-    outside = tuple(seed for limb in limbs for seed in limb.rest.outside)
-    inside = tuple(
-        seed for limb in limbs for seed in limb.rest.inside if all(_is_in_rest(seed, each) for each in limbs)
-    )
-    return CellsRegion(inside=_thin(inside or limbs[0].rest.inside), outside=_thin(outside))
-
-
-def _thin(seeds: tuple[Vector, ...]) -> tuple[Vector, ...]:
-    """At most as many of the seeds as a region holds, evenly."""
-    return seeds[:: -(-len(seeds) // _MOST_SEEDS)]
-
-
-def _is_in_rest(seed: Vector, limb: Part) -> bool:
-    def find_nearest(seeds) -> float:
-        return min(norm(subtract(seed, each)) for each in seeds)
-
-    return find_nearest(limb.rest.inside) < find_nearest(limb.rest.outside)
+        way = motion.direction or find_swing(part, brief)
+        made = turning.bring(way, find_angle(motion), window, stop)
+    return [made], motion

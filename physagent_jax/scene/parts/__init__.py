@@ -1,6 +1,8 @@
 """The parts of an object: what sticks out of it, found once, for sentences that name it.
 
-`protrusions` cuts a particle cloud into a tree of what sticks out; `roles` says what each may be called.
+`lattice` makes a solid of the particles, `openings` finds what is thin and `protrusions` what is far from the rest,
+`caps` what sits on a seam. `limbs` makes one tree of them, `roles` says what each may be called, and `marking` makes
+data of them.
 """
 
-from physagent_jax.scene.parts.roles import find_parts as find_parts
+from physagent_jax.scene.parts.marking import find_parts as find_parts
