@@ -29,6 +29,7 @@ _PLAIN = 45.0  # [degrees] that a plain word turns a limb by
 _LEAST, _MOST = 15.0, 80.0  # [degrees]
 _ALONG = 0.85  # cosine to the limb from which on a way leads along it
 _REACH = 0.3  # of its length, by which a plain word moves a limb along itself
+_LIFTED = 1.0  # the same of a lid, which lies loose and comes off
 _THERE = 0.2  # cosine to a side from which on a limb is on it
 _MOST_SEEDS = 256  # of a region
 PLACES = ("top", "bottom", "side")
@@ -118,7 +119,8 @@ class Turning:
         if abs(dot(arm, way)) < _ALONG:
             axis = normalise(cross(arm, subtract(way, scale(arm, dot(arm, way))))) or self.brief.directions.up
             return self.rotate(axis, angle, window, stop)
-        length = _REACH * norm(self.part.arm) * angle / _PLAIN
+        reach = _LIFTED if self.part.roles[0] == "lid" else _REACH
+        length = reach * norm(self.part.arm) * angle / _PLAIN
         return self._make(ConstraintType.PARTICLE_TRANSLATION, way, length, PRESCRIBED_TRAVEL, window, stop)
 
     def rotate(

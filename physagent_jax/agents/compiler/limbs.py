@@ -23,7 +23,7 @@ from physagent_jax.motion.limbs import (
     join_rest,
 )
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.motion.vectors import scale
+from physagent_jax.motion.vectors import add, scale
 
 _TIME = 1.0  # [s] in which a limb gets where it goes, at most
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them
@@ -34,10 +34,12 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     """Places in the brief's parts of what a part's word means; several for a plural without a side, none if unknown."""
     adjective, _, noun = part.phrase.rpartition(" ")
     named = read_lexicon().parts.get(noun) or read_lexicon().parts.get(noun.removesuffix("s"))
-    roles = named.role.split() if named else [noun] if noun not in PLACES else []
-    side, front = sum_directions(part.place.names, brief) if adjective else None, find_front(brief.parts)
-    if front is not None and part.place.names in (("toward",), ("away",)):
-        side = front if part.place.names == ("toward",) else scale(front, -1.0)
+    said = noun if adjective else part.text.lower()
+    roles = named.role.split() if named else [said] if said not in PLACES else []
+    side, front = None, find_front(brief.parts)
+    if adjective:
+        turned = dict(toward=front, away=front and scale(front, -1.0))
+        side = add(turned.get(name) or sum_directions((name,), brief) for name in part.place.names)
     return choose_parts(brief.parts, roles, side, _is_plural(part.text))
 
 

@@ -20,8 +20,9 @@ from physagent_jax.scene.parts.protrusions import find_protrusions, make_graph
 LARGEST = 0.45  # share of the object: more is the object itself
 _LEAST = 0.001  # share of the object
 _SMALLEST = 0.04  # length over the object's
-# Least prominence of what is thin, and of what is distant; ends of boxes and eggs have up to 1.05, corners less.
-_THIN, _DISTANT = 0.95, 1.2
+# Least prominence of what is thin, of what is distant, and of a distant plate, whose neck is wide; ends of boxes and
+# eggs have up to 1.05, corners less.
+_THIN, _DISTANT, _PLATE = 0.95, 1.2, 1.0
 _COARSE = 0.6  # of its prominence counts, where a limb by distance and one by thickness would be in each other's way
 _SAME = 0.35  # of the union of two limbs, that both hold, from which on they are one
 _APART, _WITHIN = (
@@ -83,7 +84,11 @@ def find_limbs(points: np.ndarray, lattice: Lattice) -> list[Limb]:
     distant = [measure(lattice, nodes) for nodes in _find_distant(points, lattice)]
     caps = [measure(lattice, nodes) for nodes in find_caps(lattice)]
     told = [(limb, limb.prominence) for limb in thin if limb.prominence >= _THIN and limb.share >= _LEAST]
-    told += [(limb, _COARSE * limb.prominence) for limb in distant if limb.prominence >= _DISTANT]
+    told += [
+        (limb, _COARSE * limb.prominence)
+        for limb in distant
+        if limb.prominence >= (_PLATE if limb.flat else _DISTANT)
+    ]
     told += [(limb, 0.0) for limb in caps]
     chosen: list[Limb] = []
     for limb, _ in sorted(told, key=lambda each: -each[1]):

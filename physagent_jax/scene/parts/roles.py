@@ -6,6 +6,8 @@ the limb itself: a lone knob may be a head, so it is what is on top. Words that 
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from physagent_jax.forces.part import PartRole
@@ -51,8 +53,8 @@ class Roles:
             found[self.back] = ("back",)
         if self.head is not None:
             found |= self._name_head(self.head)
-        handles = [k for k in range(len(self.limbs)) if self._is_handle(k)]
-        found |= {k: ("handle",) for k in handles if k not in found}
+        if self.head is None:
+            found |= {k: ("handle",) for k in range(len(self.limbs)) if self._is_handle(k)}
         for index in sorted(range(len(self.limbs)), key=lambda k: -self.limbs[k].share):
             limb = self.limbs[index]
             taken = any(each in found for each in (index, *self._list_outer(index), *self._list_inner(index)))
@@ -148,16 +150,20 @@ class Roles:
             for k, limb in enumerate(self.limbs)
             if self._find_partner(k) is not None and not self._is_grounded(limb) and limb.parent != head
         ]
-        return head if self.legs or ears or sides else None
+        vessel = any(self._is_handle(k) for k in range(len(self.limbs)))
+        return head if self.legs or ((ears or sides) and not vessel) else None
 
     def _is_handle(self, index: int) -> bool:
-        """Return whether a limb is a loop of its own, of an object without a head."""
-        limb = self.limbs[index]
-        alone = all(
-            self._is_lump(self.limbs[k]) or self.limbs[k].share > LARGEST for k in self._list_outer(index)
-        )
-        single = limb.loop and self._find_partner(index) is None and self.head is None
-        return single and alone and not self._is_lump(limb)
+        """Return whether a limb is a loop of its own, without an image."""
+        limb, outer = self.limbs[index], [self.limbs[k] for k in self._list_outer(index)]
+        if (
+            not limb.loop
+            or limb.share > LARGEST
+            or self._is_lump(limb)
+            or self._find_partner(index) is not None
+        ):
+            return False
+        return all(self._is_lump(each) or each.share > LARGEST for each in outer)
 
     def _is_lump(self, limb: Limb) -> bool:
         """Return whether a limb is a piece of the body with limbs, or lies around one that stands out more."""
@@ -190,8 +196,14 @@ class Roles:
 
     def _find_partner(self, index: int) -> int | None:
         """The limb that is its mirror image in an upright plane through the middle of the object, or of their head."""
+        nearest = self._find_image(index)
+        return nearest if nearest is not None and self._find_image(nearest) == index else None
+
+    def _find_image(self, index: int) -> int | None:
+        """The limb that is most like a mirror image of another one; None if there is none."""
         limb = self.limbs[index]
         middle = self.middle if limb.parent is None else self.limbs[limb.parent].centre
+        found: dict[int, float] = {}
         for k, other in enumerate(self.limbs):
             if (
                 k == index
@@ -201,12 +213,12 @@ class Roles:
             ):
                 continue
             way = other.centre - limb.centre
-            distance = float(np.linalg.norm(way))
             across = way[:2] / max(float(np.linalg.norm(way[:2])), 1e-12)
-            missed = abs((0.5 * (limb.centre + other.centre) - middle)[:2] @ across)
-            if abs(way[2]) < _LEVEL * distance and missed < _MIRROR * self.size:
-                return k
-        return None
+            missed = abs((0.5 * (limb.centre + other.centre) - middle)[:2] @ across) / self.size
+            rise = abs(way[2]) / max(float(np.linalg.norm(way)), 1e-12)
+            if rise < _LEVEL and missed < _MIRROR:
+                found[k] = missed + 0.1 * rise + 0.1 * abs(math.log(limb.share / other.share))
+        return min(found, key=lambda k: found[k], default=None)
 
     def _list_inner(self, index: int) -> list[int]:
         children = self.limbs[index].children
