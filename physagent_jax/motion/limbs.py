@@ -23,7 +23,7 @@ from physagent_jax.forces.calibration import (
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import CellsRegion, ConstraintType, VelocityConstraint
 from physagent_jax.motion.schema import ExpectedMotion, SceneBrief
-from physagent_jax.motion.vectors import clamp, cosine, cross, dot, norm, normalise, scale, subtract
+from physagent_jax.motion.vectors import add, clamp, cosine, cross, dot, norm, normalise, scale, subtract
 
 _PLAIN = 45.0  # [degrees] that a plain word turns a limb by
 _LEAST, _MOST = 15.0, 80.0  # [degrees]
@@ -103,6 +103,20 @@ class Turning:
     part: Part
     brief: SceneBrief
     frame_count: int
+
+    def find_course(self, way: Vector, angle: float) -> Vector:
+        """The way that the tip goes: ``way``, but what hangs and is raised swings out, and cannot go into the body.
+
+        Args:
+            way: Unit world vector.
+            angle: The angle that it turns by [degrees].
+        """
+        arm, up, turn = normalise(self.part.arm), self.brief.directions.up, math.radians(angle)
+        if arm is None or dot(arm, way) > -_ALONG or abs(dot(way, up)) < _ALONG:
+            return way
+        aside = (self.part.side[0], self.part.side[1], 0.0)
+        out = find_front(self.brief.parts) or normalise(aside) or self.brief.directions.right
+        return normalise(add((scale(out, math.sin(turn)), scale(way, 1.0 - math.cos(turn))))) or way
 
     def bring(
         self, way: Vector, angle: float, window: tuple[float, float], stop: float | None

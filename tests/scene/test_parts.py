@@ -35,7 +35,7 @@ POT = ("ball", (0, 0, 0), (0.4, 0.4, 0.32))
 RING = ("ring", (0.45, 0, 0), (0.2, 0.05, 0.2))
 SPOUT = ("box", (-0.47, 0, 0.1), (0.15, 0.06, 0.06))
 LID = [("tube", (0, 0, 0.35), (0.1, 0.1, 0.08)), ("tube", (0, 0, 0.42), (0.2, 0.2, 0.04))]
-KNOB = ("ball", (0, 0, 0.52), (0.08, 0.08, 0.08))
+KNOB = [("tube", (0, 0, 0.48), (0.04, 0.04, 0.04)), ("ball", (0, 0, 0.57), (0.09, 0.09, 0.09))]
 CUP = [("tube", (0, 0, 0), (0.35, 0.06, 0.4)), ("box", (0, 0, -0.37), (0.24, 0.24, 0.03))]
 JAR = [
     ("tube", (0, 0, 0), (0.3, 0.3, 0.3)),
@@ -131,7 +131,7 @@ def test_the_parts_of_known_shapes_are_found(solids, roles):
         (CHAIR, ["back", "leg", "leg", "leg", "leg"]),
         ([*CUP, RING], ["handle"]),
         (CUP, []),
-        ([POT, RING, SPOUT, *LID, KNOB], ["handle", "knob", "lid", "spout"]),
+        ([POT, RING, SPOUT, *LID, *KNOB], ["handle", "knob", "lid", "spout"]),
         ([POT, ("ring", (0, 0, 0.3), (0.25, 0.04, 0.25)), SPOUT], ["handle", "spout"]),
     ],
     ids="cow bird chair mug cup teapot kettle".split(),

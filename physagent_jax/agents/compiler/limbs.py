@@ -138,6 +138,8 @@ def _drive(
     if motion.kind is MotionKind.ROTATE and motion.direction is not None:
         made = turning.rotate(motion.direction, find_angle(motion), window, stop)
     else:
-        way = motion.direction or find_swing(part, brief)
-        made = turning.bring(way, find_angle(motion), window, stop)
+        angle = find_angle(motion)
+        way = turning.find_course(motion.direction or find_swing(part, brief), angle)
+        made = turning.bring(way, angle, window, stop)
+        motion = motion if motion.direction is None else motion.model_copy(update=dict(direction=way))
     return [made], motion
