@@ -53,7 +53,7 @@ BIRD = [
 
 
 def contain(solids, points):
-    """Whether points lie in a union of boxes, ellipsoids, upright rings and tubes (kind, centre, half sizes).
+    """A mask of the points in a union of boxes, ellipsoids, upright rings and tubes (kind, centre, half sizes).
 
     Sizes of a ring across y are its radius, that of its wire, and its radius again; of a tube its radius, the thickness
     of its wall, and half its height.

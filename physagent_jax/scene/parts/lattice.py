@@ -56,22 +56,39 @@ class Lattice:
 
     def complete(self, nodes: np.ndarray) -> np.ndarray:
         """The nodes of a part with the specks that it cuts off from the rest."""
-        labels, count = ndimage.label(self.solid & ~self.make_mask(nodes), _ALL)
-        sizes = np.bincount(labels.ravel(), minlength=count + 1)
-        specks = (sizes < _SPECK * len(self.places)) & (np.arange(count + 1) > 0)
+        labels = find_pieces(self.solid & ~self.make_mask(nodes))
+        sizes = np.bincount(labels.ravel())
+        specks = (sizes < _SPECK * len(self.places)) & (np.arange(len(sizes)) > 0)
         return np.union1d(nodes, self.pick(specks[labels]))
 
     def find_necks(self, nodes: np.ndarray) -> list[np.ndarray]:
         """The connected sets of nodes where a part touches the rest, largest first."""
         part = self.make_mask(nodes)
-        rim = part & ndimage.binary_dilation(self.solid & ~part, _ALL)
-        labels, count = ndimage.label(rim, _ALL)
-        return sorted((self.pick(labels == k + 1) for k in range(count)), key=len, reverse=True)
+        rim = part & np.asarray(ndimage.binary_dilation(self.solid & ~part, _ALL))
+        labels = find_pieces(rim)[self.solid]  # in the order of the nodes
+        return sorted((np.flatnonzero(labels == k + 1) for k in range(labels.max())), key=len, reverse=True)
 
     def fill_vessels(self) -> np.ndarray:
         """The solid with what it could hold, walled in below and at four sides, as a mask of shape (nx, ny, nz)."""
         sides = [_shade(self.solid, axis, back) for axis in (0, 1) for back in (False, True)]
         return self.solid | np.logical_and.reduce([*sides, _shade(self.solid, 2, False)])
+
+
+def find_depth(mask: np.ndarray) -> np.ndarray:
+    """The distance of each cell of a mask from the nearest one outside [cells], of the mask's shape."""
+    return np.asarray(ndimage.distance_transform_edt(mask), np.float64)
+
+
+def find_pieces(mask: np.ndarray, *, corners: bool = True) -> np.ndarray:
+    """The number of the connected piece that each cell of a mask belongs to, from 1; 0 outside it.
+
+    Args:
+        mask: Cells, shape (nx, ny, nz).
+        corners: Whether cells that touch at an edge or a corner are connected too.
+    """
+    labels = np.zeros(mask.shape, np.int32)
+    ndimage.label(mask, _ALL if corners else None, labels)
+    return labels
 
 
 def _shade(solid: np.ndarray, axis: int, back: bool) -> np.ndarray:
@@ -89,18 +106,19 @@ def make_lattice(points: np.ndarray) -> Lattice:
     """
     low, size = points.min(0), max(float(np.ptp(points, axis=0).max()), 1e-12)
     tree = KDTree(points)
-    gap = max(float(np.median(tree.query(points, min(5, len(points)))[0][:, -1])), 1e-9 * size)
-    spacing = size / np.clip(_CELLS_PER_SPACING * size / gap, _FEWEST_CELLS, _MOST_CELLS)
+    distances = np.asarray(tree.query(points, min(5, len(points)))[0]).reshape(len(points), -1)
+    gap = max(float(np.median(distances[:, -1])), 1e-9 * size)
+    spacing = size / float(np.clip(_CELLS_PER_SPACING * size / gap, _FEWEST_CELLS, _MOST_CELLS))
     shape = np.floor((points.max(0) - low) / spacing).astype(int) + 1 + 2 * _PAD
     grid = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), -1)
     centres = low + (grid - _PAD + 0.5) * spacing
     reach = max(_CLOSED * gap, 0.9 * spacing)
-    near = tree.query(centres.reshape(-1, 3), distance_upper_bound=reach)[0].reshape(shape)
-    closed = ndimage.binary_fill_holes(np.isfinite(near))
-    solid = ndimage.distance_transform_edt(closed) > max(_ERODED * gap / spacing, 0.5) + 0.5
+    near = np.asarray(tree.query(centres.reshape(-1, 3), distance_upper_bound=reach)[0]).reshape(shape)
+    closed = np.asarray(ndimage.binary_fill_holes(np.isfinite(near)))
+    solid = find_depth(closed) > max(_ERODED * gap / spacing, 0.5) + 0.5
     solid[tuple(((points - low) / spacing).astype(int).T + _PAD)] = True
-    labels, count = ndimage.label(solid, _ALL)
+    labels = find_pieces(solid)
     solid = labels == np.bincount(labels[labels > 0]).argmax()
     node = np.full(shape, -1)
     node[solid] = np.arange(solid.sum())
-    return Lattice(solid, node, centres[solid], float(spacing))
+    return Lattice(solid, node, centres[solid], spacing)

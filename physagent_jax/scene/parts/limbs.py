@@ -101,7 +101,7 @@ def find_limbs(points: np.ndarray, lattice: Lattice) -> list[Limb]:
     ]
     return [
         dataclasses.replace(
-            limb, parent=parents[i], children=tuple(np.flatnonzero(np.equal(parents, i)).tolist())
+            limb, parent=parents[i], children=tuple(k for k, parent in enumerate(parents) if parent == i)
         )
         for i, limb in enumerate(chosen)
     ]
@@ -168,7 +168,7 @@ def measure(lattice: Lattice, nodes: np.ndarray) -> Limb:
 
 
 def _find_prominence(lattice: Lattice, nodes: np.ndarray, neck: np.ndarray, width: float) -> float:
-    distance = KDTree(neck).query(lattice.places)[0]
+    distance = np.asarray(KDTree(neck).query(lattice.places)[0])
     inside = np.zeros(len(distance), bool)
     inside[nodes] = True
     beside = distance <= max(2 * lattice.spacing, 0.7 * width)

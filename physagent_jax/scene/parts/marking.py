@@ -58,11 +58,11 @@ def _make_part(
 
 
 def _find_far(lattice: Lattice, limb: Limb) -> np.ndarray:
-    """Whether each node of a limb lies beyond its joint: the neck's radius away, or nearer where the limb is short."""
+    """A mask of the nodes beyond the joint: the neck's radius away, or nearer where the limb is short, shape (k,)."""
     necks = np.concatenate(lattice.find_necks(limb.nodes))
     size = float(np.ptp(lattice.places, axis=0).max())
     depth = size * min(limb.width, _JOINT * limb.length)
-    distance = KDTree(lattice.places[necks]).query(lattice.places[limb.nodes])[0]
+    distance = np.asarray(KDTree(lattice.places[necks]).query(lattice.places[limb.nodes])[0])
     if (distance > depth).any():
         return distance > depth
     out = np.linalg.norm(lattice.places[limb.nodes] - limb.joint, axis=1)

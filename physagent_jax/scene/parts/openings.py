@@ -10,9 +10,8 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
-from scipy import ndimage
 
-from physagent_jax.scene.parts.lattice import Lattice
+from physagent_jax.scene.parts.lattice import Lattice, find_depth, find_pieces
 
 _FIRST = 1.3  # cells, radius of the smallest ball
 _RATIO = 1.17  # of two radii that follow each other
@@ -40,7 +39,7 @@ class _Chain:
 
 def find_thin_parts(lattice: Lattice) -> list[np.ndarray]:
     """The nodes of each thin part, each of shape (k,)."""
-    depth = ndimage.distance_transform_edt(lattice.fill_vessels())  # thin walls are no parts of a vessel
+    depth = find_depth(lattice.fill_vessels())  # thin walls are no parts of a vessel
     done: list[_Chain] = []
     open_chains: list[_Chain] = []
     radius = _FIRST
@@ -66,10 +65,10 @@ def find_thin_parts(lattice: Lattice) -> list[np.ndarray]:
 
 def _find_residues(lattice: Lattice, depth: np.ndarray, radius: float) -> list[np.ndarray]:
     """The connected sets of nodes that balls of a radius [cells] leave."""
-    filled = ndimage.distance_transform_edt(depth < radius) < _AROUND * radius
-    labels, count = ndimage.label(lattice.solid & ~filled)
-    sizes = np.bincount(labels.ravel(), minlength=count + 1)
-    return [lattice.pick(labels == k) for k in range(1, count + 1) if sizes[k] >= _FEWEST]
+    filled = find_depth(depth < radius) < _AROUND * radius
+    labels = find_pieces(lattice.solid & ~filled, corners=False)[lattice.solid]  # in the order of the nodes
+    sizes = np.bincount(labels)
+    return [np.flatnonzero(labels == k) for k in range(1, len(sizes)) if sizes[k] >= _FEWEST]
 
 
 def _is_same(one: np.ndarray, other: np.ndarray) -> bool:

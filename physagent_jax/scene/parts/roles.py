@@ -176,7 +176,7 @@ class Roles:
         return limb.low < self.low[2] + _ON_GROUND * self.height
 
     def _find_side(self, limb: Limb) -> np.ndarray:
-        """Where a limb is, seen from the object's middle (unit vector)."""
+        """The unit vector from the object's middle to a limb's, shape (3,)."""
         away = limb.centre - self.middle
         return away / max(float(np.linalg.norm(away)), 1e-12)
 
