@@ -11,8 +11,8 @@ from physagent_jax.scene.parts.lattice import Lattice, make_lattice
 from physagent_jax.scene.parts.limbs import Limb, find_limbs
 from physagent_jax.scene.parts.roles import Roles
 
-_JOINT = 0.3  # of the way from neck to tip that bends, at most
-_SEEDS = 24  # that mark a part, at most
+_JOINT, _BEND = 0.3, 0.08  # of the way from neck to tip, and of the object's length, that bends, at most
+_SEEDS = 64  # that mark a part, or what is beside it, at most: fewer leave patches of a large one out
 
 
 def find_parts(points: np.ndarray) -> tuple[Part, ...]:
@@ -41,7 +41,7 @@ def _make_part(
         return tuple(tuple(np.round((place - low) / box, 4).tolist()) for place in chosen)
 
     nodes, way = limb.nodes, limb.tip - limb.joint
-    far = _find_far(lattice, limb)
+    far = _find_far(lattice, limb, 0.0 if "lid" in roles else _BEND)  # a lid lies loose
     rest = np.setdiff1d(np.arange(len(lattice.places)), nodes)
     moved, joint = mark(nodes[far]), mark(nodes[~far])
     still = mark(rest) + mark(_find_near(lattice, nodes))
@@ -57,11 +57,11 @@ def _make_part(
     )
 
 
-def _find_far(lattice: Lattice, limb: Limb) -> np.ndarray:
+def _find_far(lattice: Lattice, limb: Limb, most: float) -> np.ndarray:
     """A mask of the nodes beyond the joint: the neck's radius away, or nearer where the limb is short, shape (k,)."""
     necks = np.concatenate(lattice.find_necks(limb.nodes))
     size = float(np.ptp(lattice.places, axis=0).max())
-    depth = size * min(limb.width, _JOINT * limb.length)
+    depth = size * min(limb.width, _JOINT * limb.length, most)
     distance = np.asarray(KDTree(lattice.places[necks]).query(lattice.places[limb.nodes])[0])
     if (distance > depth).any():
         return distance > depth

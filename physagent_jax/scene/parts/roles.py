@@ -169,7 +169,7 @@ class Roles:
         """Return whether a limb is a piece of the body with limbs, or lies around one that stands out more."""
         inner = [self.limbs[k] for k in limb.children]
         if len(inner) == 1:
-            return max(limb.prominence, _CLEAR) < inner[0].prominence
+            return limb.prominence < min(_CLEAR, inner[0].prominence)
         return any(each.share > _FINGER * limb.share for each in inner)
 
     def _is_grounded(self, limb: Limb) -> bool:
