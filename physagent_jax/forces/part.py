@@ -16,7 +16,23 @@ _HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _LETTERS = {"l": "left", "r": "right"}
 SIDES = frozenset("left right upper lower front back rear top bottom inner outer middle".split())
 """Words for a side, which a name begins with."""
-PartRole = Literal["head", "ear", "arm", "leg", "tail", "side"]
+PartRole = Literal[
+    "head",
+    "ear",
+    "horn",
+    "arm",
+    "wing",
+    "leg",
+    "tail",
+    "handle",
+    "spout",
+    "lid",
+    "knob",
+    "back",
+    "top",
+    "bottom",
+    "side",
+]
 
 
 PartOrigin = Literal["shape", "file", "option"]
@@ -67,8 +83,10 @@ class Part(Strict):
         label: What people are told that it is, with its place: "left arm"; empty until the viewer is known.
         seated: Whether it is a piece of its own that sits on the rest with a broad face, as a lid does: it moves
             as a whole, and about its own middle. Others turn about their joint.
-        roles: What it may be: "ear" comes in pairs on a head, "arm" in pairs elsewhere, "leg" stands on the ground,
-            "tail" is alone, "side" is any that is neither on the head nor on the ground.
+        roles: What it may be, surest first: "ear" and "horn" come in pairs on a head, "arm" in pairs elsewhere, "wing"
+            is a flat one; "leg" stands on the ground with another, "back" on legs; "handle" is a loop, "spout" is
+            across from it; "tail" is across from the head; "lid" and "knob" are on top. "top", "bottom" and "side"
+            tell its place alone.
         moved: Particles that move with it: all but those next to its joint.
         rest: Particles of the rest of the object.
         joint: Where it joins the rest (bounding-box fractions).

@@ -7,12 +7,13 @@ from collections.abc import Sequence
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.part import ORIGINS, SIDES, Part, split_name
 from physagent_jax.forces.schema import CellsRegion
+from physagent_jax.motion.limbs import PLACES
 from physagent_jax.motion.schema import DirectionTable, SceneBrief
 from physagent_jax.motion.vectors import cosine, norm, subtract
 
 _SIDE = 0.5  # cosine to one of the viewer's directions from which a part lies there
 _SIDES = dict(left="left", right="right", toward="front", away="back", up="upper", down="lower")
-_PLAIN = {"side": "part at the side"}
+_PLAIN = {place: f"part at the {place}" for place in PLACES}
 _MOST_SEEDS = 256  # of a region
 _RANK = {"option": 0, "file": 1, "shape": 2}
 

@@ -24,7 +24,7 @@ def test_words_of_each_kind_are_read() -> None:
     assert words.directions["away from the lens"] == ("away",)
     assert words.views["when seen from above"] == words.views["viewed from above"] == ("up",)
     assert words.gravity["turn gravity back on"] == words.gravity["switch on the gravity"] == "down"
-    assert words.parts["head"] == Place(("up",), 0.72, "head")
+    assert words.parts["head"] == Place(("up",), 0.72, "head top")
     assert words.fractions["thirds"] == pytest.approx(1 / 3)
     assert words.moments["briefly"].lasts == 0.15
 

@@ -66,6 +66,53 @@ def test_a_limb_turns_about_its_joint_the_way_that_is_asked(sentence, limb, part
     assert [each.limb for each in reply.expectations] == [limb]
 
 
+def test_a_leg_that_is_lifted_swings_forward_and_not_into_the_body():
+    """It hangs: along itself it would only get shorter. Forward is where an animal's head is."""
+    places = [(0.5, 0.2, -0.8), (-0.5, 0.2, -0.8), (0.5, -0.2, -0.8)]
+    legs = [make_part("leg", (0, 0, -0.2), tuple(c / math.hypot(*place) for c in place)) for place in places]
+    reply = read("lift the right leg", *legs, make_part("head", (0.2, 0, 0.1), (1, 0, 0)))
+    (constraint,) = reply.force_field.constraints
+    assert constraint.constraint_type is ConstraintType.PARTICLE_ROTATION
+    assert find_way(constraint, legs[0])[0] > 0.19
+    (motion,) = reply.expectations
+    assert motion.direction[0] > 0.8 and motion.direction[2] > 0.3
+
+
+def test_front_and_hind_are_told_by_the_head_of_an_animal():
+    """Of what has no head and legs, the front is the side towards the viewer."""
+    places = [(0.6, 0.3, -0.75), (0.6, -0.3, -0.75), (-0.6, 0.3, -0.75), (-0.6, -0.3, -0.75)]
+    legs = [make_part("leg", (0, 0, -0.2), tuple(c / math.hypot(*place) for c in place)) for place in places]
+    head = make_part("head", (0.2, 0, 0.1), (1, 0, 0))
+    hind = read("push the hind legs to the left", *legs, head)
+    assert sorted(each.limb for each in hind.expectations) == [2, 3]
+    near = read("push the front legs to the left", *legs)
+    assert sorted(legs[each.limb].side[1] for each in near.expectations)[-1] < 0
+
+
+@pytest.mark.parametrize(
+    ("sentence", "roles", "limb"),
+    [
+        ("raise the left arm", ("side", "top"), 0),
+        ("push the head to the left", ("side", "top"), 1),
+        ("lift the lid", ("handle", "top"), 1),
+        ("push the handle up", ("handle", "side"), 0),
+        ("push the handle up", ("side", "spout"), 0),
+        ("push the left protrusion up", ("side", "side"), 0),
+        ("push the back to the left", ("leg", "back"), 1),
+        ("push the top to the left", ("side", "top"), None),
+        ("push the left side up", ("side", "top"), None),
+        ("raise the arm", ("tail", "top"), None),
+    ],
+)
+def test_a_part_of_which_the_place_is_known_is_what_the_sentence_calls_it(sentence, roles, limb):
+    left, top = (
+        make_part(roles[0], (-0.3, 0, 0), (-1, 0, 0)),
+        make_part(roles[1], (0, 0, 0.2), (0, 0, 1) if roles[1] != "side" else (1, 0, 0)),
+    )
+    reply = read(sentence, left, top)
+    assert [each.limb for each in reply.expectations] == [limb]
+
+
 def test_the_angle_follows_from_the_rate_and_the_window():
     """45 degrees for a plain word: M times gain times a quarter turn per 0.7 s, while it acts."""
     (constraint,) = read("raise the left arm").force_field.constraints

@@ -26,23 +26,79 @@ RABBIT = [
     ("ball", (0.09, 0, 0.75), (0.05, 0.03, 0.2)),
     ("ball", (-0.09, 0, 0.75), (0.05, 0.03, 0.2)),
 ]
+COW = [
+    *BEAST,
+    *(("ball", (0.45, y, 0.38), (0.04, 0.12, 0.04)) for y in (0.15, -0.15)),
+    *(("box", (0.45, y, 0.46), (0.02, 0.02, 0.09)) for y in (0.05, -0.05)),
+]
+POT = ("ball", (0, 0, 0), (0.4, 0.4, 0.32))
+RING = ("ring", (0.45, 0, 0), (0.2, 0.05, 0.2))
+SPOUT = ("box", (-0.47, 0, 0.1), (0.15, 0.06, 0.06))
+LID = [("tube", (0, 0, 0.35), (0.1, 0.1, 0.08)), ("tube", (0, 0, 0.42), (0.2, 0.2, 0.04))]
+KNOB = [("tube", (0, 0, 0.48), (0.04, 0.04, 0.04)), ("ball", (0, 0, 0.57), (0.09, 0.09, 0.09))]
+CUP = [("tube", (0, 0, 0), (0.35, 0.06, 0.4)), ("box", (0, 0, -0.37), (0.24, 0.24, 0.03))]
+JAR = [
+    ("tube", (0, 0, 0), (0.3, 0.3, 0.3)),
+    ("tube", (0, 0, 0.34), (0.08, 0.08, 0.06)),
+    ("ball", (0, 0, 0.48), (0.13, 0.13, 0.13)),
+]
+LEGS = [("box", (x, y, -0.3), (0.04, 0.04, 0.26)) for x in (0.22, -0.22) for y in (0.22, -0.22)]
+CHAIR = [("box", (0, 0, 0), (0.27, 0.27, 0.04)), ("box", (0, 0.23, 0.34), (0.27, 0.04, 0.3)), *LEGS]
+BIRD = [
+    ("ball", (0, 0, 0), (0.2, 0.36, 0.2)),
+    ("ball", (0, -0.42, 0.15), (0.12, 0.12, 0.12)),
+    *(("box", (x, 0, 0.05), (0.3, 0.12, 0.03)) for x in (0.4, -0.4)),
+    *(("box", (x, 0, -0.27), (0.03, 0.03, 0.15)) for x in (0.08, -0.08)),
+]
+
+
+def contain(solids, points):
+    """A mask of the points in a union of boxes, ellipsoids, upright rings and tubes (kind, centre, half sizes).
+
+    Sizes of a ring across y are its radius, that of its wire, and its radius again; of a tube its radius, the thickness
+    of its wall, and half its height.
+    """
+    inside = np.zeros(len(points), bool)
+    for kind, centre, half in solids:
+        away = points - centre
+        if kind == "ring":
+            inside |= np.hypot(np.hypot(away[:, 0], away[:, 2]) - half[0], away[:, 1]) <= half[1]
+        elif kind == "tube":
+            radius = np.hypot(away[:, 0], away[:, 1])
+            wall = (radius <= half[0]) & (radius >= half[0] - half[1])
+            inside |= wall & (np.abs(away[:, 2]) <= half[2])
+        else:
+            q = away / half
+            inside |= (np.abs(q) <= 1).all(1) if kind == "box" else (q**2).sum(1) <= 1
+    return inside
+
+
+def find_box(solids):
+    low = np.min([np.subtract(c, np.max(s)) for _, c, s in solids], axis=0)
+    return low, np.max([np.add(c, np.max(s)) for _, c, s in solids], axis=0)
 
 
 def fill(solids, count=20_000, seed=0):
-    """Points inside a union of boxes and ellipsoids (kind, centre, half sizes)."""
+    """Points inside a union of solids, anywhere."""
     chance = np.random.default_rng(seed)
-    low = np.min([np.subtract(c, s) for _, c, s in solids], axis=0)
-    high = np.max([np.add(c, s) for _, c, s in solids], axis=0)
+    low, high = find_box(solids)
     found, total = [], 0
     while total < count:
         points = chance.uniform(low, high, (100_000, 3))
-        inside = np.zeros(len(points), bool)
-        for kind, centre, half in solids:
-            q = (points - centre) / half
-            inside |= (np.abs(q) <= 1).all(1) if kind == "box" else (q**2).sum(1) <= 1
-        found.append(points[inside])
-        total += inside.sum()
+        found.append(points[contain(solids, points)])
+        total += len(found[-1])
     return np.concatenate(found)[:count]
+
+
+def fill_evenly(solids, count=20_000, seed=0):
+    """Points inside a union of solids, jittered on a lattice as a body's particles are."""
+    chance = np.random.default_rng(seed)
+    low, high = find_box(solids)
+    share = contain(solids, chance.uniform(low, high, (200_000, 3))).mean()
+    step = (share * np.prod(high - low) / count) ** (1 / 3)
+    grid = np.stack(np.meshgrid(*(np.arange(a, b, step) for a, b in zip(low, high)), indexing="ij"), -1)
+    points = grid.reshape(-1, 3) + chance.uniform(-0.3, 0.3, (grid.size // 3, 3)) * step
+    return points[contain(solids, points)]
 
 
 def list_roles(points):
@@ -64,6 +120,40 @@ def list_roles(points):
 )
 def test_the_parts_of_known_shapes_are_found(solids, roles):
     assert list_roles(fill(solids)) == roles
+    assert list_roles(fill_evenly(solids)) == roles
+
+
+@pytest.mark.parametrize(
+    ("solids", "roles"),
+    [
+        (COW, ["ear", "ear", "head", "horn", "horn", "leg", "leg", "leg", "leg", "tail"]),
+        (BIRD, ["head", "leg", "leg", "wing", "wing"]),
+        (CHAIR, ["back", "leg", "leg", "leg", "leg"]),
+        ([*CUP, RING], ["handle"]),
+        (CUP, []),
+        ([POT, RING, SPOUT, *LID, *KNOB], ["handle", "knob", "lid", "spout"]),
+        ([POT, ("ring", (0, 0, 0.3), (0.25, 0.04, 0.25)), SPOUT], ["handle", "spout"]),
+    ],
+    ids="cow bird chair mug cup teapot kettle".split(),
+)
+def test_parts_are_told_by_what_is_around_them(solids, roles):
+    """Two pairs on a head are horns and ears, a flat pair wings, a loop a handle, and across from it is a spout."""
+    assert list_roles(fill_evenly(solids)) == roles
+
+
+@pytest.mark.parametrize(
+    ("solids", "roles"),
+    [
+        (JAR, ["top"]),
+        ([("tube", (0, 0, 0), (0.3, 0.3, 0.06)), ("box", (0.5, 0, 0), (0.25, 0.04, 0.03))], ["side"]),
+        ([POT, RING, ("ring", (-0.45, 0, 0), (0.2, 0.05, 0.2))], ["side", "side"]),
+        ([("ball", (0, 0, 0.2), (0.4, 0.4, 0.2)), ("tube", (0, 0, -0.25), (0.08, 0.08, 0.3))], ["bottom"]),
+    ],
+    ids=["jar", "pan", "two handles", "mushroom"],
+)
+def test_a_part_that_may_be_several_things_is_named_by_its_place_alone(solids, roles):
+    """A knob may be a head, and a stem a leg: what the object does not tell is left to the sentence."""
+    assert list_roles(fill_evenly(solids)) == roles
 
 
 def test_neither_size_nor_order_nor_place_matters():

@@ -11,48 +11,49 @@ from physagent_jax.agents.compiler.directions import sum_directions
 from physagent_jax.agents.compiler.events import KnownPart
 from physagent_jax.agents.lexicon import read_lexicon
 from physagent_jax.agents.schema import Evidence, SemanticReply
-from physagent_jax.agents.windows import Window, divide
-from physagent_jax.core.strict import Vector
-from physagent_jax.forces.driving import PartDriver
-from physagent_jax.forces.part import Part, split_name
+from physagent_jax.agents.windows import divide
+from physagent_jax.forces.part import split_name
 from physagent_jax.forces.schema import ConstraintType, VelocityConstraint
+from physagent_jax.motion.limbs import (
+    PLACES,
+    Turning,
+    choose_parts,
+    find_angle,
+    find_front,
+    find_swing,
+)
 from physagent_jax.motion.parts import find_named, join_rest
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.motion.vectors import clamp, cosine, cross, dot, norm, normalise, scale, subtract
+from physagent_jax.motion.vectors import add, scale
 
-_PLAIN = 45.0  # [degrees] that a plain word turns a limb by
-_LEAST, _MOST = 15.0, 80.0  # [degrees]
-_ALONG = 0.85  # cosine to the limb from which on a way leads along it
-_REACH = 0.3  # of its length, by which a plain word moves a limb along itself
 _TIME = 1.0  # [s] in which a limb gets where it goes, at most
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them
 _DRIVEN = (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE)
-_THERE = 0.2  # cosine to a side from which on a limb is on it
 
 
 def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     """Places in the brief's parts of what a part's word means; several for a plural without a side, none if unknown."""
     if named := find_named(brief.parts, part.phrase, plural=_is_plural(part.text)):
         return named
-    role = _find_role(part.phrase)
-    fitting = [index for index, each in enumerate(brief.parts) if role and _find_role(each.name) == role]
-    fitting = fitting or [index for index, each in enumerate(brief.parts) if role in each.roles]
-    side = sum_directions(part.place.names, brief) if " " in part.phrase else (0.0, 0.0, 0.0)
-    if norm(side):
-        fitting = [index for index in fitting if cosine(brief.parts[index].side, side) > _THERE]
-        return tuple(sorted(fitting, key=lambda index: -cosine(brief.parts[index].side, side))[:1])
-    fitting.sort(key=lambda index: -brief.parts[index].share)
-    return tuple(fitting if _is_plural(part.text) else fitting[:1])
+    adjective, _, noun = part.phrase.rpartition(" ")
+    said = noun if adjective else part.text.lower()
+    roles = _find_roles(noun) or ([said] if said not in PLACES else [])
+    side, front = None, find_front(brief.parts)
+    if adjective:
+        turned = dict(toward=front, away=front and scale(front, -1.0))
+        side = add(turned.get(name) or sum_directions((name,), brief) for name in part.place.names)
+    known = [
+        each.model_copy(update=dict(roles=(*_find_roles(each.name)[:1], *each.roles))) for each in brief.parts
+    ]
+    return choose_parts(known, roles, side, _is_plural(part.text))
 
 
-def _find_role(phrase: str) -> str:
-    """The role of a part that is called so; empty if the word names none."""
-    noun, parts = (
-        ([word for word in split_name(phrase) if not word.isdigit()] or [""])[-1],
-        read_lexicon().parts,
-    )
-    place = parts.get(noun) or parts.get(noun.removesuffix("s"))
-    return "" if place is None else place.role
+def _find_roles(name: str) -> list[str]:
+    """The roles that a part of this name may have, likeliest first; none if its noun tells none."""
+    nouns = [word for word in split_name(name) if not word.isdigit()] or [""]
+    parts = read_lexicon().parts
+    place = parts.get(nouns[-1]) or parts.get(nouns[-1].removesuffix("s"))
+    return [] if place is None else place.role.split()
 
 
 def _is_plural(text: str) -> bool:
@@ -123,57 +124,28 @@ def _drive(
     """The constraints that bring about a limb's motion, and the motion as it is then expected."""
     assert motion.limb is not None
     part, last = brief.parts[motion.limb], frame_count - 1.0
+    turning = Turning(part, brief, frame_count, slides=part.seated and not _find_roles(part.name))
     first, end = motion.window
-    driver = PartDriver(part, brief.frame_dt, frame_count)
     if motion.kind is MotionKind.SWAY:
-        way = motion.direction or _find_swing(part, brief)
+        way = motion.direction or find_swing(part, brief)
         swings = max(motion.repeats, _SWINGS)
         windows = divide((first, end), [0.5, *[1.0] * (2 * swings - 1), 0.5])
         windows = [window for window in windows if window[1] - window[0] >= 1.0] or [(first, end)]
-        angle = _find_angle(motion) * 0.6
+        angle = find_angle(motion) * 0.6
         made = []
         for index, window in enumerate(windows):
             share = (window[1] - window[0]) / max(each[1] - each[0] for each in windows)
-            made.append(_turn(driver, way, motion, (-1) ** index * angle * 2 * share, window, None, brief))
+            made.append(turning.bring(way, motion, (-1) ** index * angle * 2 * share, window, None))
         return made, motion.model_copy(update=dict(direction=way, repeats=swings, limb=motion.limb))
     later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > first + 0.5]
     until = min([last, *later])
     window = (first, min(end, first + max(_TIME / brief.frame_dt, 2.0), until))
     stop = None if motion.released or until <= window[1] else until
     if motion.kind is MotionKind.ROTATE and motion.direction is not None:
-        return [driver.turn(motion.direction, _find_angle(motion), window, stop)], motion
-    way = motion.direction or _find_swing(part, brief)
-    return [_turn(driver, way, motion, _find_angle(motion), window, stop, brief)], motion
-
-
-def _find_swing(part: Part, brief: SceneBrief) -> Vector:
-    """The level way across a limb; the viewer's right where it stands upright."""
-    return normalise(cross(brief.directions.up, part.arm)) or brief.directions.right
-
-
-def _find_angle(motion: ExpectedMotion) -> float:
-    """Angle that a limb turns by [degrees]."""
-    if motion.amount is not None and motion.amount.unit == "degrees":
-        return motion.amount.value
-    return clamp(_PLAIN * motion.strength, _LEAST, _MOST)
-
-
-def _turn(
-    driver: PartDriver,
-    way: Vector,
-    motion: ExpectedMotion,
-    angle: float,
-    window: Window,
-    stop: float | None,
-    brief: SceneBrief,
-) -> VelocityConstraint:
-    """The limb turned about its joint so that its tip goes ``way``, or moved along itself; what is seated slides."""
-    part = driver.part
-    arm = normalise(part.arm) or brief.directions.up
-    if abs(dot(arm, way)) < _ALONG and not (part.seated and not _find_role(part.name)):
-        axis = normalise(cross(arm, subtract(way, scale(arm, dot(arm, way))))) or brief.directions.up
-        return driver.turn(axis, angle, window, stop)
-    told = motion.amount if motion.kind is MotionKind.MOVE else None
-    if told is not None and told.unit in ("lengths", "metres"):
-        return driver.shift(way, told.value / (brief.size if told.unit == "metres" else 1.0), window, stop)
-    return driver.shift(way, _REACH * norm(part.arm) * angle / _PLAIN, window, stop)
+        made = turning.driver.turn(motion.direction, find_angle(motion), window, stop)
+    else:
+        angle = find_angle(motion)
+        way = turning.find_course(motion.direction or find_swing(part, brief), angle)
+        made = turning.bring(way, motion, angle, window, stop)
+        motion = motion if motion.direction is None else motion.model_copy(update=dict(direction=way))
+    return [made], motion

@@ -24,7 +24,7 @@ def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool) -> Part:
     """The part that some of the particles are.
 
     A piece of its own, whose surface is closed, moves with all its particles; what is of one skin with the rest bends
-    beside its joint, as a found limb does (`scene.parts.roles`). A piece that is no longer than it is wide where it
+    beside its joint, as a found limb does (`scene.parts.marking`). A piece that is no longer than it is wide where it
     joins sits on the rest.
 
     Args:

@@ -23,23 +23,6 @@ _LARGER = 1.4  # times the protrusions inside it, that one more has to be
 
 
 @dataclasses.dataclass(frozen=True)
-class Protrusion:
-    """A part of the graph that sticks out.
-
-    Attributes:
-        nodes: Its nodes, shape (k,).
-        tip: The node farthest out.
-        neck: The nodes where it joins the rest, shape (m,).
-        children: Places of the smaller protrusions that it is made of, in the list it belongs to.
-    """
-
-    nodes: np.ndarray
-    tip: int
-    neck: np.ndarray
-    children: tuple[int, ...] = ()
-
-
-@dataclasses.dataclass(frozen=True)
 class Graph:
     """A cloud as a graph of occupied grid cells.
 
@@ -93,14 +76,14 @@ def measure_distance(graph: Graph, seed: int = 0) -> np.ndarray:
     return dijkstra(matrix, directed=False, indices=bases).mean(0)
 
 
-def find_protrusions(graph: Graph) -> list[Protrusion]:
-    """The protrusions, smaller ones before those that they are part of; neither the whole nor what has no neck."""
+def find_protrusions(graph: Graph) -> list[np.ndarray]:
+    """The nodes of each protrusion, each of shape (k,), smaller ones before those that they are part of."""
     distance = measure_distance(graph)
     neighbours = _list_neighbours(graph)
     least = _LEAST * float(np.ptp(distance))
     root = np.full(len(distance), -1)
     sets: dict[int, _Set] = {}
-    found: list[Protrusion] = []
+    found: list[np.ndarray] = []
 
     def find(node: int) -> int:
         while root[node] != node:
@@ -114,11 +97,9 @@ def find_protrusions(graph: Graph) -> list[Protrusion]:
         grown = [each for each in met if distance[sets[each].tip] - level >= least]
         if len(grown) > 1:
             for each in grown:
-                inner = sum(len(found[child].nodes) for child in sets[each].children)
+                inner = sum(len(found[child]) for child in sets[each].children)
                 if len(sets[each].nodes) >= max(_FEWEST, _LARGER * inner):
-                    nodes = np.array(sets[each].nodes)
-                    neck = _find_neck(nodes, neighbours)
-                    found.append(Protrusion(nodes, sets[each].tip, neck, tuple(sets[each].children)))
+                    found.append(np.array(sets[each].nodes))
                     sets[each].children = [len(found) - 1]
         root[node], sets[node] = node, _Set(node, [node], [])
         for each in met:
@@ -141,11 +122,6 @@ class _Set:
         self.tip = max(self.tip, other.tip, key=lambda node: distance[node])
         self.nodes += other.nodes
         self.children += other.children
-
-
-def _find_neck(nodes: np.ndarray, neighbours: list[np.ndarray]) -> np.ndarray:
-    inside = set(nodes.tolist())
-    return np.array([node for node in nodes if any(int(other) not in inside for other in neighbours[node])])
 
 
 def _list_neighbours(graph: Graph) -> list[np.ndarray]:
