@@ -26,6 +26,8 @@ _THERE = 0.2  # cosine to a side from which on a limb is on it
 Window = tuple[float, float]
 PLACES = ("top", "bottom", "side")
 """Roles that tell a part's place alone: a word for another part takes it where it is the only one there."""
+LOOSE = frozenset((*PLACES, "lid", "knob"))
+"""Roles of what may sit loose on the rest."""
 
 
 def choose_parts(
@@ -44,6 +46,7 @@ def choose_parts(
     """
     for role in roles:
         fitting = [index for index, each in enumerate(parts) if role in each.roles]
+        fitting = [index for index in fitting if parts[index].name] or fitting  # what is named goes first
         nearness = {index: _find_nearness(parts[index], side) for index in fitting}
         fitting = [index for index in fitting if nearness[index] > _THERE]
         fitting.sort(key=lambda index: (-nearness[index], -parts[index].share))

@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 
 from physagent_jax.agents.schema import SemanticReply
+from physagent_jax.forces.schema import Action, VelocityConstraint
 from physagent_jax.forces.skills import get_skill
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind
 from physagent_jax.run.spec import MaterialChoice
@@ -32,13 +33,16 @@ def keeps_shape(reply: SemanticReply) -> bool:
     """
     field = reply.force_field
     entries = (*field.actions, *field.constraints)
-    return bool(reply.expectations) and all(
-        (
-            all(_is_whole(each) for each in reply.expectations),
-            all(entry.region is None for entry in entries),
-            not any(get_skill(entry).quantity == "scale" or get_skill(entry).deforms for entry in entries),
-        )
+    return (
+        bool(reply.expectations)
+        and all(_is_whole(each) for each in reply.expectations)
+        and not any(entry.region or _presses(entry) for entry in entries)
     )
+
+
+def _presses(entry: Action | VelocityConstraint) -> bool:
+    skill = get_skill(entry)
+    return skill.quantity == "scale" or skill.deforms == "plates"
 
 
 def _is_whole(motion: ExpectedMotion) -> bool:

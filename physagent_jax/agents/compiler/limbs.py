@@ -15,6 +15,7 @@ from physagent_jax.agents.windows import divide
 from physagent_jax.forces.part import split_name
 from physagent_jax.forces.schema import ConstraintType, VelocityConstraint
 from physagent_jax.motion.limbs import (
+    LOOSE,
     PLACES,
     Turning,
     choose_parts,
@@ -124,7 +125,8 @@ def _drive(
     """The constraints that bring about a limb's motion, and the motion as it is then expected."""
     assert motion.limb is not None
     part, last = brief.parts[motion.limb], frame_count - 1.0
-    turning = Turning(part, brief, frame_count, slides=part.seated and not _find_roles(part.name))
+    slides = part.seated and LOOSE.issuperset(_find_roles(part.name))
+    turning = Turning(part, brief, frame_count, slides)
     first, end = motion.window
     if motion.kind is MotionKind.SWAY:
         way = motion.direction or find_swing(part, brief)
