@@ -20,7 +20,6 @@ from pathlib import Path
 from typing import Literal, NoReturn
 
 from physagent_jax.agents.context import AgentContext, Observation, Round
-from physagent_jax.agents.progress import find_best_round, has_stalled
 from physagent_jax.agents.protocols import Agents
 from physagent_jax.agents.schema import Rewrite, SemanticReply
 from physagent_jax.agents.trace import AgentError, FailedCall, Reply, Trace
@@ -29,6 +28,7 @@ from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.naming import name_places
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.judging.progress import find_best_round, has_stalled
 from physagent_jax.motion.schema import AnchorRequest, Judgement, SceneBrief, Verdict
 from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.measure import perceive

@@ -7,13 +7,13 @@ from contextlib import nullcontext
 import imageio.v3 as iio
 import pytest
 
-from physagent_jax.agents.progress import find_best_round
 from physagent_jax.agents.protocols import Agents, ExecutorAgent, PlannerAgent, SemanticAgent
 from physagent_jax.agents.registry import make_agents
 from physagent_jax.agents.schema import Rewrite, SemanticReply
 from physagent_jax.agents.trace import AgentError, FailedCall, Message, Reply, Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.judging.progress import find_best_round
 from physagent_jax.motion.schema import Judgement, Verdict
 from physagent_jax.report.html import write_report
 from physagent_jax.run.manifest import Manifest
