@@ -65,11 +65,6 @@ class Context:
     brief: SceneBrief
     expectations: tuple[ExpectedMotion, ...] = ()
 
-    @property
-    def last(self) -> float:
-        """Index of the clip's last frame."""
-        return float(self.brief.frame_count - 1)
-
     @functools.cached_property
     def allowed(self) -> list[Vector]:
         """Directions that entries may have."""
@@ -178,7 +173,7 @@ def magnitude_range(item: Entry, _group: str, _context: Context) -> Iterator[str
 @_on_each
 def window_in_clip(item: Entry, _group: str, context: Context) -> Iterator[str]:
     """0 <= first < last <= last frame; a window that is no window becomes the whole clip."""
-    told, end = item.get("active_time"), context.last
+    told, end = item.get("active_time"), context.brief.last
     if told is None:
         return
     window, kept = _read_numbers(told, 2), None
@@ -199,7 +194,7 @@ def held_until_in_clip(item: Entry, group: str, context: Context) -> Iterator[st
         return
     given = _read_numbers([told], 1)
     if given and window and not _get_skill(group, item).is_sudden:
-        until = min(given[0], context.last)
+        until = min(given[0], context.brief.last)
         item |= {"held_until": until} if until > window[1] else {}
     if given is None or item.get("held_until") != given[0]:
         yield f".held_until becomes {item.get('held_until', 'nothing')}"
@@ -220,8 +215,8 @@ def known_regions(item: Entry, group: str, _context: Context) -> Iterator[str]:
 @_on_each
 def brief_impulse(item: Entry, group: str, context: Context) -> Iterator[str]:
     """An impulse is sudden: its window spans at most two frames."""
-    first, last = item.get("active_time") or (0.0, context.last)
-    if _get_skill(group, item).is_sudden and context.last >= 1 and last - first > LONGEST_IMPULSE:
+    first, last = item.get("active_time") or (0.0, context.brief.last)
+    if _get_skill(group, item).is_sudden and context.brief.last >= 1 and last - first > LONGEST_IMPULSE:
         item["active_time"] = [first, first + 1.0]
         yield f" is an impulse: its window becomes {item['active_time']}"
 
@@ -251,7 +246,7 @@ def no_stacking(entries: Entries, context: Context) -> tuple[Entries, list[str]]
     kept: list[Cause] = []
     gone: list[Cause] = []
     for cause in _list_causes(entries):
-        room, fellows = find_room(cause, kept, context.last)
+        room, fellows = find_room(cause, kept, context.brief.last)
         if fits(room, cause.item.magnitude):
             kept.append(cause)
             continue

@@ -49,8 +49,8 @@ StopReason = Literal[
 
 "success": the planner is satisfied; "no improvement": the last rounds brought none
 (`motion.judging.progress.has_stalled`); "cap": there were as many rounds as may be; "nothing left to try": the
-executor changed nothing; "doubts": the sentence is not understood for certain; "not observable": nothing that was seen failed, but something asked for cannot be seen;
-"failed round": the next round could not be simulated.
+executor changed nothing; "doubts": the sentence is not understood for certain; "not observable": nothing that was
+seen failed, but something asked for cannot be seen; "failed round": the next round could not be simulated.
 """
 
 

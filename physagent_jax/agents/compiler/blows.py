@@ -14,10 +14,9 @@ from physagent_jax.agents.compiler.steady import (
     Task,
     make_impulse_window,
 )
-from physagent_jax.agents.dosing import find_reference_seconds
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.windows import divide
-from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY, MAGNITUDE_MAX
+from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY, MAGNITUDE_MAX, find_reference_time
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import add, dot, normalise, scale
@@ -69,7 +68,7 @@ def _find_blow(task: Task, count: int, rises: bool) -> float:
     if task.builder.anchored and (held := find_held_magnitude(event.amount, event.effect, brief)):
         return held
     seconds = (task.window[1] - task.window[0]) * brief.frame_dt / count
-    return effort * find_reference_seconds(brief) / max(seconds, brief.frame_dt)
+    return effort * find_reference_time(False, brief.seconds) / max(seconds, brief.frame_dt)
 
 
 def compile_jump(task: Task) -> None:
@@ -101,7 +100,7 @@ def _throw_aside(task: Task, effort: float) -> None:
     """Adds the blow by which a falling object lands so far aside: it falls for sqrt(2 h / g)."""
     brief, (first, last), way = task.brief, task.window, task.direction
     seconds = math.sqrt(2.0 * DROP_HEIGHT * brief.size / GRAVITY)
-    strength = effort * find_reference_seconds(brief) / seconds
+    strength = effort * find_reference_time(False, brief.seconds) / seconds
     task.act(ActionType.IMPULSE, way, strength, make_impulse_window(first))
     task.expect(MotionKind.MOVE, way, (first, min(first + seconds / brief.frame_dt, last)))
 

@@ -110,7 +110,7 @@ def _state_gravity(intent: Intent, builder: ForceFieldBuilder) -> None:
         builder.enable_gravity(words, "gravity is named")
     if not builder.expectations and builder.gravity != "none":
         way = builder.brief.directions.up if builder.gravity == "up" else None
-        builder.expect(MotionKind.FALL, way, (0.0, builder.last), words)
+        builder.expect(MotionKind.FALL, way, (0.0, builder.brief.last), words)
 
 
 def _expect_stillness(clauses: list[Event], builder: ForceFieldBuilder) -> None:
@@ -121,7 +121,7 @@ def _expect_stillness(clauses: list[Event], builder: ForceFieldBuilder) -> None:
         if event.clause.negated and event.verb is not None and event.verb.effect is Effect.STILL:
             builder.add_doubt("What it is to do, if not to be still, is not understood.")
     words = " ".join(event.words for event in clauses)
-    builder.expect(MotionKind.STILL, None, (0.0, builder.last), words)
+    builder.expect(MotionKind.STILL, None, (0.0, builder.brief.last), words)
 
 
 def _collect_doubts(intent: Intent, unknown: list[Event], builder: ForceFieldBuilder) -> None:

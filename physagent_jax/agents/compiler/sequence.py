@@ -10,12 +10,12 @@ from physagent_jax.agents.compiler.interpretation import interpret, resolve_obst
 from physagent_jax.agents.compiler.schedule import follows
 from physagent_jax.agents.intent import Held, Timing
 from physagent_jax.agents.lexicon import Effect, read_lexicon
+from physagent_jax.agents.lexicon.types import HOLDABLE
 from physagent_jax.motion.schema import AnchorRequest
 from physagent_jax.motion.vectors import dot
 
 _AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
 _RESTING = (Effect.STILL, Effect.RELEASE)
-_HOLDABLE = (Effect.PUSH, Effect.LEAN, Effect.SCALE, Effect.SWELL, Effect.TURN)
 _RISING = (Effect.PUSH, Effect.STRIKE, Effect.JUMP)
 
 
@@ -171,7 +171,7 @@ def apply_holding(clauses: list[Event], held: Held | None) -> list[Event]:
 
 def _hold(event: Event, last: Event | None, after: Event | None) -> list[Event]:
     """A bare hold as an anchor, as a time of rest, or (nothing) as a property of what was done before."""
-    moved = last is not None and not last.clause.negated and last.effect in _HOLDABLE
+    moved = last is not None and not last.clause.negated and last.effect in HOLDABLE
     let_go = after is not None and after.effect is Effect.RELEASE and after.is_bare
     if moved and last is not None and let_go and not last.is_timed:
         last.when = event.when  # "hold it for a second, then release it"

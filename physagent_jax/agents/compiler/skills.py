@@ -11,11 +11,11 @@ from physagent_jax.agents.compiler.directions import find_lean_axis
 from physagent_jax.agents.compiler.schedule import Slot
 from physagent_jax.agents.compiler.steady import Task, add_steady, make_impulse_window, shorten
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.regions import make_end_region
 from physagent_jax.agents.windows import Window, divide, divide_swings
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, SWING
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.forces.skills import find_skill
+from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import dot, scale
 
@@ -27,7 +27,7 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
     """Compiles every event; each knows what comes after it."""
     for index, slot in enumerate(slots):
         following = slots[index + 1 : index + 2]
-        builder.room = following[0].window[1] if following else builder.last
+        builder.room = following[0].window[1] if following else builder.brief.last
         stops = [each for each in slot.events if each.effect is Effect.STILL]
         if stops and len(stops) < len(slot.events):
             builder.add_doubt(f"What '{stops[0].text}' keeps still while the rest moves is not understood.")
@@ -140,7 +140,7 @@ def _compile_scale(task: Task) -> None:
 def _compile_burst(task: Task) -> None:
     """Outward along all axes, briefly: a uniform impulse has no outward form."""
     task.builder.add_note("An explosion without a direction is a brief, strong stretch in all directions.")
-    _compile_scale(replace(task, window=shorten(task.window, task.builder.last)))
+    _compile_scale(replace(task, window=shorten(task.window, task.builder.brief.last)))
 
 
 def _compile_turn(task: Task) -> None:

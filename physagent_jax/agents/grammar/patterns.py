@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import difflib
 import functools
 from dataclasses import dataclass
 from importlib import resources
 
 import yaml
 
-from physagent_jax.agents.grammar.tables import LEXICON
-from physagent_jax.agents.grammar.tokens import FORMS, tokenise
+from physagent_jax.agents.grammar.tokens import tokenise
 
-_NEAREST, _ALIKE, _SHOWN = 3, 0.6, 2
+_SHOWN = 2
 _TABLE = "<!-- patterns -->"
 _PAGE = "page.md"  # what stands around the table of patterns in the documentation
 
@@ -64,12 +62,6 @@ def suggest_patterns(sentence: str) -> list[Pattern]:
         return len(words & own)
 
     return sorted(read_patterns(), key=count, reverse=True)[:_SHOWN]
-
-
-def suggest_motions(word: str) -> list[str]:
-    """The known motions that are spelled most like a word."""
-    known = [phrase for phrase in (*LEXICON.motions, *LEXICON.causes) if "~" not in phrase]
-    return difflib.get_close_matches(FORMS.get(word, word), known, _NEAREST, _ALIKE) if word else []
 
 
 def describe_patterns() -> str:

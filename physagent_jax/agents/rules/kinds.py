@@ -12,8 +12,6 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from physagent_jax.agents.dosing import find_magnitude
-from physagent_jax.agents.regions import make_box, make_end_region
 from physagent_jax.agents.rules.edits import Wish, replace_items
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
@@ -22,9 +20,11 @@ from physagent_jax.forces.calibration import (
     PRESCRIBED_TRAVEL,
     TRAVEL,
     TURN,
+    find_magnitude,
 )
 from physagent_jax.forces.schema import BoxRegion, ConstraintType, ForceField, Region, VelocityConstraint
 from physagent_jax.forces.skills import list_skills
+from physagent_jax.forces.slabs import make_box, make_end_region
 from physagent_jax.motion.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, share_time
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.tolerances import (
@@ -153,7 +153,7 @@ def _put(wish: Wish, causes: Sequence[Cause], *constraints: VelocityConstraint) 
 
 def _find_next(wish: Wish, end: float) -> float:
     """Frame at which the next motion begins, or the clip's last."""
-    return min([begin for begin in wish.list_other_begins() if begin >= end - 0.5], default=wish.last)
+    return min([begin for begin in wish.list_other_begins() if begin >= end - 0.5], default=wish.brief.last)
 
 
 def _find_hold_end(wish: Wish, end: float) -> float:
@@ -170,7 +170,7 @@ def _find_travel(
     What was deformed the other way just before is brought back first.
     """
     expectation, (first, end) = wish.expectation, wish.get_span(causes[:1])
-    end = min(end, wish.last)
+    end = min(end, wish.brief.last)
     target = _find_strain(expectation, expectation.kind, wish.brief)
     target += sum(
         _find_strain(each, each.kind, wish.brief)
@@ -304,7 +304,7 @@ def _is_turned_against(one: ExpectedMotion, other: ExpectedMotion) -> bool:
 
 def _make_turn(wish: Wish, cause: Cause) -> VelocityConstraint:
     expectation, (first, end) = wish.expectation, wish.get_span([cause])
-    end = min(end, wish.last)
+    end = min(end, wish.brief.last)
     assert expectation.part is not None
     until = max(float(round(first + TURNING * (end - first))), first + 1.0)
     magnitude, amount = cause.item.magnitude, expectation.amount
@@ -344,7 +344,7 @@ def _carry(wish: Wish) -> _Replaced:
     effort = _find_way(wish, (end - first) * brief.frame_dt) / PRESCRIBED_TRAVEL * wish.reference
     magnitude, until = _find_pace(effort, first, end)
     moves = [e.window[0] for e in after if e.kind is not MotionKind.STILL]
-    kept = min([*moves, wish.last]) if expectation.stays or rests else end
+    kept = min([*moves, wish.brief.last]) if expectation.stays or rests else end
     hand = _prescribe(causes[0], way, magnitude, (first, until), kept)
     return _put(wish, causes, hand), "it is carried up, and kept there"
 
@@ -388,14 +388,17 @@ def _lead(wish: Wish) -> _Replaced:
     causes = _find_forces(wish, lambda c: (turns or c.pushes) and c.item.region is None)
     if way is None or not causes or any(share_time(e, expectation) for e in others):
         return None  # what is led does nothing else
-    first, end = wish.get_span(causes)[0], min(expectation.window[1], wish.last)
+    first, end = wish.get_span(causes)[0], min(expectation.window[1], wish.brief.last)
     seconds = (end - first) * brief.frame_dt
     if turns:
         band = told if told and measured else expect_rotation(expectation, False, seconds=seconds)
         effort = math.radians(band.target) / TURN
     else:
         effort = _find_way(wish, seconds) / TRAVEL
-    if not expectation.even and find_magnitude(effort, seconds, True, brief) <= MAGNITUDE_MAX:
+    if (
+        not expectation.even
+        and find_magnitude(effort, max(seconds, brief.frame_dt), brief.seconds, braked=True) <= MAGNITUDE_MAX
+    ):
         return None
     effort *= wish.reference * (1.0 if turns else TRAVEL / PRESCRIBED_TRAVEL)  # magnitude times frames
     size, until = _spread_effort(effort, first, end, share=1.0)
