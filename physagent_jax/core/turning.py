@@ -1,4 +1,4 @@
-"""Turning points of a path."""
+"""Turning points of a path, and its ways out from a place."""
 
 from __future__ import annotations
 
@@ -24,3 +24,21 @@ def find_turning_points(path: Sequence[float], threshold: float) -> list[int]:
             turns.append(extreme)
             heading, extreme = -heading, t
     return turns
+
+
+def find_excursions(path: Sequence[float], threshold: float) -> list[int]:
+    """Indices of the farthest places of the ways out from 0 that lead back there, in order.
+
+    Args:
+        path: Position per frame.
+        threshold: Distance from 0 at which a way out begins, and ends again, in the path's unit.
+    """
+    found, farthest, side = [], 0, 0
+    for t, place in enumerate(path):
+        now = 0 if abs(place) <= threshold else 1 if place > 0 else -1
+        if side and now != side:
+            found.append(farthest)
+        if now and (now != side or abs(place) > abs(path[farthest])):
+            farthest = t
+        side = now
+    return found
