@@ -41,7 +41,7 @@ def compile_strike(task: Task) -> None:
     if task.needs_brake and count == 1 and not builder.grounded:  # else friction stops it
         stop = make_impulse_window(window[1] - IMPULSE_FRAMES)
         task.act(ActionType.IMPULSE, scale(way, -1.0), strength, stop)
-        builder.add_note(BRAKED_BEFORE)
+        builder.notes.append(BRAKED_BEFORE)
     rise, fall = divide(window, [1.0, 1.0])
     task.expect(
         MotionKind.SWAY if swings else MotionKind.MOVE,
@@ -116,7 +116,7 @@ def _let_fall(task: Task) -> None:
             task.enable_gravity("a falling object needs gravity")
     elif not builder.grounded:
         task.act(ActionType.TRANSLATION, builder.brief.directions.down, MAGNITUDE_MAX, task.window)
-        builder.add_note(
+        builder.notes.append(
             "Gravity acts from the first frame, so a fall that comes later is made by a push downwards."
         )
 

@@ -26,7 +26,7 @@ class ForceFieldBuilder:
         gravity: What the sentence says about gravity: "down", "up", "none"; None = nothing.
         room: Frame at which what follows the present event is over: its brake ends there.
         earlier: What the slots before do.
-        unsure: What was not understood and matters.
+        notes, unsure: What was assumed; what was not understood and matters. Either may be told twice.
         obstacles: Walls and blocks that it names.
     """
 
@@ -68,16 +68,6 @@ class ForceFieldBuilder:
         if self.gravity not in ("none", "up") and not self.default_drop:
             self.add_evidence(words, "default_drop", "true", why)
             self.default_drop = True
-
-    def add_note(self, text: str) -> None:
-        """Adds an assumption once."""
-        if text not in self.notes:
-            self.notes.append(text)
-
-    def add_doubt(self, text: str) -> None:
-        """Adds what was not understood and matters, once."""
-        if text not in self.unsure:
-            self.unsure.append(text)
 
     def fit_window(self, window: Window) -> Window | None:
         """``window`` inside the clip, in whole frames if it keeps one; None (all) if the clip has one frame."""

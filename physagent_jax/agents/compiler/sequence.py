@@ -28,7 +28,7 @@ def make_events(clauses: list[Event], builder: ForceFieldBuilder) -> list[Event]
         elif keeps_end(event, clauses):
             continue  # "while the bottom stays put": what is held
         elif event.clause.negated or any(each.times == 0 for each in event.clause.repetitions):
-            builder.add_note(f"'{event.words}' is negated: it does not happen.")
+            builder.notes.append(f"'{event.words}' is negated: it does not happen.")
         else:
             _add_event(events, event, builder)
     events = _share_time(_find_releases(events, builder))
@@ -134,9 +134,9 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
             result.append(event)
         elif event.motion.lets_go:
             result.append(replace(event, motion=read_lexicon().motions["fall"]))
-            builder.add_note(f"'{event.text}': nothing acts before it, so the object is let fall.")
+            builder.notes.append(f"'{event.text}': nothing acts before it, so the object is let fall.")
         else:
-            builder.add_doubt(f"What '{event.text}' comes back from is not understood.")
+            builder.unsure.append(f"What '{event.text}' comes back from is not understood.")
     return result
 
 

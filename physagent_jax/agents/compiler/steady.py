@@ -59,7 +59,7 @@ class Task:
         """Adds an action with its evidence; windows are kept inside the clip."""
         builder, event = self.builder, self.event
         if len(builder.actions) >= MAX_ACTIONS:
-            builder.add_note(f"More than {MAX_ACTIONS} actions: the rest of the sentence is left out.")
+            builder.notes.append(f"More than {MAX_ACTIONS} actions: the rest of the sentence is left out.")
             return
         size = round(clamp(abs(magnitude), MAGNITUDE_MIN, MAGNITUDE_MAX), 3)
         action = Action(
@@ -168,7 +168,7 @@ class Task:
         fits = max(1, min(int(frames / shortest), MAX_ACTIONS // 3))
         if fits < count:
             note = f"{count} repetitions do not fit into {frames:.0f} frames: {fits} are made."
-            self.builder.add_note(note)
+            self.builder.notes.append(note)
         return min(count, fits)
 
 
@@ -188,7 +188,7 @@ def add_steady(task: Task, kind: ActionType, vector: Vector, magnitude: float) -
     elif brakes:
         task.act(kind, vector, magnitude, speed_up)
         task.act(kind, scale(vector, -1.0), magnitude, slow_down)
-        builder.add_note(BRAKED_BEFORE)
+        builder.notes.append(BRAKED_BEFORE)
     else:
         task.act(kind, vector, magnitude, window)
         if (
@@ -211,7 +211,7 @@ def _brake_after(task: Task, kind: ActionType, vector: Vector, magnitude: float,
     brake = (float(end), float(min(2 * end - first, math.floor(task.builder.room))))
     if brake[1] > brake[0]:
         task.act(kind, scale(vector, -1.0), magnitude, brake)
-        task.builder.add_note(f"{_DRIFTS} after the time that is told.")
+        task.builder.notes.append(f"{_DRIFTS} after the time that is told.")
 
 
 def _find_dose(task: Task, magnitude: float, seconds: float, braked: bool) -> float:

@@ -6,9 +6,8 @@ import functools
 from dataclasses import dataclass
 from importlib import resources
 
-import yaml
-
 from physagent_jax.agents.grammar.tokens import tokenise
+from physagent_jax.core.reading import read_packaged_yaml
 
 _SHOWN = 2
 _TABLE = "<!-- patterns -->"
@@ -40,8 +39,7 @@ class Pattern:
 @functools.cache
 def read_patterns() -> tuple[Pattern, ...]:
     """All patterns, in their order."""
-    file = resources.files("physagent_jax.agents.grammar") / "patterns.yaml"
-    groups = yaml.load(file.read_text(encoding="utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    groups = read_packaged_yaml("physagent_jax.agents.grammar", "patterns.yaml")
     return tuple(
         Pattern(**{**row, "group": group, "examples": tuple(row["examples"])})
         for group, rows in groups.items()

@@ -27,12 +27,7 @@ from physagent_jax.forces.skills import list_skills
 from physagent_jax.forces.slabs import make_box, make_end_region
 from physagent_jax.motion.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, share_time
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.motion.tolerances import (
-    expect_move,
-    expect_quantity,
-    expect_rotation,
-    expect_strain,
-)
+from physagent_jax.motion.tolerances import expect_move, expect_rotation, expect_strain, find_told
 from physagent_jax.motion.vectors import clamp, cosine, scale
 
 SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinner one tears off what tapers
@@ -171,9 +166,9 @@ def _find_travel(
     """
     expectation, (first, end) = wish.expectation, wish.get_span(causes[:1])
     end = min(end, wish.brief.last)
-    target = _find_strain(expectation, expectation.kind, wish.brief)
+    target = _find_strain(expectation, wish.brief)
     target += sum(
-        _find_strain(each, each.kind, wish.brief)
+        _find_strain(each, wish.brief)
         for each in wish.expectations
         if each.kind in AXIAL and each.kind is not expectation.kind and not each.released
         if abs(each.window[1] - first) < 1.5 and _share_line(each, expectation)
@@ -199,21 +194,17 @@ def _spread_effort(effort: float, first: float, end: float, share: float = MOVIN
     return round(clamp(effort / (until - first), MAGNITUDE_MIN, MAGNITUDE_MAX), 4), until
 
 
-def _find_strain(expectation: ExpectedMotion, kind: MotionKind, brief: SceneBrief) -> float:
+def _find_strain(expectation: ExpectedMotion, brief: SceneBrief) -> float:
     """By how much of its length it is to get longer or shorter."""
-    told = expectation.amount and expect_quantity(expectation.amount, kind, brief)
-    if told and told.unit == "of its length":
+    if told := find_told(expectation, brief, "of its length"):
         return told.target
-    return expect_strain(expectation, kind is MotionKind.SQUEEZE).target
+    return expect_strain(expectation, expectation.kind is MotionKind.SQUEEZE).target
 
 
 def _find_way(wish: Wish, seconds: float) -> float:
     """The intended distance [body lengths]."""
-    expectation = wish.expectation
-    told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, wish.brief)
-    if told and told.unit == "body lengths":
-        return told.target
-    return expect_move(expectation, False, seconds=seconds).target
+    told = find_told(wish.expectation, wish.brief, "body lengths")
+    return (told or expect_move(wish.expectation, False, seconds=seconds)).target
 
 
 def _stands_on_its_end(wish: Wish, axis: Vector) -> bool:
@@ -377,10 +368,9 @@ def _set_down(wish: Wish) -> _Replaced:
 def _lead(wish: Wish) -> _Replaced:
     """Lead what moves at one speed, or so far that no force in range starts and stops it in its time."""
     expectation, brief, way = wish.expectation, wish.brief, wish.expectation.direction
-    told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, brief)
     turns = expectation.kind is MotionKind.ROTATE
-    measured = told is not None and told.unit == ("degrees" if turns else "body lengths")
-    if not (turns or expectation.kind is MotionKind.MOVE) or not (measured or expectation.even):
+    told = find_told(expectation, brief, "degrees" if turns else "body lengths")
+    if not (turns or expectation.kind is MotionKind.MOVE) or not (told or expectation.even):
         return None
     if brief.anchored is not None or expectation.sudden or expectation.partial or expectation.repeats > 1:
         return None
@@ -391,8 +381,7 @@ def _lead(wish: Wish) -> _Replaced:
     first, end = wish.get_span(causes)[0], min(expectation.window[1], wish.brief.last)
     seconds = (end - first) * brief.frame_dt
     if turns:
-        band = told if told and measured else expect_rotation(expectation, False, seconds=seconds)
-        effort = math.radians(band.target) / TURN
+        effort = math.radians((told or expect_rotation(expectation, False, seconds=seconds)).target) / TURN
     else:
         effort = _find_way(wish, seconds) / TRAVEL
     if (

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import functools
 import math
-from importlib import resources
 from typing import Any
 
-import yaml
-
+from physagent_jax.core.reading import read_packaged_yaml
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.seen import TO_SIGMA, View
@@ -129,8 +127,7 @@ def compare_direction(
 @functools.cache
 def read_words() -> dict[str, dict[str, Any]]:
     """The words of the checks with one limit, by name; the file says what they hold."""
-    file = resources.files("physagent_jax.motion.judging") / "checks.yaml"
-    return yaml.safe_load(file.read_text(encoding="utf-8"))
+    return read_packaged_yaml("physagent_jax.motion.judging", "checks.yaml")
 
 
 def check_limit(
