@@ -23,7 +23,15 @@ from physagent_jax.forces import schema as forces
 from physagent_jax.forces.calibration import GAIN_MAX, GAIN_MIN, MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import ForceField, is_too_short
 from physagent_jax.forces.skills import Skill, find_skill
-from physagent_jax.motion.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, overlaps
+from physagent_jax.motion.matching import (
+    AXIAL,
+    Cause,
+    agrees,
+    find_own_causes,
+    list_causes,
+    overlaps,
+    redirect,
+)
 from physagent_jax.motion.schema import DirectionTable, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import add, clamp, cosine, norm, normalise, scale
 
@@ -297,16 +305,14 @@ def sentence_direction(entries: Entries, context: Context) -> tuple[Entries, lis
         if expectation.kind in (MotionKind.SWAY, MotionKind.FALL, MotionKind.STILL):
             continue
         causes = find_own_causes(expectation, context.expectations, ForceField.model_validate(entries))
-        contrary = not any(agrees(cause, expectation) for cause in causes)
-        told, axial = expectation.direction, expectation.kind in AXIAL
-        for cause in causes if contrary else ():
-            item = entries[cause.group][cause.index]
-            if told is None or axial or cosine(cause.direction, told) < -_PARALLEL:
-                item["magnitude"] = -item["magnitude"]
-                change = "its sign is flipped"
-            else:
-                item["vector"], item["magnitude"] = list(told), abs(item["magnitude"])
-                change = f"its vector becomes {_format(told)}"
+        if any(agrees(cause, expectation) for cause in causes):
+            continue
+        for cause in causes:
+            new = redirect(cause, expectation)
+            entries[cause.group][cause.index] |= new
+            change = (
+                f"its vector becomes {_format(new['vector'])}" if "vector" in new else "its sign is flipped"
+            )
             reasons.append(f"{cause.name} goes against '{expectation.words}': {change}")
     return entries, reasons
 

@@ -12,9 +12,10 @@ import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set, read_rows, read_sections
+from physagent_jax.agents.grammar.tables import LEXICON, LEXICON_PACKAGE, NUMBERS, get_set, read_sections
 from physagent_jax.agents.grammar.tokens import Token
 from physagent_jax.agents.intent import Duration, Quantity, Timing
+from physagent_jax.core.reading import read_packaged_yaml
 
 
 class Words:
@@ -122,7 +123,7 @@ def _compile(row: dict[str, Any]) -> re.Pattern[str]:
     return re.compile(filled + "(?= )")
 
 
-_QUANTITIES = [(_compile(row), row) for row in read_rows("quantities")]
+_QUANTITIES = [(_compile(row), row) for row in read_packaged_yaml(LEXICON_PACKAGE, "quantities.yaml")]
 
 
 def match_quantity(words: Words, at: int) -> tuple[Quantity, int] | None:
@@ -182,15 +183,11 @@ def _begins_number(word: str) -> bool:
 
 
 # A length of time, and moments.
-def _duration(name: str) -> str:
-    return (
-        rf"(?:(?P<{name}_n>{_NUMBER})(?: of)?(?: an?| one)? (?P<{name}_unit>{_UNIT})"
-        rf"(?: and an? (?P<{name}_more>{_FRACTION})(?! (?:{_of('not_of_a_time')}) ))?"
-        rf"|half(?: of)? (?:the )?(?:clip|time))"
-    )
-
-
-_LENGTH = _duration("d")
+_LENGTH = (
+    rf"(?:(?P<d_n>{_NUMBER})(?: of)?(?: an?| one)? (?P<d_unit>{_UNIT})"
+    rf"(?: and an? (?P<d_more>{_FRACTION})(?! (?:{_of('not_of_a_time')}) ))?"
+    rf"|half(?: of)? (?:the )?(?:clip|time))"
+)
 _NAMED = rf"(?:t |time )?(?P<named>frames?|second) (?P<named_n>{_NUMBER})"
 _MOMENT = rf"(?:{_NAMED}|(?:t |time )?{_LENGTH})"
 _CLIP_PARTS = _either(LEXICON.clip_parts)

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import functools
 from dataclasses import dataclass
-from importlib import resources
 
 from physagent_jax.agents.grammar.tokens import tokenise
 from physagent_jax.core.reading import read_packaged_yaml
 
 _SHOWN = 2
-_TABLE = "<!-- patterns -->"
-_PAGE = "page.md"  # what stands around the table of patterns in the documentation
 
 
 @dataclass(frozen=True)
@@ -60,20 +57,3 @@ def suggest_patterns(sentence: str) -> list[Pattern]:
         return len(words & own)
 
     return sorted(read_patterns(), key=count, reverse=True)[:_SHOWN]
-
-
-def describe_patterns() -> str:
-    """The page of the documented language, in Markdown."""
-    head, _, tail = (
-        (resources.files("physagent_jax.agents.grammar") / _PAGE)
-        .read_text(encoding="utf-8")
-        .partition(_TABLE)
-    )
-    lines, group = [head.rstrip()], ""
-    for pattern in read_patterns():
-        if pattern.group != group:
-            group = pattern.group
-            lines.append(f"\n## {group}\n\n| form | for example |\n|---|---|")
-        form = pattern.form.replace("|", "\\|")
-        lines.append(f"| {form} | {'; '.join(pattern.examples)} |")
-    return "\n".join([*lines, tail])

@@ -6,7 +6,6 @@ They are the lexicon's YAML files as well; here a section is a set of words, or 
 from __future__ import annotations
 
 import functools
-from typing import Any
 
 from physagent_jax.agents.lexicon import read_lexicon
 from physagent_jax.core.reading import read_packaged_yaml
@@ -26,11 +25,6 @@ def read_sections(files: tuple[str, ...] = FILES) -> dict[str, dict]:
                 word.strip(): value for value, words in rows.items() for word in str(words).split(",")
             }
     return sections
-
-
-def read_rows(name: str) -> list[dict[str, Any]]:
-    """The rows of a file that is one list."""
-    return read_packaged_yaml(LEXICON_PACKAGE, f"{name}.yaml")
 
 
 @functools.cache

@@ -17,7 +17,7 @@ from physagent_jax.forces.calibration import (
 )
 from physagent_jax.forces.schema import Action, ForceField, HalfSpaceRegion
 from physagent_jax.forces.slabs import make_end_region
-from physagent_jax.motion.matching import AXIAL, Cause, find_action_type
+from physagent_jax.motion.matching import AXIAL, Cause, find_action_type, redirect
 from physagent_jax.motion.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.tolerances import round_window
 from physagent_jax.motion.vectors import add, clamp, cosine, dot, norm, normalise, reject, scale
@@ -25,7 +25,6 @@ from physagent_jax.perception.schema import MotionReport, WindowMotion
 
 _BRIEF = 0.15  # of the clip: "briefly", as the lexicon has it
 _SAME_GAIN = 0.03  # relative change of k that is not worth a word: windows go by whole frames
-POINTED = 0.95  # cosine from which a vector points where the sentence says
 
 
 @dataclass(frozen=True)
@@ -201,12 +200,7 @@ def remove(case: Case, causes: Sequence[Cause], why: str) -> Change:
 
 def point(case: Case, causes: Sequence[Cause]) -> Change:
     """Point causes where the sentence says; only the sign of those that go exactly the other way is changed."""
-    told, axial = case.expectation.direction, case.expectation.kind in AXIAL
-    updates = []
-    for cause in causes:
-        flips = told is None or axial or cosine(cause.direction, told) < -POINTED
-        pointed = {"vector": told, "magnitude": abs(cause.item.magnitude)}
-        updates.append({"magnitude": -cause.item.magnitude} if flips else pointed)
+    updates = [redirect(cause, case.expectation) for cause in causes]
     why = f" went against '{case.expectation.words}': reversed, or pointed where the sentence says."
     return change_items(case, causes, updates, why, "sentence_direction")
 

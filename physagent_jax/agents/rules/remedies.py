@@ -15,6 +15,7 @@ from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, TRAVE
 from physagent_jax.forces.schema import Action, ForceField
 from physagent_jax.motion.matching import (
     AXIAL,
+    POINTED,
     Cause,
     agrees,
     find_action_type,
@@ -101,8 +102,7 @@ def _aim(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
     if expectation.kind not in _NO_AIM:
         told = None if expectation.kind in AXIAL else expectation.direction
         if not any(
-            agrees(c, expectation) and (told is None or cosine(c.direction, told) >= edits.POINTED)
-            for c in causes
+            agrees(c, expectation) and (told is None or cosine(c.direction, told) >= POINTED) for c in causes
         ):
             yield edits.point(case, causes)
     if expectation.kind is not MotionKind.FALL:
