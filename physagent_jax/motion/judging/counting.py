@@ -79,7 +79,7 @@ def check_count(
     )
 
 
-def count_turns(asked: Asked, path: list[float], hysteresis: float, rest: float | None) -> Check:
+def count_turns(asked: Asked, path: list[float], hysteresis: float, rest: float | None = None) -> Check:
     """To and fro ``repeats`` times is ``2 repeats - 1`` turns, and some more while it comes to rest.
 
     Without a count (once), any number that can be followed is a sway. Ways back shorter than ``hysteresis`` do not
