@@ -31,7 +31,7 @@ def compile_strike(task: Task) -> None:
     swings, way = event.repeat.alternate, task.direction
     count = task.limit_count(event.repeat.count or (2 if swings else event.motion.strokes), SHORTEST_STROKE)
     if event.motion.gravity and not builder.grounded:
-        task.enable_gravity("what is thrown or jumps comes down again")
+        builder.enable_gravity(event.words, "what is thrown or jumps comes down again")
     falls_back = builder.default_drop or (builder.grounded and not builder.anchored)
     rises = falls_back and dot(way, task.brief.directions.up) > 0.5
     strength = _find_blow(task, count, rises)
@@ -113,7 +113,7 @@ def _let_fall(task: Task) -> None:
     falls = thrown or builder.default_drop and Effect.STILL not in earlier
     if falls and builder.gravity != "none":
         if not (builder.grounded and raised):
-            task.enable_gravity("a falling object needs gravity")
+            builder.enable_gravity(task.event.words, "a falling object needs gravity")
     elif not builder.grounded:
         task.act(ActionType.TRANSLATION, builder.brief.directions.down, MAGNITUDE_MAX, task.window)
         builder.notes.append(
@@ -124,7 +124,7 @@ def _let_fall(task: Task) -> None:
 def compile_topple(task: Task) -> None:
     """Gravity and a turn of the top towards the direction."""
     if not task.builder.grounded:
-        task.enable_gravity("a toppling object needs gravity")
+        task.builder.enable_gravity(task.event.words, "a toppling object needs gravity")
     axis = find_lean_axis(task.direction, task.brief)
     task.act(ActionType.TORQUE, axis, task.event.strength, task.window)
     task.expect(MotionKind.ROTATE, axis, task.window)

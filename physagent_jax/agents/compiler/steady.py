@@ -95,10 +95,6 @@ class Task:
                 kind, direction, window, event.text, **(values | dict(limb=limb, part=part) | more)
             )
 
-    def enable_gravity(self, why: str) -> None:
-        """Lets the object fall from the first frame, for what the event does."""
-        self.builder.enable_gravity(self.event.words, why)
-
     def _find_duration(self) -> Amount | None:
         """The cause's duration, if the sentence says so in seconds or frames."""
         told = self.event.when.lasts

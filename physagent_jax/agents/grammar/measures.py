@@ -218,7 +218,7 @@ def _make_duration(match: re.Match[str]) -> Duration:
 
 
 def _make_moment(match: re.Match[str]) -> Timing:
-    if match["named"]:
+    if match.groupdict().get("named"):
         return Timing(starts=_last(compute_number(match["named_n"]), LEXICON.units[match["named"]]))
     return Timing(starts=_make_duration(match))
 
@@ -254,10 +254,6 @@ def _make_interval(match: re.Match[str]) -> Timing | None:
     return _make_span(first, last - first, unit) if unit and last > first else None
 
 
-def _make_start(match: re.Match[str]) -> Timing:
-    return Timing(starts=_make_duration(match))
-
-
 def _make_length(match: re.Match[str]) -> Timing:
     return Timing(lasts=_make_duration(match), within=match.group().startswith(("within", "in ", "over")))
 
@@ -272,7 +268,7 @@ _TIMES: tuple[tuple[str, re.Pattern[str], Callable[[re.Match[str]], Timing | Non
         ("measured", rf"(?:in|over) {_LENGTH}", _make_length),
         ("", _SPAN, _make_interval),
         ("", rf"(?:after|at) {_MOMENT}", _make_moment),
-        ("counted", rf"{_LENGTH} (?:in(?= (?:[^\w\s]|$))|{_INTO})", _make_start),
+        ("counted", rf"{_LENGTH} (?:in(?= (?:[^\w\s]|$))|{_INTO})", _make_moment),
         ("counted", rf"(?!half of|half the|half clip){_LENGTH}(?! (?:later|after|in |into) )", _make_length),
     )
 )
