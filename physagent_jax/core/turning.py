@@ -1,4 +1,4 @@
-"""Turning points of a path, and its ways out from a place."""
+"""Turning points of a path."""
 
 from __future__ import annotations
 
@@ -26,19 +26,14 @@ def find_turning_points(path: Sequence[float], threshold: float) -> list[int]:
     return turns
 
 
-def find_excursions(path: Sequence[float], threshold: float) -> list[int]:
-    """Indices of the farthest places of the ways out from 0 that lead back there, in order.
+def find_returns(path: Sequence[float], threshold: float, rest: float) -> list[int]:
+    """Indices of the turning points from which the way leads back to a place, or past it, in order.
 
     Args:
         path: Position per frame.
-        threshold: Distance from 0 at which a way out begins, and ends again, in the path's unit.
+        threshold: Hysteresis, in the path's unit; half of it is near enough.
+        rest: The place.
     """
-    found, farthest, side = [], 0, 0
-    for t, place in enumerate(path):
-        now = 0 if abs(place) <= threshold else 1 if place > 0 else -1
-        if side and now != side:
-            found.append(farthest)
-        if now and (now != side or abs(place) > abs(path[farthest])):
-            farthest = t
-        side = now
-    return found
+    turns, near = find_turning_points(path, threshold), 0.5 * threshold
+    ways = [(at, path[at : end + 1]) for at, end in zip(turns, [*turns[1:], len(path)])]
+    return [at for at, way in ways if min(way) - rest <= near and max(way) - rest >= -near]

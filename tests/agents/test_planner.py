@@ -7,7 +7,7 @@ import pytest
 
 from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.schema import SemanticReply
-from physagent_jax.core.turning import find_excursions, find_turning_points
+from physagent_jax.core.turning import find_returns, find_turning_points
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.judging.collateral import find_eigenvalues
@@ -907,18 +907,19 @@ def test_reversals(path, turns):
 
 
 @pytest.mark.parametrize(
-    ("path", "farthest"),
+    ("path", "turns"),
     [
         ([0, 1, 2, 3], []),
         ([0, 1, 2, 0], [2]),
-        ([0, 2, 1, 2, 1], []),
+        ([0, 3, 2, 3, 2], []),
         ([0, 1, -2, 0], [1, 2]),
-        ([1, 3, 0, 3, 0.2], [1, 3]),
+        ([1, 3, 0, 3, 0.2], [1, 2, 3]),
+        ([0, 3, 2, 3, 0], [3]),
     ],
 )
-def test_excursions(path, farthest):
-    """Ways out count once they lead back."""
-    assert find_excursions(path, 0.5) == farthest
+def test_returns(path, turns):
+    """Turns count once they lead back to the place of rest."""
+    assert find_returns(path, 0.5, 0.0) == turns
 
 
 def test_expectation_windows_are_whole_inside_and_unique():

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from statistics import median
 
-from physagent_jax.core.turning import find_excursions, find_turning_points
+from physagent_jax.core.turning import find_returns, find_turning_points
 from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.comparing import find_confidence
 from physagent_jax.motion.schema import Check
@@ -96,7 +96,7 @@ def count_turns(asked: Asked, path: list[float], hysteresis: float, rest: float 
     def list_turns(threshold: float) -> list[int]:
         if rest is None:
             return find_turning_points(path, threshold)
-        return find_excursions([place - rest for place in path], 0.5 * threshold)
+        return find_returns(path, threshold, rest)
 
     least, most = 2 * count - 1, (2 * count + 2 if count > 1 else 7)
     return check_count(
