@@ -25,7 +25,7 @@ from physagent_jax.report.html import write_report
 from physagent_jax.run.artifacts import write_best, write_rollout
 from physagent_jax.run.manifest import Stages
 from physagent_jax.run.provenance import hash_settings, make_manifest
-from physagent_jax.run.spec import VIDEO_SIZE
+from physagent_jax.run.spec import SaveChoice
 from physagent_jax.run.store import RunStore
 from physagent_jax.simulation.stopwatch import Stopwatch
 
@@ -172,9 +172,7 @@ def _write(store: RunStore, task: Task, result: FitResult, watch: Stopwatch) -> 
     judgement = task.judge(recording.x)
     with watch("write"):
         write_rollout(store, 0, scene, recording)
-        write_best(
-            store, 0, scene.config, scene.body, save_frames=False, save_splats=False, video_size=VIDEO_SIZE
-        )
+        write_best(store, 0, scene.config, scene.body, SaveChoice())
         report = describe(result) | dict(judgement=dataclasses.asdict(judgement))
         write_text(store.claimed("fit.json"), json.dumps(report, indent=2) + "\n")
     store.finish(stages=Stages(**watch.seconds()), iterations=1, best_iteration=0)

@@ -23,7 +23,15 @@ from physagent_jax.forces import schema as forces
 from physagent_jax.forces.calibration import GAIN_MAX, GAIN_MIN, MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import ForceField, is_too_short
 from physagent_jax.forces.skills import Skill, find_skill
-from physagent_jax.motion.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, overlaps
+from physagent_jax.motion.matching import (
+    AXIAL,
+    Cause,
+    agrees,
+    find_own_causes,
+    list_causes,
+    overlaps,
+    redirect,
+)
 from physagent_jax.motion.schema import DirectionTable, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import add, clamp, cosine, norm, normalise, scale
 
@@ -64,11 +72,6 @@ class Context:
 
     brief: SceneBrief
     expectations: tuple[ExpectedMotion, ...] = ()
-
-    @property
-    def last(self) -> float:
-        """Index of the clip's last frame."""
-        return float(self.brief.frame_count - 1)
 
     @functools.cached_property
     def allowed(self) -> list[Vector]:
@@ -178,7 +181,7 @@ def magnitude_range(item: Entry, _group: str, _context: Context) -> Iterator[str
 @_on_each
 def window_in_clip(item: Entry, _group: str, context: Context) -> Iterator[str]:
     """0 <= first < last <= last frame; a window that is no window becomes the whole clip."""
-    told, end = item.get("active_time"), context.last
+    told, end = item.get("active_time"), context.brief.last
     if told is None:
         return
     window, kept = _read_numbers(told, 2), None
@@ -199,7 +202,7 @@ def held_until_in_clip(item: Entry, group: str, context: Context) -> Iterator[st
         return
     given = _read_numbers([told], 1)
     if given and window and not _get_skill(group, item).is_sudden:
-        until = min(given[0], context.last)
+        until = min(given[0], context.brief.last)
         item |= {"held_until": until} if until > window[1] else {}
     if given is None or item.get("held_until") != given[0]:
         yield f".held_until becomes {item.get('held_until', 'nothing')}"
@@ -220,8 +223,8 @@ def known_regions(item: Entry, group: str, _context: Context) -> Iterator[str]:
 @_on_each
 def brief_impulse(item: Entry, group: str, context: Context) -> Iterator[str]:
     """An impulse is sudden: its window spans at most two frames."""
-    first, last = item.get("active_time") or (0.0, context.last)
-    if _get_skill(group, item).is_sudden and context.last >= 1 and last - first > LONGEST_IMPULSE:
+    first, last = item.get("active_time") or (0.0, context.brief.last)
+    if _get_skill(group, item).is_sudden and context.brief.last >= 1 and last - first > LONGEST_IMPULSE:
         item["active_time"] = [first, first + 1.0]
         yield f" is an impulse: its window becomes {item['active_time']}"
 
@@ -251,7 +254,7 @@ def no_stacking(entries: Entries, context: Context) -> tuple[Entries, list[str]]
     kept: list[Cause] = []
     gone: list[Cause] = []
     for cause in _list_causes(entries):
-        room, fellows = find_room(cause, kept, context.last)
+        room, fellows = find_room(cause, kept, context.brief.last)
         if fits(room, cause.item.magnitude):
             kept.append(cause)
             continue
@@ -302,16 +305,14 @@ def sentence_direction(entries: Entries, context: Context) -> tuple[Entries, lis
         if expectation.kind in (MotionKind.SWAY, MotionKind.FALL, MotionKind.STILL):
             continue
         causes = find_own_causes(expectation, context.expectations, ForceField.model_validate(entries))
-        contrary = not any(agrees(cause, expectation) for cause in causes)
-        told, axial = expectation.direction, expectation.kind in AXIAL
-        for cause in causes if contrary else ():
-            item = entries[cause.group][cause.index]
-            if told is None or axial or cosine(cause.direction, told) < -_PARALLEL:
-                item["magnitude"] = -item["magnitude"]
-                change = "its sign is flipped"
-            else:
-                item["vector"], item["magnitude"] = list(told), abs(item["magnitude"])
-                change = f"its vector becomes {_format(told)}"
+        if any(agrees(cause, expectation) for cause in causes):
+            continue
+        for cause in causes:
+            new = redirect(cause, expectation)
+            entries[cause.group][cause.index] |= new
+            change = (
+                f"its vector becomes {_format(new['vector'])}" if "vector" in new else "its sign is flipped"
+            )
             reasons.append(f"{cause.name} goes against '{expectation.words}': {change}")
     return entries, reasons
 

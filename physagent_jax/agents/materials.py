@@ -10,11 +10,9 @@ import functools
 import re
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
-from importlib import resources
-
-import yaml
 
 from physagent_jax.agents.lexicon import read_lexicon
+from physagent_jax.core.reading import read_packaged_yaml
 from physagent_jax.motion.schema import SceneBrief
 
 _UNKNOWN_KIND = "object"
@@ -76,8 +74,7 @@ class MaterialLexicon:
 @functools.cache
 def read_material_words() -> MaterialLexicon:
     """The lexicon of the package."""
-    file = resources.files("physagent_jax.agents") / "lexicon" / "materials.yaml"
-    content = yaml.safe_load(file.read_text(encoding="utf-8"))
+    content = read_packaged_yaml("physagent_jax.agents.lexicon", "materials.yaml")
     words: dict[str, MaterialWord] = {}
     adjectives: set[str] = set()
     for row in content.pop("materials"):

@@ -8,6 +8,7 @@ from pydantic import Field
 
 from physagent_jax.core.strict import Strict
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.holds import list_motions
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, WorldRequest
 
 
@@ -56,6 +57,11 @@ class SemanticReply(Strict):
     unsure: tuple[str, ...] = ()
     materials: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
+
+    @property
+    def plan(self) -> tuple[ExpectedMotion, ...]:
+        """The motions that are planned: those that are expected, else those that the force field tells of."""
+        return self.expectations or list_motions(self.force_field)
 
 
 class Rewrite(Strict):

@@ -143,8 +143,8 @@ class Run:
         from physagent_jax.report.formats import format_plural
         from physagent_jax.run.chosen_agents import open_agents
         from physagent_jax.run.loop import run_loop
-        from physagent_jax.run.manifest import STOP_REASONS
         from physagent_jax.run.resolve import resolve
+        from physagent_jax.run.stopping import STOP_REASONS
         from physagent_jax.run.store import PLAIN_VIDEO, VIDEO
         from physagent_jax.scene.cost import Limits
 

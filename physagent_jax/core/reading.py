@@ -14,6 +14,7 @@ import os
 import re
 import stat
 from collections.abc import Iterator
+from importlib import resources
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin
 
@@ -237,6 +238,14 @@ def read_yaml(path: str | Path, *, what: str = "the file") -> Any:
     if references:
         raise UserError(f"{origin} holds references (*name)", do="Write out what they stand for")
     return decode_json(plain.encode(), origin)
+
+
+def read_packaged_yaml(package: str, name: str) -> Any:
+    """Decode a YAML file that comes with a package; it is trusted."""
+    import yaml
+
+    text = (resources.files(package) / name).read_text(encoding="utf-8")
+    return yaml.load(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
 
 
 def _check_text(decoded: Any, origin: str) -> None:

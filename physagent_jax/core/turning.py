@@ -24,3 +24,16 @@ def find_turning_points(path: Sequence[float], threshold: float) -> list[int]:
             turns.append(extreme)
             heading, extreme = -heading, t
     return turns
+
+
+def find_returns(path: Sequence[float], threshold: float, rest: float) -> list[int]:
+    """Indices of the turning points from which the way leads back to a place, or past it, in order.
+
+    Args:
+        path: Position per frame.
+        threshold: Hysteresis, in the path's unit; half of it is near enough.
+        rest: The place.
+    """
+    turns, near = find_turning_points(path, threshold), 0.5 * threshold
+    ways = [(at, path[at : end + 1]) for at, end in zip(turns, [*turns[1:], len(path)])]
+    return [at for at, way in ways if min(way) - rest <= near and max(way) - rest >= -near]

@@ -127,3 +127,16 @@ def find_reference_time(held: bool, duration: float) -> float:
         duration: Duration of the clip [s].
     """
     return HELD_TIME if held else min(duration, REFERENCE_TIME)
+
+
+def find_magnitude(effort: float, seconds: float, duration: float, *, braked: bool) -> float:
+    """M that brings a free object so far from rest; out of range if it cannot.
+
+    Args:
+        effort: The way or the turn, in those of M = 1.
+        seconds: Time that it has [s].
+        duration: Duration of the clip [s].
+        braked: Whether it is stopped in the second half of that time.
+    """
+    reference = find_reference_time(False, duration)
+    return (2.0 if braked else 1.0) * effort * (reference / seconds) ** 2

@@ -21,6 +21,7 @@ from physagent_jax.forces.skills import Skill, get_skill, list_skills
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import cosine, scale
 
+POINTED = 0.95  # cosine from which a vector points where the sentence says
 _ALIGNED = 0.5
 AXIAL = (MotionKind.STRETCH, MotionKind.SQUEEZE)
 
@@ -80,6 +81,14 @@ def list_causes(force_field: ForceField) -> list[Cause]:
     """Every entry of a force field."""
     groups = ("actions", "constraints")
     return [Cause(group, i, item) for group in groups for i, item in enumerate(getattr(force_field, group))]
+
+
+def redirect(cause: Cause, expectation: ExpectedMotion) -> dict[str, Any]:
+    """Changes that make an entry go where the sentence says: the sign alone of what goes exactly the other way."""
+    told, size = expectation.direction, cause.item.magnitude
+    if told is None or expectation.kind in AXIAL or cosine(cause.direction, told) < -POINTED:
+        return {"magnitude": -size}
+    return {"vector": told, "magnitude": abs(size)}
 
 
 def overlaps(cause: Cause, window: tuple[float, float]) -> bool:

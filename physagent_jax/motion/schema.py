@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from physagent_jax.core.strict import Count, Direction, Number, Numbers, Strict
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, find_reference_time
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import CellsRegion
 
@@ -88,6 +88,21 @@ class SceneBrief(Strict):
     world: Literal["ground", "free"] = "free"
     directions: DirectionTable
     parts: tuple[Part, ...] = ()
+
+    @property
+    def last(self) -> float:
+        """Index of the clip's last frame."""
+        return self.frame_count - 1.0
+
+    @property
+    def seconds(self) -> float:
+        """Duration of the clip [s]."""
+        return self.last * self.frame_dt
+
+    @property
+    def reference_seconds(self) -> float:
+        """T of the skills [s]."""
+        return find_reference_time(self.anchored is not None, self.seconds)
 
 
 class AnchorRequest(Strict):

@@ -202,6 +202,12 @@ def expect_fall(seconds: float = 2.0) -> Tolerance:
     return Tolerance(low, 4.0 * low, 8.0, "body lengths")
 
 
+def find_told(expectation: ExpectedMotion, brief: SceneBrief, unit: str) -> Tolerance | None:
+    """The range around the quantity that a motion is told; None if it is told none in this unit."""
+    told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, brief)
+    return told if told and told.unit == unit else None
+
+
 def expect_quantity(amount: Amount, kind: MotionKind, brief: SceneBrief) -> Tolerance | None:
     """The range around a quantity that the sentence names, in the unit in which its kind of motion is measured.
 

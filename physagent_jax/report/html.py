@@ -41,7 +41,8 @@ from physagent_jax.report.rounds import make_overview, make_probe_table, make_ro
 from physagent_jax.report.truth import make_truth_table
 from physagent_jax.report.words import make_words_section
 from physagent_jax.run.finished import FinishedRound, FinishedRun, open_run
-from physagent_jax.run.manifest import STOP_REASONS, AgentCost
+from physagent_jax.run.manifest import AgentCost
+from physagent_jax.run.stopping import STOP_REASONS
 from physagent_jax.run.store import REPORT
 
 SECTIONS = {

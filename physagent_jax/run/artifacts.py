@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path, PurePosixPath
-from typing import Literal
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from physagent_jax.output.video import make_frame_names, write_frames, write_pic
 from physagent_jax.perception.measure import Perception
 from physagent_jax.perception.overlay import draw_overlay
 from physagent_jax.run.key_frames import spread_evenly
+from physagent_jax.run.spec import SaveChoice
 from physagent_jax.run.store import PLAIN_VIDEO, VIDEO, RunStore
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile import CompiledScene
@@ -151,25 +151,23 @@ def write_best(
     index: int,
     config: SceneConfig,
     body: Body,
-    *,
-    save_frames: bool,
-    save_splats: SplatFormat | Literal[False],
-    video_size: tuple[int, int] | None,
-    notes: Notes = PLAIN,
+    save: SaveChoice,
 ) -> None:
     """Put round ``index`` at the top of the folder, and what was asked for of the best round alone.
 
     A round without a video for people gets one, from its motion file.
     """
-    missing = None if (store.round_folder(index) / VIDEO).is_file() else video_size
-    if missing is not None or save_splats:
+    missing = None if (store.round_folder(index) / VIDEO).is_file() else save.video_size
+    if missing is not None or save.splats:
         motion = read_motion(store.round_folder(index) / "motion.npz")
         if missing is not None:
             folder = f"iterations/{index}"
-            write_presentation(store, config, body, motion.x, motion.F, missing, notes=notes, folder=folder)
-        if save_splats:
-            write_splats(store, config, body, motion.x, motion.F, save_splats)
-    put_best_on_top(store, index, save_frames=save_frames)
+            write_presentation(
+                store, config, body, motion.x, motion.F, missing, notes=save.notes, folder=folder
+            )
+        if save.splats:
+            write_splats(store, config, body, motion.x, motion.F, save.splats)
+    put_best_on_top(store, index, save_frames=save.frames)
 
 
 def write_splats(

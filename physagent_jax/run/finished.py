@@ -11,12 +11,12 @@ from typing import TypeVar
 import numpy as np
 from pydantic import BaseModel
 
-from physagent_jax.agents.progress import find_best_round
 from physagent_jax.agents.schema import Rewrite, SemanticReply
 from physagent_jax.agents.trace import FailedCall, Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import parse_model, read_json, shorten
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.judging.progress import find_best_round
 from physagent_jax.motion.schema import Judgement
 from physagent_jax.output.motion_file import Motion, read_motion
 from physagent_jax.output.video import read_video

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from physagent_jax.agents.hold import Hold, HoldOrigin, describe_yielding, refuse_impossible
 from physagent_jax.agents.schema import SemanticReply
+from physagent_jax.motion.holds import Hold, HoldOrigin, describe_yielding, refuse_impossible
 from physagent_jax.motion.schema import AnchorRequest
 from physagent_jax.run.spec import AnchorChoice
 from physagent_jax.scene.anchor import select_anchored
@@ -56,6 +56,6 @@ def check_hold(
     """
     index, count = body.particles.gaussian_index, body.cloud.count
     held = select_anchored(anchor, body.particles.x, index, base_dir, gaussian_count=count)
-    refuse_impossible(hold, reply, UP, whole=bool(held.all()))
-    yielding = describe_yielding(hold, reply, UP)
+    refuse_impossible(hold, reply.plan, UP, whole=bool(held.all()))
+    yielding = describe_yielding(hold, reply.plan, UP)
     return () if yielding is None else (yielding,)

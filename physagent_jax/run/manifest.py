@@ -29,41 +29,18 @@ run/refused.json                       `run.refused.RefusedReadings`: of no run 
 from __future__ import annotations
 
 from pathlib import PurePosixPath
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field, field_validator
 
 from physagent_jax.core.strict import Strict
+from physagent_jax.run.stopping import StopReason
 
 FORMAT = 3
 """Version of the run folder's layout; 2 added the list of files, 3 the plain video beside the one for people."""
 
 MOST_ROUNDS = 1000
 Rounds = Annotated[int, Field(ge=0, le=MOST_ROUNDS)]
-
-
-StopReason = Literal[
-    "success", "cap", "no improvement", "nothing left to try", "doubts", "not observable", "failed round"
-]
-"""Reasons for which no further round is made.
-
-"success": the planner is satisfied; "no improvement": the last rounds brought none (`agents.progress.has_stalled`);
-"cap": there were as many rounds as may be; "nothing left to try": the executor changed nothing; "doubts": the sentence
-is not understood for certain; "not observable": nothing that was seen failed, but something asked for cannot be seen;
-"failed round": the next round could not be simulated.
-"""
-
-
-STOP_REASONS: dict[StopReason, str] = {
-    "success": "the planner is satisfied",
-    "cap": "as many rounds as were allowed",
-    "no improvement": "the last rounds brought no improvement",
-    "nothing left to try": "the executor has nothing left to try",
-    "doubts": "the sentence is not understood for certain, so no other force can make it right",
-    "not observable": "all that can be seen is right, and what is left cannot be seen whatever the force",
-    "failed round": "the next round could not be simulated",
-}
-"""The reasons in words."""
 
 
 class Stages(Strict):

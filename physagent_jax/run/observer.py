@@ -1,7 +1,10 @@
-"""Callbacks that observe the progress of a run."""
+"""Callbacks that observe the progress of a run, and what tells them of warnings."""
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from physagent_jax.agents.schema import SemanticReply
@@ -40,3 +43,31 @@ class Observer:
 
     def probed(self, index: int, judgement: Judgement) -> None:
         """Round ``index`` on the coarse version of the scene was judged."""
+
+
+class Teller:
+    """Tells an observer of a run.
+
+    Attributes:
+        observer: The observer.
+        warnings: All that was warned of, for the manifest.
+    """
+
+    def __init__(self, observer: Observer):
+        self.observer = observer
+        self.warnings: tuple[str, ...] = ()
+
+    def warn(self, *texts: str) -> None:
+        """Tell what has not been told yet, and keep it."""
+        for text in dict.fromkeys(texts):
+            if text not in self.warnings:
+                self.warnings += (text,)
+                self.observer.warned(text)
+
+    @contextmanager
+    def heed_warnings(self) -> Iterator[None]:
+        """Tell what is warned of within."""
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", UserWarning)
+            yield
+        self.warn(*(str(warning.message) for warning in caught))

@@ -6,11 +6,11 @@ import dataclasses
 from collections.abc import Callable
 
 from physagent_jax.agents.context import AgentContext
-from physagent_jax.agents.hold import HoldOrigin, describe_release, find_leaving
 from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.agents.trace import Reply
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.holds import HoldOrigin, describe_release, find_leaving
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, SceneBrief
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.holding import UP
@@ -66,7 +66,7 @@ def find_release(run: ResolvedRun, reply: SemanticReply) -> ExpectedMotion | Non
     """The motion that the hold of the object's kind gives way to; None if there is no such hold, or it stays."""
     hold = run.find_hold(reply)
     implied = hold is not None and hold.origin is HoldOrigin.KIND
-    return find_leaving(reply, UP) if implied else None
+    return find_leaving(reply.plan, UP) if implied else None
 
 
 def read_let_go(

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from physagent_jax.agents.hold import Hold
 from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.core.reading import check_regular, format_validation_error
 from physagent_jax.forces.calibration import FRICTION
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.holds import Hold
 from physagent_jax.motion.schema import AnchorRequest, WorldRequest
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.holding import check_hold, find_hold

@@ -45,7 +45,7 @@ class Prior:
         density: [kg/m^3].
         reason: Why these values.
         rooted: Whether the foot is held unless the prompt says otherwise or a motion needs the object free
-            (`agents.hold`); the reason, or None.
+            (`motion.holds`); the reason, or None.
         base_fraction: Height of the held foot over the object's.
         damping_rate: Drag of the surrounding air on it [1/s].
         damping_ratio: Share of critical damping of its lowest mode (`scene.damping`), half the loss factor; 0 where

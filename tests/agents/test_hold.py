@@ -10,7 +10,11 @@ from benchmarks.language.notation import Clause, Sentence, read_split
 from benchmarks.language.score import make_scene, score
 from benchmarks.language.totals import REQUIRED
 from physagent_jax.agents.grammar.semantic import read_sentence
-from physagent_jax.agents.hold import (
+from physagent_jax.agents.schema import SemanticReply
+from physagent_jax.agents.trace import Reply
+from physagent_jax.core.errors import UserError
+from physagent_jax.forces.schema import Action, ActionType, ForceField
+from physagent_jax.motion.holds import (
     Hold,
     HoldOrigin,
     describe_yielding,
@@ -18,10 +22,6 @@ from physagent_jax.agents.hold import (
     find_leaving,
     refuse_impossible,
 )
-from physagent_jax.agents.schema import SemanticReply
-from physagent_jax.agents.trace import Reply
-from physagent_jax.core.errors import UserError
-from physagent_jax.forces.schema import Action, ActionType, ForceField
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind
 from physagent_jax.run.holding import UP, find_hold
 from physagent_jax.run.reading import read_let_go
@@ -137,18 +137,18 @@ def expect(kind: MotionKind, **values) -> ExpectedMotion:
     return ExpectedMotion(kind=kind, window=(0, 48), **values)
 
 
-def plan(*motions: ExpectedMotion, **field) -> SemanticReply:
-    return SemanticReply(force_field=ForceField(**field), expectations=motions)
+def plan(*motions: ExpectedMotion, **field) -> tuple[ExpectedMotion, ...]:
+    return SemanticReply(force_field=ForceField(**field), expectations=motions).plan
 
 
 @pytest.mark.parametrize("sentence", LEAVES)
 def test_what_falls_rises_flies_or_turns_needs_the_object_free(sentence):
-    assert find_leaving(read_sentence(sentence, ROOTED), UP) is not None
+    assert find_leaving(read_sentence(sentence, ROOTED).plan, UP) is not None
 
 
 @pytest.mark.parametrize("sentence", KEEPS)
 def test_what_bends_sways_stretches_or_twists_keeps_the_hold(sentence):
-    assert find_leaving(read_sentence(sentence, ROOTED), UP) is None
+    assert find_leaving(read_sentence(sentence, ROOTED).plan, UP) is None
 
 
 def test_up_is_where_gravity_does_not_pull():
@@ -240,7 +240,7 @@ def settle_all() -> list[tuple[Sentence, SemanticReply, Hold | None]]:
             continue
         kind = scene.object_kind if reply.anchor.kind in ("base", "top") else "plant"
         hold = find_hold(AnchorChoice(), kind, reply.anchor)
-        motion = find_leaving(reply, UP)
+        motion = find_leaving(reply.plan, UP)
         if hold and hold.origin is HoldOrigin.KIND and motion:
             free = asked(sentence.text, scene.model_copy(update={"anchored": None}))
             reply = read_let_go(Reply(reply), motion, free, _read).value
@@ -266,7 +266,7 @@ def test_no_plan_of_the_corpus_holds_by_the_kind_what_it_needs_free():
         assert hold.origin is HoldOrigin.SENTENCE, sentence.text
         if hold.place == "base" or falls:
             with pytest.raises(UserError, match="impossible"):
-                refuse_impossible(hold, reply, UP, whole=False)
+                refuse_impossible(hold, reply.plan, UP, whole=False)
 
 
 def test_holds_are_what_the_authors_of_the_corpus_understand():

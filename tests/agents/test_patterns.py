@@ -6,8 +6,10 @@ from pathlib import Path
 import pytest
 
 from benchmarks.language.notation import Sentence, expand_options, parse_reading
+from benchmarks.language.page import describe_patterns
 from benchmarks.language.score import make_scene, score
-from physagent_jax.agents.grammar.patterns import describe_patterns, read_patterns, suggest_motions
+from physagent_jax.agents.compiler.words import suggest_motions
+from physagent_jax.agents.grammar.patterns import read_patterns
 from physagent_jax.agents.grammar.semantic import read_intent, read_sentence
 from physagent_jax.core.errors import UserError
 

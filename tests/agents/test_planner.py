@@ -7,7 +7,7 @@ import pytest
 
 from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.schema import SemanticReply
-from physagent_jax.core.turning import find_turning_points
+from physagent_jax.core.turning import find_returns, find_turning_points
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.judging.collateral import find_eigenvalues
@@ -516,6 +516,31 @@ def test_sway_needs_size_and_turns(cycles, amplitude, passed):
     assert not passes(twice, across, HELD)
 
 
+@pytest.mark.parametrize("repeats", [1, 2, 3])
+@pytest.mark.parametrize("cycles", [1.5, 2.0, 2.5, 4.0])
+@pytest.mark.parametrize("decay", [0.0, 0.03])
+def test_what_bends_and_rings_does_not_sway(repeats, cycles, decay):
+    """It stays on one side, however often it turns there; to and fro leads past its place of rest, once back to it."""
+
+    def show_ringing(place, size):
+        wave = [
+            size * math.exp(-decay * t) * math.cos(2 * math.pi * cycles * t / LAST) for t in range(LAST + 1)
+        ]
+        return show(lambda t: (place * ramp(t, 0, 8) - wave[t] * ramp(t, 0, 8), 0, 0))
+
+    swaying = expected(KINDS.SWAY, repeats=repeats)
+    assert not passes(swaying, show_ringing(-0.15, 0.07), HELD)
+    assert not passes(swaying, show_ringing(0.15, 0.07), HELD)
+
+
+def test_once_is_there_and_back():
+    """ "Sways once to the left" leads to the left and back, or on to the other side."""
+    once = expected(KINDS.SWAY)
+    assert passes(once, show(lambda t: (-0.2 * math.sin(math.pi * t / LAST), 0, 0)), HELD)
+    assert passes(once, show(lambda t: (-0.1 * math.sin(2 * math.pi * t / LAST), 0, 0)), HELD)
+    assert not passes(once, show(lambda t: (-0.2 * ramp(t, 0, 24), 0, 0)), HELD)
+
+
 # --- parts --------------------------------------------------------------------------------------------------
 
 
@@ -879,6 +904,22 @@ def test_a_held_object_moves_less():
 def test_reversals(path, turns):
     """Turns larger than the noise are counted, smaller ones are not."""
     assert len(find_turning_points(path, 0.05)) == turns
+
+
+@pytest.mark.parametrize(
+    ("path", "turns"),
+    [
+        ([0, 1, 2, 3], []),
+        ([0, 1, 2, 0], [2]),
+        ([0, 3, 2, 3, 2], []),
+        ([0, 1, -2, 0], [1, 2]),
+        ([1, 3, 0, 3, 0.2], [1, 2, 3]),
+        ([0, 3, 2, 3, 0], [3]),
+    ],
+)
+def test_returns(path, turns):
+    """Turns count once they lead back to the place of rest."""
+    assert find_returns(path, 0.5, 0.0) == turns
 
 
 def test_expectation_windows_are_whole_inside_and_unique():

@@ -3,9 +3,9 @@
 import pytest
 
 from physagent_jax.agents.hard_rules import apply_hard_rules
-from physagent_jax.agents.progress import PATIENCE, find_best_round, has_stalled
 from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.forces.schema import Action, ForceField, HalfSpaceRegion
+from physagent_jax.motion.judging.progress import PATIENCE, find_best_round, has_stalled
 from physagent_jax.motion.schema import ExpectedMotion, Judgement, MotionKind, Stage, StageVerdict, Verdict
 from tests.agents.scenes import brief, judge, make_report, ramp, rewrite
 from tests.agents.toy_world import ToyWorld, loop

@@ -71,11 +71,11 @@ def test_a_round_without_a_clip_gets_one_when_the_run_is_taken_up(tmp_path, robo
 
 
 def test_a_clip_that_cannot_be_drawn_ends_the_round(tmp_path, robot_path, monkeypatch):
-    from physagent_jax.run import loop
+    from physagent_jax.run import rounds
 
     def refuse(*_):
         raise RuntimeError("no pictures today")
 
-    monkeypatch.setattr(loop, "write_clip", refuse)
+    monkeypatch.setattr(rounds, "write_clip", refuse)
     with pytest.raises(RuntimeError, match="no pictures today"):
         made(asked(robot_path), tmp_path / "run", scripted([1.0]))

@@ -22,9 +22,10 @@ from physagent_jax.output.video import read_video
 from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.backends.colour import ColorSegmenter
 from physagent_jax.report.html import write_report
-from physagent_jax.run import loop
-from physagent_jax.run.manifest import STOP_REASONS, Manifest
+from physagent_jax.run import rounds
+from physagent_jax.run.manifest import Manifest
 from physagent_jax.run.observer import Observer
+from physagent_jax.run.stopping import STOP_REASONS
 from physagent_jax.simulation.record import SimulationRecord
 from tests.run.specs import made, small, with_rules
 
@@ -335,7 +336,7 @@ def test_a_prompt_for_a_segmenter_that_takes_none_is_refused_before_the_run_begi
 
 def test_a_warning_of_any_stage_is_told_and_noted(robot_path, tmp_path, monkeypatch):
     """Not only those of the making of a scene: here the simulation warns."""
-    simulate, told = loop.simulate_scene, []
+    simulate, told = rounds.simulate_scene, []
 
     def warn(*given, **options):
         warnings.warn("the matter is stirred", stacklevel=2)
@@ -345,7 +346,7 @@ def test_a_warning_of_any_stage_is_told_and_noted(robot_path, tmp_path, monkeypa
         def warned(self, text):
             told.append(text)
 
-    monkeypatch.setattr(loop, "simulate_scene", warn)
+    monkeypatch.setattr(rounds, "simulate_scene", warn)
     store = made(small(robot_path, rounds=1), tmp_path / "run", scripted([1.0]), observer=Watch())
     assert told.count("the matter is stirred") == 1 and "the matter is stirred" in store.manifest.warnings
 

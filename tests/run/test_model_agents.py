@@ -7,13 +7,13 @@ from contextlib import nullcontext
 import imageio.v3 as iio
 import pytest
 
-from physagent_jax.agents.progress import find_best_round
 from physagent_jax.agents.protocols import Agents, ExecutorAgent, PlannerAgent, SemanticAgent
 from physagent_jax.agents.registry import make_agents
 from physagent_jax.agents.schema import Rewrite, SemanticReply
 from physagent_jax.agents.trace import AgentError, FailedCall, Message, Reply, Trace
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.judging.progress import find_best_round
 from physagent_jax.motion.schema import Judgement, Verdict
 from physagent_jax.report.html import write_report
 from physagent_jax.run.manifest import Manifest
@@ -286,7 +286,7 @@ def test_an_agent_that_fails_in_a_coarse_round_ends_the_run(tmp_path, robot_path
 
 
 def test_a_failed_call_is_kept_when_what_comes_next_is_refused(tmp_path, robot_path, monkeypatch):
-    from physagent_jax.run import loop
+    from physagent_jax.run import rounds
 
     asked, out = small(robot_path, PROMPT), tmp_path / "run"
     with pytest.raises(AgentError):
@@ -296,7 +296,7 @@ def test_a_failed_call_is_kept_when_what_comes_next_is_refused(tmp_path, robot_p
         raise UserError("the disk is full")
 
     with monkeypatch.context() as patch:
-        patch.setattr(loop, "write_rollout", refuse)
+        patch.setattr(rounds, "write_rollout", refuse)
         with pytest.raises(UserError, match="disk"):
             made(asked, out, chat([push(0.5)]))
     assert costs_of(out)["semantic"].calls == 2 and (out / "semantic_failed_1.json").is_file()
@@ -359,7 +359,7 @@ def test_a_finished_run_stands_when_the_one_that_is_to_replace_it_is_refused(tmp
 
 
 def test_a_reading_is_kept_when_the_first_round_is_refused(tmp_path, robot_path, monkeypatch):
-    from physagent_jax.run import loop
+    from physagent_jax.run import rounds
 
     asked, out = small(robot_path, PROMPT, rounds=1), tmp_path / "run"
 
@@ -367,7 +367,7 @@ def test_a_reading_is_kept_when_the_first_round_is_refused(tmp_path, robot_path,
         raise UserError("the disk is full")
 
     with monkeypatch.context() as patch:
-        patch.setattr(loop, "write_rollout", refuse)
+        patch.setattr(rounds, "write_rollout", refuse)
         with pytest.raises(UserError, match="disk"):
             made(asked, out, chat([push(0.5)]))
     assert not (out / "manifest.json").exists() and len(read_refused(out)) == 1

@@ -11,7 +11,7 @@ from physagent_jax.cli import main
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.schema import Check, Judgement
 from physagent_jax.report.html import write_report
-from physagent_jax.run.loop import explain_rest, find_stop
+from physagent_jax.run.stopping import explain_rest, find_stop
 from tests.run.specs import made, small, with_rules
 from tests.run.test_loop import ScriptedExecutor, ScriptedPlanner
 

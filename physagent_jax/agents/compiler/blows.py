@@ -14,10 +14,9 @@ from physagent_jax.agents.compiler.steady import (
     Task,
     make_impulse_window,
 )
-from physagent_jax.agents.dosing import find_reference_seconds
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.windows import divide
-from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY, MAGNITUDE_MAX
+from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY, MAGNITUDE_MAX, find_reference_time
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import add, dot, normalise, scale
@@ -32,7 +31,7 @@ def compile_strike(task: Task) -> None:
     swings, way = event.repeat.alternate, task.direction
     count = task.limit_count(event.repeat.count or (2 if swings else event.motion.strokes), SHORTEST_STROKE)
     if event.motion.gravity and not builder.grounded:
-        task.enable_gravity("what is thrown or jumps comes down again")
+        builder.enable_gravity(event.words, "what is thrown or jumps comes down again")
     falls_back = builder.default_drop or (builder.grounded and not builder.anchored)
     rises = falls_back and dot(way, task.brief.directions.up) > 0.5
     strength = _find_blow(task, count, rises)
@@ -42,7 +41,7 @@ def compile_strike(task: Task) -> None:
     if task.needs_brake and count == 1 and not builder.grounded:  # else friction stops it
         stop = make_impulse_window(window[1] - IMPULSE_FRAMES)
         task.act(ActionType.IMPULSE, scale(way, -1.0), strength, stop)
-        builder.add_note(BRAKED_BEFORE)
+        builder.notes.append(BRAKED_BEFORE)
     rise, fall = divide(window, [1.0, 1.0])
     task.expect(
         MotionKind.SWAY if swings else MotionKind.MOVE,
@@ -69,7 +68,7 @@ def _find_blow(task: Task, count: int, rises: bool) -> float:
     if task.builder.anchored and (held := find_held_magnitude(event.amount, event.effect, brief)):
         return held
     seconds = (task.window[1] - task.window[0]) * brief.frame_dt / count
-    return effort * find_reference_seconds(brief) / max(seconds, brief.frame_dt)
+    return effort * find_reference_time(False, brief.seconds) / max(seconds, brief.frame_dt)
 
 
 def compile_jump(task: Task) -> None:
@@ -101,7 +100,7 @@ def _throw_aside(task: Task, effort: float) -> None:
     """Adds the blow by which a falling object lands so far aside: it falls for sqrt(2 h / g)."""
     brief, (first, last), way = task.brief, task.window, task.direction
     seconds = math.sqrt(2.0 * DROP_HEIGHT * brief.size / GRAVITY)
-    strength = effort * find_reference_seconds(brief) / seconds
+    strength = effort * find_reference_time(False, brief.seconds) / seconds
     task.act(ActionType.IMPULSE, way, strength, make_impulse_window(first))
     task.expect(MotionKind.MOVE, way, (first, min(first + seconds / brief.frame_dt, last)))
 
@@ -114,10 +113,10 @@ def _let_fall(task: Task) -> None:
     falls = thrown or builder.default_drop and Effect.STILL not in earlier
     if falls and builder.gravity != "none":
         if not (builder.grounded and raised):
-            task.enable_gravity("a falling object needs gravity")
+            builder.enable_gravity(task.event.words, "a falling object needs gravity")
     elif not builder.grounded:
         task.act(ActionType.TRANSLATION, builder.brief.directions.down, MAGNITUDE_MAX, task.window)
-        builder.add_note(
+        builder.notes.append(
             "Gravity acts from the first frame, so a fall that comes later is made by a push downwards."
         )
 
@@ -125,7 +124,7 @@ def _let_fall(task: Task) -> None:
 def compile_topple(task: Task) -> None:
     """Gravity and a turn of the top towards the direction."""
     if not task.builder.grounded:
-        task.enable_gravity("a toppling object needs gravity")
+        task.builder.enable_gravity(task.event.words, "a toppling object needs gravity")
     axis = find_lean_axis(task.direction, task.brief)
     task.act(ActionType.TORQUE, axis, task.event.strength, task.window)
     task.expect(MotionKind.ROTATE, axis, task.window)

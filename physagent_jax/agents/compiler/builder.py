@@ -26,7 +26,7 @@ class ForceFieldBuilder:
         gravity: What the sentence says about gravity: "down", "up", "none"; None = nothing.
         room: Frame at which what follows the present event is over: its brake ends there.
         earlier: What the slots before do.
-        unsure: What was not understood and matters.
+        notes, unsure: What was assumed; what was not understood and matters. Either may be told twice.
         obstacles: Walls and blocks that it names.
     """
 
@@ -48,15 +48,10 @@ class ForceFieldBuilder:
         """Return whether gravity acts all the time, on an object that stands on the ground."""
         return self.brief.world == "ground" and self.gravity not in ("none", "up")
 
-    @property
-    def last(self) -> float:
-        """Index of the clip's last frame."""
-        return float(self.brief.frame_count - 1)
-
     def expect(self, kind: MotionKind, direction: Vector | None, window: Window, words: str, **more) -> None:
         """Adds a motion that a viewer should see; once."""
         strength = clamp(more.pop("strength", 1.0), MAGNITUDE_MIN, MAGNITUDE_MAX)
-        shown = self.fit_window(window) or (0.0, self.last)
+        shown = self.fit_window(window) or (0.0, self.brief.last)
         motion = ExpectedMotion(
             kind=kind, direction=direction, window=shown, words=words[:200], strength=strength, **more
         )
@@ -74,24 +69,14 @@ class ForceFieldBuilder:
             self.add_evidence(words, "default_drop", "true", why)
             self.default_drop = True
 
-    def add_note(self, text: str) -> None:
-        """Adds an assumption once."""
-        if text not in self.notes:
-            self.notes.append(text)
-
-    def add_doubt(self, text: str) -> None:
-        """Adds what was not understood and matters, once."""
-        if text not in self.unsure:
-            self.unsure.append(text)
-
     def fit_window(self, window: Window) -> Window | None:
         """``window`` inside the clip, in whole frames if it keeps one; None (all) if the clip has one frame."""
-        if self.last < 1:
+        if self.brief.last < 1:
             return None
-        first, end = (clamp(edge, 0.0, self.last) for edge in window)
+        first, end = (clamp(edge, 0.0, self.brief.last) for edge in window)
         if round(end) > round(first):
             return (float(round(first)), float(round(end)))
-        return (self.last - 1.0, self.last) if is_too_short(first, end) else (first, end)
+        return (self.brief.last - 1.0, self.brief.last) if is_too_short(first, end) else (first, end)
 
 
 def describe_skill(skill: Action | VelocityConstraint) -> dict[str, str]:

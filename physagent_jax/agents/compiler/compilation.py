@@ -62,7 +62,7 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     solids = [*intent.surroundings.solids, *(each for clause in intent.clauses for each in clause.solids)]
     words = [intent.surroundings.text, *(each.text or each.kind for each in solids)]
     if len(set(solids)) > len(builder.obstacles):
-        builder.add_doubt(f"Where '{words[-1]}' is, is not understood.")
+        builder.unsure.append(f"Where '{words[-1]}' is, is not understood.")
     _collect_doubts(intent, unknown, builder)
     if anchor.kind is not None:
         builder.add_evidence(anchor.words, "anchor", anchor.kind, "words about holding or freedom")
@@ -79,10 +79,10 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
         frame_count=None if frame_count == brief.frame_count else frame_count,
         materials=intent.materials,
         ignored=intent.ignored,
-        unsure=tuple(builder.unsure),
+        unsure=tuple(dict.fromkeys(builder.unsure)),
         evidence=tuple(builder.evidence),
         not_understood=intent.unknown,
-        notes=tuple(builder.notes),
+        notes=tuple(dict.fromkeys(builder.notes)),
     )
 
 
@@ -111,7 +111,7 @@ def _state_gravity(intent: Intent, builder: ForceFieldBuilder) -> None:
         builder.enable_gravity(words, "gravity is named")
     if not builder.expectations and builder.gravity != "none":
         way = builder.brief.directions.up if builder.gravity == "up" else None
-        builder.expect(MotionKind.FALL, way, (0.0, builder.last), words)
+        builder.expect(MotionKind.FALL, way, (0.0, builder.brief.last), words)
 
 
 def _expect_stillness(clauses: list[Event], builder: ForceFieldBuilder) -> None:
@@ -120,23 +120,21 @@ def _expect_stillness(clauses: list[Event], builder: ForceFieldBuilder) -> None:
         return
     for event in clauses:
         if event.clause.negated and event.verb is not None and event.verb.effect is Effect.STILL:
-            builder.add_doubt("What it is to do, if not to be still, is not understood.")
+            builder.unsure.append("What it is to do, if not to be still, is not understood.")
     words = " ".join(event.words for event in clauses)
-    builder.expect(MotionKind.STILL, None, (0.0, builder.last), words)
+    builder.expect(MotionKind.STILL, None, (0.0, builder.brief.last), words)
 
 
 def _collect_doubts(intent: Intent, unknown: list[Event], builder: ForceFieldBuilder) -> None:
     """Adds what the intent doubts, and what the lexicon, the scene or the clip have no place for."""
     for event in unknown:
-        for doubt in event.doubts or ["A clause without a motion is not understood."]:
-            builder.add_doubt(doubt)
+        builder.unsure += event.doubts or ["A clause without a motion is not understood."]
     if builder.gravity == "none" and any(each.kind is MotionKind.FALL for each in builder.expectations):
-        builder.add_doubt("How it falls without gravity is not understood.")
-    for doubt in intent.doubts:
-        builder.add_doubt(doubt)
+        builder.unsure.append("How it falls without gravity is not understood.")
+    builder.unsure += intent.doubts
     for word in intent.unknown:
         part = word in read_lexicon().unplaced
-        builder.add_doubt(
+        builder.unsure.append(
             explain_missing(word, builder.brief.parts) if part else f"'{word}' is not understood."
         )
 

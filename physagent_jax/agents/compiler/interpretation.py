@@ -11,9 +11,9 @@ from physagent_jax.agents.compiler.directions import TOWARDS, sum_directions, ta
 from physagent_jax.agents.compiler.events import WAYS, Event, ValueSource, WayKind
 from physagent_jax.agents.compiler.limbs import find_limbs
 from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
-from physagent_jax.agents.regions import make_end_region, make_middle_region
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.slabs import make_end_region, make_middle_region
 from physagent_jax.motion.parts import explain_missing
 from physagent_jax.motion.schema import Amount, ObstacleRequest, SceneBrief
 from physagent_jax.motion.vectors import clamp, normalise, scale

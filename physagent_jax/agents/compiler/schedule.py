@@ -57,18 +57,18 @@ def schedule(events: list[Event], brief: SceneBrief, anchored: bool) -> tuple[li
         The slots, the number of frames that the clip needs (the brief's if that suffices or is fixed), and notes.
     """
     if brief.frames_fixed:
-        slots, notes = _group_slots(events, brief, brief.frame_count - 1.0), []
+        slots, notes = _group_slots(events, brief, brief.last), []
     else:
         needed = _find_end(_make_needy_slots(events, brief, anchored, math.inf), brief)
         frame_count, notes = _lengthen(math.ceil(needed) + 1, brief)
         brief = brief.model_copy(update={"frame_count": frame_count})
-        slots = _make_needy_slots(events, brief, anchored, frame_count - 1.0)
+        slots = _make_needy_slots(events, brief, anchored, brief.last)
         for slot in slots:
             if slot.length is None and _is_dosed(slot.events[0], brief, anchored):
-                slot.length = min(slot.need, frame_count - 1.0)
+                slot.length = min(slot.need, brief.last)
     starts = [index for index, slot in enumerate(slots) if index == 0 or slot.start is not None]
     for first, after in zip(starts, [*starts[1:], None]):
-        end = brief.frame_count - 1.0 if after is None else slots[after].start or 0.0
+        end = brief.last if after is None else slots[after].start or 0.0
         _share(slots[first:after], slots[first].start or 0.0, end)
     return slots, brief.frame_count, notes
 
@@ -90,7 +90,7 @@ def _is_dosed(event: Event, brief: SceneBrief, anchored: bool) -> bool:
 def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, last: float) -> list[Slot]:
     """Slots with their least durations [frames]: told lengths as they are, steps of a sequence `STEP`."""
     slots = _group_slots(events, brief, last)
-    grounded, clip = brief.world == "ground", brief.frame_dt * (brief.frame_count - 1)
+    grounded, clip = brief.world == "ground", brief.seconds
     for slot, following in zip(slots, [*slots[1:], None]):
         seconds = 0.0
         for event in slot.events:
@@ -130,7 +130,6 @@ def _group_slots(events: list[Event], brief: SceneBrief, last: float) -> list[Sl
         brief: The scene.
         last: The clip's last frame; infinity while its length is still to be found.
     """
-    clip_end = float(brief.frame_count - 1)
     slots: list[Slot] = []
     latest = 0.0
     for index, event in enumerate(events):
@@ -139,7 +138,7 @@ def _group_slots(events: list[Event], brief: SceneBrief, last: float) -> list[Sl
             continue
         start, length = (find_frames(told, brief) for told in (event.when.starts, event.when.lasts))
         if start is not None:
-            start = clamp(clip_end + start if start < 0 else start, 0.0, max(last - 1.0, 0.0))
+            start = clamp(brief.last + start if start < 0 else start, 0.0, max(last - 1.0, 0.0))
             start = start if start > latest or not slots else None
             latest = start if start is not None else latest
         slots.append(Slot([event], start, None if length is None else clamp(length, min(1.0, last), last)))
@@ -150,7 +149,7 @@ def find_frames(told: Duration | None, brief: SceneBrief) -> float | None:
     """A told length of time in frames; a clip is as long as its last frame's index."""
     if told is None:
         return None
-    per_unit = {"seconds": 1.0 / brief.frame_dt, "frames": 1.0, "clip": float(brief.frame_count - 1)}
+    per_unit = {"seconds": 1.0 / brief.frame_dt, "frames": 1.0, "clip": brief.last}
     return told.value * per_unit[told.unit]
 
 

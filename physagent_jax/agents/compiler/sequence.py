@@ -10,12 +10,12 @@ from physagent_jax.agents.compiler.interpretation import interpret, resolve_obst
 from physagent_jax.agents.compiler.schedule import follows
 from physagent_jax.agents.intent import Held, Timing
 from physagent_jax.agents.lexicon import Effect, read_lexicon
+from physagent_jax.agents.lexicon.types import HOLDABLE
 from physagent_jax.motion.schema import AnchorRequest
 from physagent_jax.motion.vectors import dot
 
 _AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
 _RESTING = (Effect.STILL, Effect.RELEASE)
-_HOLDABLE = (Effect.PUSH, Effect.LEAN, Effect.SCALE, Effect.SWELL, Effect.TURN)
 _RISING = (Effect.PUSH, Effect.STRIKE, Effect.JUMP)
 
 
@@ -28,7 +28,7 @@ def make_events(clauses: list[Event], builder: ForceFieldBuilder) -> list[Event]
         elif keeps_end(event, clauses):
             continue  # "while the bottom stays put": what is held
         elif event.clause.negated or any(each.times == 0 for each in event.clause.repetitions):
-            builder.add_note(f"'{event.words}' is negated: it does not happen.")
+            builder.notes.append(f"'{event.words}' is negated: it does not happen.")
         else:
             _add_event(events, event, builder)
     events = _share_time(_find_releases(events, builder))
@@ -134,9 +134,9 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
             result.append(event)
         elif event.motion.lets_go:
             result.append(replace(event, motion=read_lexicon().motions["fall"]))
-            builder.add_note(f"'{event.text}': nothing acts before it, so the object is let fall.")
+            builder.notes.append(f"'{event.text}': nothing acts before it, so the object is let fall.")
         else:
-            builder.add_doubt(f"What '{event.text}' comes back from is not understood.")
+            builder.unsure.append(f"What '{event.text}' comes back from is not understood.")
     return result
 
 
@@ -171,7 +171,7 @@ def apply_holding(clauses: list[Event], held: Held | None) -> list[Event]:
 
 def _hold(event: Event, last: Event | None, after: Event | None) -> list[Event]:
     """A bare hold as an anchor, as a time of rest, or (nothing) as a property of what was done before."""
-    moved = last is not None and not last.clause.negated and last.effect in _HOLDABLE
+    moved = last is not None and not last.clause.negated and last.effect in HOLDABLE
     let_go = after is not None and after.effect is Effect.RELEASE and after.is_bare
     if moved and last is not None and let_go and not last.is_timed:
         last.when = event.when  # "hold it for a second, then release it"

@@ -11,11 +11,11 @@ from physagent_jax.agents.compiler.directions import find_lean_axis
 from physagent_jax.agents.compiler.schedule import Slot
 from physagent_jax.agents.compiler.steady import Task, add_steady, make_impulse_window, shorten
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.regions import make_end_region
 from physagent_jax.agents.windows import Window, divide, divide_swings
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, SWING
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.forces.skills import find_skill
+from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import dot, scale
 
@@ -27,15 +27,15 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
     """Compiles every event; each knows what comes after it."""
     for index, slot in enumerate(slots):
         following = slots[index + 1 : index + 2]
-        builder.room = following[0].window[1] if following else builder.last
+        builder.room = following[0].window[1] if following else builder.brief.last
         stops = [each for each in slot.events if each.effect is Effect.STILL]
         if stops and len(stops) < len(slot.events):
-            builder.add_doubt(f"What '{stops[0].text}' keeps still while the rest moves is not understood.")
+            builder.unsure.append(
+                f"What '{stops[0].text}' keeps still while the rest moves is not understood."
+            )
         for event in slot.events:
-            for note in event.notes:
-                builder.add_note(note)
-            for doubt in event.doubts:
-                builder.add_doubt(doubt)
+            builder.notes += event.notes
+            builder.unsure += event.doubts
             builder.obstacles += [each for each in event.obstacles if each not in builder.obstacles]
             after = [event for later in following for event in later.events]
             task = Task(event, slot.window, after, builder)
@@ -128,7 +128,9 @@ def _compile_scale(task: Task) -> None:
         strength = find_strain_magnitude(event.amount)
         task = replace(task, event=replace(event, stays=event.stays or count == 1 and task.is_kept))
         if strength > MAGNITUDE_MAX:
-            builder.add_note(f"'{event.text}': more than the library's strongest force is calibrated for.")
+            builder.notes.append(
+                f"'{event.text}': more than the library's strongest force is calibrated for."
+            )
     for part in windows:
         for axis in axes:
             task.act(ActionType.SCALE, axis, event.motion.sign * strength, part)
@@ -139,8 +141,10 @@ def _compile_scale(task: Task) -> None:
 
 def _compile_burst(task: Task) -> None:
     """Outward along all axes, briefly: a uniform impulse has no outward form."""
-    task.builder.add_note("An explosion without a direction is a brief, strong stretch in all directions.")
-    _compile_scale(replace(task, window=shorten(task.window, task.builder.last)))
+    task.builder.notes.append(
+        "An explosion without a direction is a brief, strong stretch in all directions."
+    )
+    _compile_scale(replace(task, window=shorten(task.window, task.builder.brief.last)))
 
 
 def _compile_turn(task: Task) -> None:
@@ -172,7 +176,7 @@ def _compile_twist(task: Task) -> None:
     if builder.anchored:
         end = task.brief.directions.down if "top" in (task.brief.anchored or "") else up
         return _turn_steadily(replace(task, event=replace(event, part=end, region=make_end_region(end, 0.5))))
-    builder.add_note(f"'{event.text}': one end turns against the other.")
+    builder.notes.append(f"'{event.text}': one end turns against the other.")
     if amount is not None and amount.unit == "degrees":
         event.amount = amount.model_copy(update={"value": amount.value / 2})
     for sign in (1.0, -1.0):

@@ -14,11 +14,10 @@ from physagent_jax.agents.compiler.amounts import MOST, find_effort, find_held_m
 from physagent_jax.agents.compiler.builder import MAX_ACTIONS, ForceFieldBuilder, describe_skill
 from physagent_jax.agents.compiler.events import BY_DEFAULT, Event
 from physagent_jax.agents.compiler.schedule import find_frames, has_to_stop
-from physagent_jax.agents.dosing import find_magnitude
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.windows import Window, halve
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, find_magnitude
 from physagent_jax.forces.schema import Action, ActionType
 from physagent_jax.motion.schema import Amount, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import clamp, scale
@@ -60,7 +59,7 @@ class Task:
         """Adds an action with its evidence; windows are kept inside the clip."""
         builder, event = self.builder, self.event
         if len(builder.actions) >= MAX_ACTIONS:
-            builder.add_note(f"More than {MAX_ACTIONS} actions: the rest of the sentence is left out.")
+            builder.notes.append(f"More than {MAX_ACTIONS} actions: the rest of the sentence is left out.")
             return
         size = round(clamp(abs(magnitude), MAGNITUDE_MIN, MAGNITUDE_MAX), 3)
         action = Action(
@@ -96,10 +95,6 @@ class Task:
                 kind, direction, window, event.text, **(values | dict(limb=limb, part=part) | more)
             )
 
-    def enable_gravity(self, why: str) -> None:
-        """Lets the object fall from the first frame, for what the event does."""
-        self.builder.enable_gravity(self.event.words, why)
-
     def _find_duration(self) -> Amount | None:
         """The cause's duration, if the sentence says so in seconds or frames."""
         told = self.event.when.lasts
@@ -124,7 +119,7 @@ class Task:
         """Return whether the cause ends and leaves the object to itself, which was brought to no place to stay."""
         if self.event.stays or self._is_measured or self.is_kept:
             return False
-        ends_early = not self.after and self.window[1] < self.builder.last - 0.5
+        ends_early = not self.after and self.window[1] < self.builder.brief.last - 0.5
         return self._is_let_go or ends_early or self.event.motion.brief
 
     @property
@@ -169,7 +164,7 @@ class Task:
         fits = max(1, min(int(frames / shortest), MAX_ACTIONS // 3))
         if fits < count:
             note = f"{count} repetitions do not fit into {frames:.0f} frames: {fits} are made."
-            self.builder.add_note(note)
+            self.builder.notes.append(note)
         return min(count, fits)
 
 
@@ -178,21 +173,25 @@ def add_steady(task: Task, kind: ActionType, vector: Vector, magnitude: float) -
     event, window, builder = task.event, task.window, task.builder
     lasts, stops = event.when.lasts, task.needs_brake
     if event.motion.brief and lasts is None:
-        window = shorten(window, builder.last)
+        window = shorten(window, builder.brief.last)
     told = lasts is not None and lasts.unit != "clip" and not event.when.within
     brakes = stops and not told
     speed_up, slow_down = halve(window)
     frames = slow_down[1] - speed_up[0] if brakes else window[1] - window[0]
     magnitude *= _find_dose(task, magnitude, frames * builder.brief.frame_dt, brakes)
     if builder.anchored and task.is_reached_within and not task.after:
-        task.act(kind, vector, magnitude, (window[0], builder.last))
+        task.act(kind, vector, magnitude, (window[0], builder.brief.last))
     elif brakes:
         task.act(kind, vector, magnitude, speed_up)
         task.act(kind, scale(vector, -1.0), magnitude, slow_down)
-        builder.add_note(BRAKED_BEFORE)
+        builder.notes.append(BRAKED_BEFORE)
     else:
         task.act(kind, vector, magnitude, window)
-        if stops and window[1] < builder.last and any(later.effect is Effect.STILL for later in task.after):
+        if (
+            stops
+            and window[1] < builder.brief.last
+            and any(later.effect is Effect.STILL for later in task.after)
+        ):
             _brake_after(task, kind, vector, magnitude, window)
     return window
 
@@ -208,7 +207,7 @@ def _brake_after(task: Task, kind: ActionType, vector: Vector, magnitude: float,
     brake = (float(end), float(min(2 * end - first, math.floor(task.builder.room))))
     if brake[1] > brake[0]:
         task.act(kind, scale(vector, -1.0), magnitude, brake)
-        task.builder.add_note(f"{_DRIFTS} after the time that is told.")
+        task.builder.notes.append(f"{_DRIFTS} after the time that is told.")
 
 
 def _find_dose(task: Task, magnitude: float, seconds: float, braked: bool) -> float:
@@ -223,7 +222,8 @@ def _find_dose(task: Task, magnitude: float, seconds: float, braked: bool) -> fl
         effort = find_effort(event.amount, event.effect, brief)
         if event.amount is None and braked:
             effort = find_word_effort(event.strength, event.effect)
-        wanted = None if effort is None else find_magnitude(effort, seconds, braked, brief)
+        shortest = max(seconds, brief.frame_dt)
+        wanted = effort and find_magnitude(effort, shortest, brief.seconds, braked=braked)
     return 1.0 if wanted is None else max(wanted, 1e-3) / abs(magnitude)
 
 

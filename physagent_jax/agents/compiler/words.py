@@ -12,12 +12,12 @@ import re
 from physagent_jax.agents import intent
 from physagent_jax.agents.compiler.events import Event, KnownPart, KnownWay, WayKind
 from physagent_jax.agents.lexicon import NAMED, Motion, Names, Place, read_forms, read_lexicon
+from physagent_jax.agents.lexicon.types import OPPOSITES
 from physagent_jax.forces.part import split_name
 
 _ARTICLE = re.compile(r"^(the )?(an? )?(its )?")
 _AROUND = re.compile(r"^((to|from|towards?) )?((the|an?|its) )?|( side)?( direction)?$")
-_OPPOSITES = (("left", "right"), ("up", "down"), ("toward", "away"))
-_BASE = frozenset(name for pair in _OPPOSITES for name in pair)
+_BASE = frozenset(name for pair in OPPOSITES for name in pair)
 _REVERSALS = {"same": "same", "other": "other", "opposite": "other"}  # single words, as models write them
 _SIDES = {"apart": "both", "together": "both"}
 _NEAREST = 3
@@ -126,7 +126,7 @@ def _find_directions(text: str) -> Names:
     words = text.replace(" and ", " ").split()
     found = [(word,) if word in _BASE else lexicon.directions.get(word, ()) for word in words]
     names = tuple(name for each in found for name in each)
-    cancelling = any(one in names and other in names for one, other in _OPPOSITES)
+    cancelling = any(one in names and other in names for one, other in OPPOSITES)
     return names if all(found) and not cancelling else ()
 
 
@@ -159,7 +159,7 @@ def find_strength(word: str) -> tuple[str, float] | None:
 
 
 def suggest_motions(word: str) -> list[str]:
-    """The known motions that are spelled most like a word."""
-    lexicon = read_lexicon()
+    """The known motions that are spelled most like a word; none for an empty one."""
+    lexicon, text = read_lexicon(), normalise(word)
     known = [phrase for phrase in (*lexicon.motions, *lexicon.causes) if "~" not in phrase]
-    return difflib.get_close_matches(normalise(word), known, _NEAREST, _ALIKE)
+    return difflib.get_close_matches(read_forms().get(text, text), known, _NEAREST, _ALIKE) if text else []

@@ -10,7 +10,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from physagent_jax.agents.grammar.mentions import (
+    LOOSE,
     MOTIONS,
+    WAYS,
     Mention,
     MentionKind,
     empty,
@@ -23,18 +25,9 @@ from physagent_jax.agents.lexicon import Effect, Join, Motion
 OTHER = "other"
 """Phrase of emptied words that are said of something else than the object."""
 
-_WAYS = (MentionKind.DIRECTION, MentionKind.FROM)
 _REPLACED = {kind: (kind,) for kind in (MentionKind.PLACE, MentionKind.SENSE, MentionKind.QUANTITY)} | {
-    MentionKind.DIRECTION: _WAYS,
-    MentionKind.FROM: _WAYS,
+    way: WAYS for way in WAYS
 }
-_LOOSE = (
-    MentionKind.FUNCTION,
-    MentionKind.UNKNOWN,
-    MentionKind.IGNORED,
-    MentionKind.INTENSITY,
-    MentionKind.DEGREE,
-)
 _REACH = 20  # words before a correction in which the corrected ones stand
 # What ends a comparison.
 _GOES_ON = (
@@ -108,7 +101,7 @@ def _is_done_by_another(segment: list[Mention], names: frozenset[str]) -> bool:
     subject = at
     while (
         subject > 0
-        and segment[subject - 1].kind in _LOOSE
+        and segment[subject - 1].kind in (MentionKind.FUNCTION, *LOOSE)
         and segment[subject - 1].phrase not in get_set("determiners")
     ):
         subject -= 1

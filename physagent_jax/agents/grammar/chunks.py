@@ -133,22 +133,20 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
     """Return whether this reading is wrong because the word stands as a noun, or is the object or an agent."""
     words, kind, value = entry
     at = used[0]
-    before, text = reader.get_text(at - 1), reader.tokens[at].text
+    before, text, behind = (reader.get_text(place) for place in (at - 1, at, used[-1] + 1))
     if kind is MentionKind.PLACE:
         assert isinstance(value, Place)
         possessive = at > 0 and reader.tokens[at - 1].possessive and before not in get_set("persons")
         owned = before in get_set("owners_of_parts") or possessive
-        if isinstance(value, Place) and value.names == ("down",) and _is_standing(reader, at):
+        if value.names == ("down",) and _is_standing(reader, at):
             return True  # "wobble it on its base"
         another = before in ("a", "an") and not set(words) & LEXICON.one_of_many
         return (text in LEXICON.agents and not owned) or another and reader.get_text(at + 1) != "of"
     if kind is MentionKind.ANCHOR and value == "none":  # "the free end"
-        behind = reader.get_text(used[-1] + 1)
         return behind in LEXICON.part_adjectives or behind in LEXICON.part_nouns
     if kind is not MentionKind.VERB:
         return False
     if len(words) > 1:  # "push it over and over" does not push it over, "push it over the edge" neither
-        behind = reader.get_text(used[-1] + 1)
         over = words[-2:] == (GAP, "over") and (
             behind in get_set("determiners") or behind in NUMBERS or behind.isdigit()
         )

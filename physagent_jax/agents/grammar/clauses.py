@@ -13,7 +13,8 @@ from physagent_jax.agents.grammar.mentions import MOTIONS, WAYS, Mention, Mentio
 from physagent_jax.agents.grammar.tables import LEXICON, get_set
 from physagent_jax.agents.grammar.tokens import is_participle
 from physagent_jax.agents.intent import Quantity
-from physagent_jax.agents.lexicon import Effect, Join, Motion, Names, Repeat
+from physagent_jax.agents.lexicon import Effect, Join, Motion, Repeat
+from physagent_jax.agents.lexicon.types import HOLDABLE, OPPOSITES
 
 WHERE = (
     *WAYS,
@@ -27,12 +28,6 @@ WHERE = (
     MentionKind.REVERSAL,
 )
 TURNING = (Effect.TURN, Effect.ROLL, Effect.LEAN, Effect.TOPPLE)
-HOLDABLE = (Effect.PUSH, Effect.LEAN, Effect.SCALE, Effect.SWELL, Effect.TURN)
-OPPOSITES: tuple[tuple[Names, Names], ...] = (
-    (("left",), ("right",)),
-    (("up",), ("down",)),
-    (("toward",), ("away",)),
-)
 OPPOSITE_GRAVITY = {"down": "none", "none": "down", "up": "down"}
 # Of several connectives in a row (", and then") the one that stands last here counts.
 _RANK = (Join.COMMA, Join.AND, Join.RESULT, Join.WHILE, Join.BUT, Join.THEN, Join.AFTER, Join.BEFORE)
@@ -346,7 +341,9 @@ def _is_turning_back(clauses: list[Clause], join: Join, mentions: list[Mention])
     if any(repeat.alternate for repeat in find_repeats(last)):
         return False
     before, now = ([m.value for m in group if m.kind in WAYS] for group in (last.modifiers, mentions))
-    return bool(before and now) and any({before[-1], now[0]} == set(pair) for pair in OPPOSITES)
+    return bool(before and now) and any(
+        {before[-1], now[0]} == {(one,), (other,)} for one, other in OPPOSITES
+    )
 
 
 def _is_absorbed(clause: Clause, mention: Mention) -> bool:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from physagent_jax.agents.grammar.asides import list_segments
-from physagent_jax.agents.grammar.mentions import MOTIONS, Mention, MentionKind, get_phrase
+from physagent_jax.agents.grammar.mentions import LOOSE, MOTIONS, Mention, MentionKind, get_phrase
 from physagent_jax.agents.grammar.nouns import is_telling
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.lexicon import Effect, Motion
@@ -19,7 +19,6 @@ from physagent_jax.motion.schema import SceneBrief
 
 _LEAST_WORDS, _MOST_UNKNOWN = 3, 0.5
 _REACH = 40  # words to either side that tell the place of a word: keeps long texts linear
-_LOOSE = (MentionKind.UNKNOWN, MentionKind.IGNORED, MentionKind.INTENSITY, MentionKind.DEGREE)
 _LOOKS = frozenset(word for name in read_sections(("scenery",)) for word in get_set(name)) | LEXICON.moods
 
 
@@ -71,7 +70,7 @@ class _Spot:
     def first(self) -> int:
         """Index of the first word of the noun's phrase: its article, or its first adjective."""
         first = self.index
-        while first > self.begin and self.mentions[first - 1].kind in _LOOSE:
+        while first > self.begin and self.mentions[first - 1].kind in LOOSE:
             first -= 1
         return first - (get_phrase(self.mentions, first - 1) in get_set("determiners"))
 
@@ -84,7 +83,7 @@ class _Spot:
         """The nearest mention in a direction past adjectives, adverbs and ``helps``."""
         at = self.index + step
         while self.begin <= at < self.end and (
-            self.mentions[at].kind in _LOOSE or self.mentions[at].phrase in helps
+            self.mentions[at].kind in LOOSE or self.mentions[at].phrase in helps
         ):
             at += step
         return self.mentions[at] if 0 <= at < len(self.mentions) else None
@@ -267,7 +266,7 @@ def _is_in_a_fragment(spot: _Spot) -> bool:
     """A segment of nouns alone beside a motion, in a caption: ", soft focus, volumetric,"."""
     inside = spot.mentions[spot.begin : spot.end]
     around = (*spot.mentions[spot.begin - 1 : spot.begin], *spot.mentions[spot.end : spot.end + 1])
-    told = {m.kind for m in inside} - {MentionKind.FUNCTION, *_LOOSE}
+    told = {m.kind for m in inside} - {MentionKind.FUNCTION, *LOOSE}
     apart = all(not m.words.isalnum() for m in around)
     linked = spot.names | get_set("pronouns") | get_set("repeating") | get_set("linking")
     nouns = not any(m.phrase in linked or m.phrase.endswith(("ly", "wise", "ways")) for m in inside)

@@ -10,9 +10,6 @@ from collections.abc import Sequence
 
 from physagent_jax.agents.grammar.tables import get_set
 
-_DETERMINERS = frozenset("the its his her their our your my this that a an".split())
-_LEADING = frozenset("to into onto under behind through".split())
-
 
 def ends_elsewhere(words: Sequence[str]) -> bool:
     """Return whether a clause says that what it moves ends at another place.
@@ -33,15 +30,15 @@ def _begins_displacement(rest: Sequence[str], before: str) -> bool:
     if first == "off":  # "a hand from off screen" tells where the cause is
         return before != "from" and second not in get_set("states")
     if first == "out":
-        return second == "of" and len(rest) > 2 and rest[2] in _DETERMINERS
-    if first in _LEADING and second in _DETERMINERS:
+        return second == "of" and len(rest) > 2 and rest[2] in get_set("determiners")
+    if first in get_set("leading") and second in get_set("determiners"):
         return _find_noun(rest[1:]) in get_set("destinations") or _is_bounded(rest[2:])
     return False
 
 
 def _find_noun(words: Sequence[str]) -> str:
     """The first word past determiners; empty if there is none."""
-    return next((word for word in words if word not in _DETERMINERS), "")
+    return next((word for word in words if word not in get_set("determiners")), "")
 
 
 def _is_bounded(words: Sequence[str]) -> bool:

@@ -12,9 +12,10 @@ import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set, read_rows, read_sections
+from physagent_jax.agents.grammar.tables import LEXICON, LEXICON_PACKAGE, NUMBERS, get_set, read_sections
 from physagent_jax.agents.grammar.tokens import Token
 from physagent_jax.agents.intent import Duration, Quantity, Timing
+from physagent_jax.core.reading import read_packaged_yaml
 
 
 class Words:
@@ -122,7 +123,7 @@ def _compile(row: dict[str, Any]) -> re.Pattern[str]:
     return re.compile(filled + "(?= )")
 
 
-_QUANTITIES = [(_compile(row), row) for row in read_rows("quantities")]
+_QUANTITIES = [(_compile(row), row) for row in read_packaged_yaml(LEXICON_PACKAGE, "quantities.yaml")]
 
 
 def match_quantity(words: Words, at: int) -> tuple[Quantity, int] | None:
@@ -182,15 +183,11 @@ def _begins_number(word: str) -> bool:
 
 
 # A length of time, and moments.
-def _duration(name: str) -> str:
-    return (
-        rf"(?:(?P<{name}_n>{_NUMBER})(?: of)?(?: an?| one)? (?P<{name}_unit>{_UNIT})"
-        rf"(?: and an? (?P<{name}_more>{_FRACTION})(?! (?:{_of('not_of_a_time')}) ))?"
-        rf"|half(?: of)? (?:the )?(?:clip|time))"
-    )
-
-
-_LENGTH = _duration("d")
+_LENGTH = (
+    rf"(?:(?P<d_n>{_NUMBER})(?: of)?(?: an?| one)? (?P<d_unit>{_UNIT})"
+    rf"(?: and an? (?P<d_more>{_FRACTION})(?! (?:{_of('not_of_a_time')}) ))?"
+    rf"|half(?: of)? (?:the )?(?:clip|time))"
+)
 _NAMED = rf"(?:t |time )?(?P<named>frames?|second) (?P<named_n>{_NUMBER})"
 _MOMENT = rf"(?:{_NAMED}|(?:t |time )?{_LENGTH})"
 _CLIP_PARTS = _either(LEXICON.clip_parts)
@@ -221,7 +218,7 @@ def _make_duration(match: re.Match[str]) -> Duration:
 
 
 def _make_moment(match: re.Match[str]) -> Timing:
-    if match["named"]:
+    if match.groupdict().get("named"):
         return Timing(starts=_last(compute_number(match["named_n"]), LEXICON.units[match["named"]]))
     return Timing(starts=_make_duration(match))
 
@@ -257,10 +254,6 @@ def _make_interval(match: re.Match[str]) -> Timing | None:
     return _make_span(first, last - first, unit) if unit and last > first else None
 
 
-def _make_start(match: re.Match[str]) -> Timing:
-    return Timing(starts=_make_duration(match))
-
-
 def _make_length(match: re.Match[str]) -> Timing:
     return Timing(lasts=_make_duration(match), within=match.group().startswith(("within", "in ", "over")))
 
@@ -275,7 +268,7 @@ _TIMES: tuple[tuple[str, re.Pattern[str], Callable[[re.Match[str]], Timing | Non
         ("measured", rf"(?:in|over) {_LENGTH}", _make_length),
         ("", _SPAN, _make_interval),
         ("", rf"(?:after|at) {_MOMENT}", _make_moment),
-        ("counted", rf"{_LENGTH} (?:in(?= (?:[^\w\s]|$))|{_INTO})", _make_start),
+        ("counted", rf"{_LENGTH} (?:in(?= (?:[^\w\s]|$))|{_INTO})", _make_moment),
         ("counted", rf"(?!half of|half the|half clip){_LENGTH}(?! (?:later|after|in |into) )", _make_length),
     )
 )

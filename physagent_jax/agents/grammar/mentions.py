@@ -47,6 +47,7 @@ class MentionKind(enum.Enum):
 
 MOTIONS = (MentionKind.VERB, MentionKind.CAUSE)
 WAYS = (MentionKind.DIRECTION, MentionKind.FROM)
+LOOSE = (MentionKind.UNKNOWN, MentionKind.IGNORED, MentionKind.INTENSITY, MentionKind.DEGREE)
 
 
 @dataclass(frozen=True)

@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import functools
 from dataclasses import dataclass
-from importlib import resources
 
-import yaml
+from physagent_jax.agents.grammar.tokens import tokenise
+from physagent_jax.core.reading import read_packaged_yaml
 
-from physagent_jax.agents.grammar.tables import LEXICON
-from physagent_jax.agents.grammar.tokens import FORMS, tokenise
-
-_NEAREST, _ALIKE, _SHOWN = 3, 0.6, 2
-_TABLE = "<!-- patterns -->"
-_PAGE = "page.md"  # what stands around the table of patterns in the documentation
+_SHOWN = 2
 
 
 @dataclass(frozen=True)
@@ -42,8 +36,7 @@ class Pattern:
 @functools.cache
 def read_patterns() -> tuple[Pattern, ...]:
     """All patterns, in their order."""
-    file = resources.files("physagent_jax.agents.grammar") / "patterns.yaml"
-    groups = yaml.load(file.read_text(encoding="utf-8"), getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    groups = read_packaged_yaml("physagent_jax.agents.grammar", "patterns.yaml")
     return tuple(
         Pattern(**{**row, "group": group, "examples": tuple(row["examples"])})
         for group, rows in groups.items()
@@ -64,26 +57,3 @@ def suggest_patterns(sentence: str) -> list[Pattern]:
         return len(words & own)
 
     return sorted(read_patterns(), key=count, reverse=True)[:_SHOWN]
-
-
-def suggest_motions(word: str) -> list[str]:
-    """The known motions that are spelled most like a word."""
-    known = [phrase for phrase in (*LEXICON.motions, *LEXICON.causes) if "~" not in phrase]
-    return difflib.get_close_matches(FORMS.get(word, word), known, _NEAREST, _ALIKE) if word else []
-
-
-def describe_patterns() -> str:
-    """The page of the documented language, in Markdown."""
-    head, _, tail = (
-        (resources.files("physagent_jax.agents.grammar") / _PAGE)
-        .read_text(encoding="utf-8")
-        .partition(_TABLE)
-    )
-    lines, group = [head.rstrip()], ""
-    for pattern in read_patterns():
-        if pattern.group != group:
-            group = pattern.group
-            lines.append(f"\n## {group}\n\n| form | for example |\n|---|---|")
-        form = pattern.form.replace("|", "\\|")
-        lines.append(f"| {form} | {'; '.join(pattern.examples)} |")
-    return "\n".join([*lines, tail])

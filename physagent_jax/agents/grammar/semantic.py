@@ -6,14 +6,16 @@ import unicodedata
 from dataclasses import replace
 
 from physagent_jax.agents.compiler import compile_forces, compile_intent
+from physagent_jax.agents.compiler.compilation import EXAMPLES
+from physagent_jax.agents.compiler.words import suggest_motions
 from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.grammar.asides import OTHER
 from physagent_jax.agents.grammar.clauses import Clause, mark_displacements
 from physagent_jax.agents.grammar.coverage import Coverage, ignore_captions, is_mostly_unknown, sort_words
 from physagent_jax.agents.grammar.intent import make_intent
-from physagent_jax.agents.grammar.mentions import WAYS, Mention, MentionKind
+from physagent_jax.agents.grammar.mentions import WAYS, MentionKind
 from physagent_jax.agents.grammar.nouns import collect_names
-from physagent_jax.agents.grammar.patterns import suggest_motions, suggest_patterns
+from physagent_jax.agents.grammar.patterns import suggest_patterns
 from physagent_jax.agents.grammar.reading import read_mentions
 from physagent_jax.agents.grammar.relations import read_clauses
 from physagent_jax.agents.grammar.tables import LEXICON
@@ -27,9 +29,6 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.motion.parts import list_names
 from physagent_jax.motion.schema import SceneBrief
 
-EXAMPLES = (
-    '"push the robot to the left", "a gentle wind sways the plant", "drop the guitar", "twist the loaf"'
-)
 MOST_CHARACTERS = 100_000  # read within seconds
 
 
@@ -138,6 +137,3 @@ def _check_text(prompt: str) -> None:
             got=ascii(strange),
             do=f"Type the sentence anew, for example {EXAMPLES}",
         )
-
-
-__all__ = ["EXAMPLES", "MOST_CHARACTERS", "GrammarSemanticAgent", "Mention", "read_intent", "read_sentence"]

@@ -6,15 +6,11 @@ They are the lexicon's YAML files as well; here a section is a set of words, or 
 from __future__ import annotations
 
 import functools
-from importlib import resources
-from typing import Any
-
-import yaml
 
 from physagent_jax.agents.lexicon import read_lexicon
+from physagent_jax.core.reading import read_packaged_yaml
 
-_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
-_FOLDER = resources.files("physagent_jax.agents.lexicon")
+LEXICON_PACKAGE = "physagent_jax.agents.lexicon"
 FILES = ("measures", "expressions", "scenery")
 
 
@@ -23,19 +19,12 @@ def read_sections(files: tuple[str, ...] = FILES) -> dict[str, dict]:
     """The sections of files; a set of words is a table whose values are None."""
     sections: dict[str, dict] = {}
     for name in files:
-        for section, rows in yaml.load(
-            (_FOLDER / f"{name}.yaml").read_text(encoding="utf-8"), _LOADER
-        ).items():
+        for section, rows in read_packaged_yaml(LEXICON_PACKAGE, f"{name}.yaml").items():
             rows = rows if isinstance(rows, dict) else {None: rows}
             sections[section] = {
                 word.strip(): value for value, words in rows.items() for word in str(words).split(",")
             }
     return sections
-
-
-def read_rows(name: str) -> list[dict[str, Any]]:
-    """The rows of a file that is one list."""
-    return yaml.load((_FOLDER / f"{name}.yaml").read_text(encoding="utf-8"), _LOADER)
 
 
 @functools.cache

@@ -9,6 +9,9 @@ from typing import Literal
 Names = tuple[str, ...]
 """Names of directions (`motion.schema.DirectionTable`); several are added as vectors."""
 
+OPPOSITES = (("left", "right"), ("up", "down"), ("toward", "away"))
+"""Names of directions that cancel."""
+
 
 class Effect(enum.Enum):
     """The ways in which a motion acts on the object; the compiler has one function for each."""
@@ -28,6 +31,10 @@ class Effect(enum.Enum):
     HOLD = "hold"  # something is held fixed
     RELEASE = "release"  # what acted before stops, the object comes back
     STILL = "still"  # nothing moves
+
+
+HOLDABLE = (Effect.PUSH, Effect.LEAN, Effect.SCALE, Effect.SWELL, Effect.TURN)
+"""Effects whose result can be held."""
 
 
 @dataclass(frozen=True)

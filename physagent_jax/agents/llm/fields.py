@@ -96,7 +96,7 @@ def build_field(
 
 def expect_motions(field: ForceField, brief: SceneBrief) -> tuple[ExpectedMotion, ...]:
     """Motions that a force field without a sentence's words leads a viewer to expect."""
-    last = float(brief.frame_count - 1)
+    last = brief.last
     motions = [_expect(action, last) for action in field.actions]
     if field.default_drop:
         motions.append(ExpectedMotion(kind=MotionKind.FALL, window=(0.0, last)))

@@ -8,22 +8,19 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from importlib import resources
 from typing import Annotated, Any, Literal
 
-import yaml
 from pydantic import Field, model_validator
 
 from physagent_jax.agents.intent import Direction, Intent
 from physagent_jax.agents.llm.fields import Phrase, one_of
 from physagent_jax.agents.llm.splitting import Order
-from physagent_jax.core.reading import shorten
+from physagent_jax.core.reading import read_packaged_yaml, shorten
 from physagent_jax.core.strict import Strict
 from physagent_jax.forces.skills import list_skills
 
 NOTHING, RELEASE = "nothing", "let go"  # a release follows what it ends, whatever joins them
-_FILE = resources.files("physagent_jax.agents.llm").joinpath("forms.yaml")
-_WORDS = yaml.safe_load(_FILE.read_text("utf-8"))
+_WORDS = read_packaged_yaml("physagent_jax.agents.llm", "forms.yaml")
 MOTIONS: dict[str, str] = _WORDS["motions"]
 STRENGTHS: dict[str, list[str]] = _WORDS["strengths"]
 PARTS: dict[str, str] = _WORDS["parts"]

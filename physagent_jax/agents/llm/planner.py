@@ -10,10 +10,10 @@ from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.trace import Reply
 from physagent_jax.chat.base import ChatModel
 from physagent_jax.core.strict import Strict
+from physagent_jax.motion.judging.verdict import HIGHEST_FAILURE, describe_doubts
 from physagent_jax.motion.schema import Judgement, Verdict
 
 MOST_PICTURES = 6
-_HIGHEST_FAILURE = 0.99
 
 
 class JudgementForm(Strict):
@@ -59,9 +59,7 @@ class ModelPlanner(RulePlanner):
         verdict, suggestion = form.verdict, _get_suggestion(form)
         unsure = context.reading.unsure if context.reading else ()
         if unsure and verdict is Verdict.SUCCESS:
-            doubts = "; ".join(doubt.removesuffix(".") for doubt in unsure)
-            verdict = Verdict.FAIL
-            suggestion = f"Not understood for certain, so no motion can be called a success: {doubts}."
+            verdict, suggestion = Verdict.FAIL, describe_doubts(unsure)
         return Judgement(verdict=verdict, suggestion=suggestion, notes=_list_notes(form))
 
 
@@ -83,7 +81,7 @@ class BothPlanners(ModelPlanner):
             told = f"Rules and model disagree: the rules say {rules.verdict.value}, {who} says {said.value}."
         changes: dict[str, object] = {"notes": (told, *_list_notes(form))}
         if said is Verdict.FAIL and rules.verdict is Verdict.SUCCESS:
-            score = rules.score if rules.score is None else min(rules.score, _HIGHEST_FAILURE)
+            score = rules.score if rules.score is None else min(rules.score, HIGHEST_FAILURE)
             changes |= {"verdict": said, "score": score, "suggestion": _get_suggestion(form)}
         return rules.model_copy(update=changes)
 

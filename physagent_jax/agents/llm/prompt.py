@@ -10,13 +10,11 @@ from importlib import resources
 from physagent_jax.agents.context import AgentContext, Round
 from physagent_jax.agents.llm.forms import SETTINGS, list_motions
 from physagent_jax.chat.base import ChatMessage
-from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.judging.comparing import name_direction
 from physagent_jax.motion.schema import ExpectedMotion, SceneBrief
-from physagent_jax.motion.vectors import cosine
 
 _PLACE = re.compile(r"\{\{(\w+)\}\}")
-_ALONG = 0.9  # cosine from which a direction is called by a viewer's word
 _LINKS = {"rotate": " about", "stretch": " along", "squeeze": " along", "sway": " along"}
 
 
@@ -84,13 +82,4 @@ def describe_motion(motion: ExpectedMotion, brief: SceneBrief) -> str:
     kind = motion.kind.value
     if motion.direction is None:
         return kind
-    return f"{kind}{_LINKS.get(kind, '')} {describe_direction(motion.direction, brief)}"
-
-
-def describe_direction(vector: Vector, brief: SceneBrief) -> str:
-    """A direction in the viewer's words."""
-    close = {name: cosine(vector, way) for name, way in brief.directions.model_dump().items()}
-    ranked = sorted(close, key=lambda name: -close[name])
-    if close[ranked[0]] > _ALONG:
-        return ranked[0]
-    return " and ".join(name for name in ranked if close[name] > 1 - _ALONG)
+    return f"{kind}{_LINKS.get(kind, '')} {name_direction(motion.direction, brief.directions)}"

@@ -10,13 +10,14 @@ from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent
 from physagent_jax.agents.intent import Intent
 from physagent_jax.agents.llm.fields import PaperForm, build_field, expect_motions
 from physagent_jax.agents.llm.forms import ClauseForm, SentenceForm, check_words, join_clauses, make_intent
-from physagent_jax.agents.llm.prompt import describe_direction, describe_motion, quote, write_messages
+from physagent_jax.agents.llm.prompt import describe_motion, quote, write_messages
 from physagent_jax.agents.llm.splitting import split_clauses
 from physagent_jax.agents.llm.structured import BadAnswers, add_repairs, ask
 from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.agents.trace import AgentError, Reply, Trace
 from physagent_jax.chat.base import ChatModel
 from physagent_jax.core.errors import UserError
+from physagent_jax.motion.judging.comparing import name_direction
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import cosine
 
@@ -221,4 +222,4 @@ def _describe_part(motion: ExpectedMotion, brief: SceneBrief) -> str:
     if motion.part is None:
         return "a part of it" if motion.partial else "the whole object"
     but = "all but " if motion.excludes_part else ""
-    return f"{but}the {describe_direction(motion.part, brief)} end"
+    return f"{but}the {name_direction(motion.part, brief.directions)} end"

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import re
-from importlib import resources
 from typing import Literal, NamedTuple
 
-import yaml
+from physagent_jax.core.reading import read_packaged_yaml
 
 Order = Literal["then", "together"]
-_FILE = resources.files("physagent_jax.agents.llm").joinpath("splitting.yaml")
-_WORDS = yaml.safe_load(_FILE.read_text("utf-8"))
+_WORDS = read_packaged_yaml("physagent_jax.agents.llm", "splitting.yaml")
 _KINDS = list(_WORDS["connectives"])
 _CUT = re.compile("|".join(f"(?P<{kind}>{words})" for kind, words in _WORDS["connectives"].items()), re.I)
 _NO_CLAUSE = frozenset(_WORDS["no_clause"].split())

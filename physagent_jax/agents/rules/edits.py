@@ -14,18 +14,17 @@ from physagent_jax.forces.calibration import (
     MAGNITUDE_MAX,
     MAGNITUDE_MIN,
     PRESCRIBED_TRAVEL,
-    find_reference_time,
 )
 from physagent_jax.forces.schema import Action, ForceField, HalfSpaceRegion
-from physagent_jax.motion.matching import AXIAL, Cause, find_action_type
+from physagent_jax.forces.slabs import make_end_region
+from physagent_jax.motion.matching import AXIAL, Cause, find_action_type, redirect
 from physagent_jax.motion.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.tolerances import round_window
 from physagent_jax.motion.vectors import add, clamp, cosine, dot, norm, normalise, reject, scale
-from physagent_jax.perception.schema import MotionReport
+from physagent_jax.perception.schema import MotionReport, WindowMotion
 
 _BRIEF = 0.15  # of the clip: "briefly", as the lexicon has it
 _SAME_GAIN = 0.03  # relative change of k that is not worth a word: windows go by whole frames
-POINTED = 0.95  # cosine from which a vector points where the sentence says
 
 
 @dataclass(frozen=True)
@@ -65,15 +64,9 @@ class Wish:
     brief: SceneBrief
 
     @property
-    def last(self) -> float:
-        """Index of the clip's last frame."""
-        return float(self.brief.frame_count - 1)
-
-    @property
     def reference(self) -> float:
         """T of the skills, in frames."""
-        held = self.brief.anchored is not None
-        return find_reference_time(held, self.last * self.brief.frame_dt) / self.brief.frame_dt
+        return self.brief.reference_seconds / self.brief.frame_dt
 
     @property
     def window(self) -> tuple[float, float] | None:
@@ -83,7 +76,7 @@ class Wish:
 
     def get_span(self, causes: Sequence[Cause]) -> tuple[float, float]:
         """First and last frame in which any of some causes acts."""
-        spans = [cause.item.active_time or (0.0, self.last) for cause in causes]
+        spans = [cause.item.active_time or (0.0, self.brief.last) for cause in causes]
         return min(first for first, _ in spans), max(end for _, end in spans)
 
     def list_other_begins(self) -> list[float]:
@@ -110,10 +103,15 @@ class Case(Wish):
     report: MotionReport
     earlier: Sequence[tuple[ForceField, float]] = ()
 
+    @property
+    def seen_window(self) -> WindowMotion | None:
+        """The report of the expectation's window; None if there is none."""
+        frames = round_window(self.expectation, self.report.frame_count)
+        return next((w for w in self.report.windows if (w.first, w.last) == frames), None)
+
     def seen(self) -> Vector | None:
         """Displacement in the expectation's window, or the rotation as a vector; None if it is not observable."""
-        frames = round_window(self.expectation, self.report.frame_count)
-        window = next((w for w in self.report.windows if (w.first, w.last) == frames), None)
+        window = self.seen_window
         if window is not None and self.expectation.kind is not MotionKind.ROTATE:
             return window.peak_displacement if self.expectation.sudden else window.displacement
         if window is None or window.rotation_axis is None or window.rotation_degrees is None:
@@ -124,7 +122,7 @@ class Case(Wish):
     def next_begin(self) -> float:
         """Frame at which the next motion begins, or the clip's last."""
         end = self.expectation.window[1] - 0.5
-        return min([*(e.window[0] for e in self.expectations if e.window[0] >= end), self.last])
+        return min([*(e.window[0] for e in self.expectations if e.window[0] >= end), self.brief.last])
 
     def failed(self, aspect: str) -> Check | None:
         """The failed check of one aspect."""
@@ -202,12 +200,7 @@ def remove(case: Case, causes: Sequence[Cause], why: str) -> Change:
 
 def point(case: Case, causes: Sequence[Cause]) -> Change:
     """Point causes where the sentence says; only the sign of those that go exactly the other way is changed."""
-    told, axial = case.expectation.direction, case.expectation.kind in AXIAL
-    updates = []
-    for cause in causes:
-        flips = told is None or axial or cosine(cause.direction, told) < -POINTED
-        pointed = {"vector": told, "magnitude": abs(cause.item.magnitude)}
-        updates.append({"magnitude": -cause.item.magnitude} if flips else pointed)
+    updates = [redirect(cause, case.expectation) for cause in causes]
     why = f" went against '{case.expectation.words}': reversed, or pointed where the sentence says."
     return change_items(case, causes, updates, why, "sentence_direction")
 
@@ -254,7 +247,7 @@ def is_mistimed(case: Case, cause: Cause) -> bool:
     (first, last), (begin, end) = case.get_span([cause]), case.window
     later = [e.window[0] for e in case.expectations if e.window[0] > case.expectation.window[0] + 0.5]
     held = case.brief.anchored is not None and not case.expectation.released
-    kept = held and end <= last <= min([*later, case.last])  # where it was brought
+    kept = held and end <= last <= min([*later, case.brief.last])  # where it was brought
     if cause.skill.is_sudden or kept:
         return abs(first - begin) > 0.2 * (end - begin) + 1.0
     shared = max(0.0, min(last, end) - max(first, begin))
@@ -286,8 +279,7 @@ def make_part_region(expectation: ExpectedMotion) -> HalfSpaceRegion | None:
     """The half of the object on the side of a motion's end; None if the motion is about the whole, or about no end."""
     if expectation.part is None:
         return None
-    side = scale(expectation.part, -1.0) if expectation.excludes_part else expectation.part
-    return HalfSpaceRegion(point=(0.5, 0.5, 0.5), normal=side)
+    return make_end_region(scale(expectation.part, -1.0 if expectation.excludes_part else 1.0), 0.5)
 
 
 def _alternate(case: Case, magnitude: float | None = None) -> list[Action]:
@@ -352,7 +344,11 @@ def shorten(case: Case, causes: Sequence[Cause], factor: float, why: str) -> Cha
     updates = []
     for cause in causes:
         first, last = case.get_span([cause])
-        end = min(max(round(first + factor * (last - first)), first + 1.0), last) if case.last >= 1 else last
+        end = (
+            min(max(round(first + factor * (last - first)), first + 1.0), last)
+            if case.brief.last >= 1
+            else last
+        )
         updates.append({"active_time": (first, end)} if end > first else {})
     return change_items(case, causes, updates, f" acts for a shorter time: {why}.", "window_in_clip")
 
@@ -381,10 +377,10 @@ def act_on_part(case: Case, causes: Sequence[Cause]) -> Change:
 
 def soften(case: Case, causes: Sequence[Cause]) -> Change:
     """The weakest blow is too strong: a brief push, which reaches less speed in its time."""
-    kind, reach = find_action_type(case.expectation.kind), max(2.0, _BRIEF * case.last)
+    kind, reach = find_action_type(case.expectation.kind), max(2.0, _BRIEF * case.brief.last)
     updates = []
     for cause in causes:
         first, _ = case.get_span([cause])
-        brief = {"action_type": kind, "active_time": (first, min(first + reach, case.last))}
+        brief = {"action_type": kind, "active_time": (first, min(first + reach, case.brief.last))}
         updates.append(brief if cause.item.active_time else {})
     return change_items(case, causes, updates, ": the weakest blow is too strong, a brief push instead.")

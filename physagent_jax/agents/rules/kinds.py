@@ -12,8 +12,6 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from physagent_jax.agents.dosing import find_magnitude
-from physagent_jax.agents.regions import make_box, make_end_region
 from physagent_jax.agents.rules.edits import Wish, replace_items
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
@@ -22,17 +20,14 @@ from physagent_jax.forces.calibration import (
     PRESCRIBED_TRAVEL,
     TRAVEL,
     TURN,
+    find_magnitude,
 )
 from physagent_jax.forces.schema import BoxRegion, ConstraintType, ForceField, Region, VelocityConstraint
 from physagent_jax.forces.skills import list_skills
+from physagent_jax.forces.slabs import make_box, make_end_region
 from physagent_jax.motion.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, share_time
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.motion.tolerances import (
-    expect_move,
-    expect_quantity,
-    expect_rotation,
-    expect_strain,
-)
+from physagent_jax.motion.tolerances import expect_move, expect_rotation, expect_strain, find_told
 from physagent_jax.motion.vectors import clamp, cosine, scale
 
 SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinner one tears off what tapers
@@ -153,7 +148,7 @@ def _put(wish: Wish, causes: Sequence[Cause], *constraints: VelocityConstraint) 
 
 def _find_next(wish: Wish, end: float) -> float:
     """Frame at which the next motion begins, or the clip's last."""
-    return min([begin for begin in wish.list_other_begins() if begin >= end - 0.5], default=wish.last)
+    return min([begin for begin in wish.list_other_begins() if begin >= end - 0.5], default=wish.brief.last)
 
 
 def _find_hold_end(wish: Wish, end: float) -> float:
@@ -170,10 +165,10 @@ def _find_travel(
     What was deformed the other way just before is brought back first.
     """
     expectation, (first, end) = wish.expectation, wish.get_span(causes[:1])
-    end = min(end, wish.last)
-    target = _find_strain(expectation, expectation.kind, wish.brief)
+    end = min(end, wish.brief.last)
+    target = _find_strain(expectation, wish.brief)
     target += sum(
-        _find_strain(each, each.kind, wish.brief)
+        _find_strain(each, wish.brief)
         for each in wish.expectations
         if each.kind in AXIAL and each.kind is not expectation.kind and not each.released
         if abs(each.window[1] - first) < 1.5 and _share_line(each, expectation)
@@ -199,21 +194,17 @@ def _spread_effort(effort: float, first: float, end: float, share: float = MOVIN
     return round(clamp(effort / (until - first), MAGNITUDE_MIN, MAGNITUDE_MAX), 4), until
 
 
-def _find_strain(expectation: ExpectedMotion, kind: MotionKind, brief: SceneBrief) -> float:
+def _find_strain(expectation: ExpectedMotion, brief: SceneBrief) -> float:
     """By how much of its length it is to get longer or shorter."""
-    told = expectation.amount and expect_quantity(expectation.amount, kind, brief)
-    if told and told.unit == "of its length":
+    if told := find_told(expectation, brief, "of its length"):
         return told.target
-    return expect_strain(expectation, kind is MotionKind.SQUEEZE).target
+    return expect_strain(expectation, expectation.kind is MotionKind.SQUEEZE).target
 
 
 def _find_way(wish: Wish, seconds: float) -> float:
     """The intended distance [body lengths]."""
-    expectation = wish.expectation
-    told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, wish.brief)
-    if told and told.unit == "body lengths":
-        return told.target
-    return expect_move(expectation, False, seconds=seconds).target
+    told = find_told(wish.expectation, wish.brief, "body lengths")
+    return (told or expect_move(wish.expectation, False, seconds=seconds)).target
 
 
 def _stands_on_its_end(wish: Wish, axis: Vector) -> bool:
@@ -304,7 +295,7 @@ def _is_turned_against(one: ExpectedMotion, other: ExpectedMotion) -> bool:
 
 def _make_turn(wish: Wish, cause: Cause) -> VelocityConstraint:
     expectation, (first, end) = wish.expectation, wish.get_span([cause])
-    end = min(end, wish.last)
+    end = min(end, wish.brief.last)
     assert expectation.part is not None
     until = max(float(round(first + TURNING * (end - first))), first + 1.0)
     magnitude, amount = cause.item.magnitude, expectation.amount
@@ -344,7 +335,7 @@ def _carry(wish: Wish) -> _Replaced:
     effort = _find_way(wish, (end - first) * brief.frame_dt) / PRESCRIBED_TRAVEL * wish.reference
     magnitude, until = _find_pace(effort, first, end)
     moves = [e.window[0] for e in after if e.kind is not MotionKind.STILL]
-    kept = min([*moves, wish.last]) if expectation.stays or rests else end
+    kept = min([*moves, wish.brief.last]) if expectation.stays or rests else end
     hand = _prescribe(causes[0], way, magnitude, (first, until), kept)
     return _put(wish, causes, hand), "it is carried up, and kept there"
 
@@ -377,10 +368,9 @@ def _set_down(wish: Wish) -> _Replaced:
 def _lead(wish: Wish) -> _Replaced:
     """Lead what moves at one speed, or so far that no force in range starts and stops it in its time."""
     expectation, brief, way = wish.expectation, wish.brief, wish.expectation.direction
-    told = expectation.amount and expect_quantity(expectation.amount, expectation.kind, brief)
     turns = expectation.kind is MotionKind.ROTATE
-    measured = told is not None and told.unit == ("degrees" if turns else "body lengths")
-    if not (turns or expectation.kind is MotionKind.MOVE) or not (measured or expectation.even):
+    told = find_told(expectation, brief, "degrees" if turns else "body lengths")
+    if not (turns or expectation.kind is MotionKind.MOVE) or not (told or expectation.even):
         return None
     if brief.anchored is not None or expectation.sudden or expectation.partial or expectation.repeats > 1:
         return None
@@ -388,14 +378,16 @@ def _lead(wish: Wish) -> _Replaced:
     causes = _find_forces(wish, lambda c: (turns or c.pushes) and c.item.region is None)
     if way is None or not causes or any(share_time(e, expectation) for e in others):
         return None  # what is led does nothing else
-    first, end = wish.get_span(causes)[0], min(expectation.window[1], wish.last)
+    first, end = wish.get_span(causes)[0], min(expectation.window[1], wish.brief.last)
     seconds = (end - first) * brief.frame_dt
     if turns:
-        band = told if told and measured else expect_rotation(expectation, False, seconds=seconds)
-        effort = math.radians(band.target) / TURN
+        effort = math.radians((told or expect_rotation(expectation, False, seconds=seconds)).target) / TURN
     else:
         effort = _find_way(wish, seconds) / TRAVEL
-    if not expectation.even and find_magnitude(effort, seconds, True, brief) <= MAGNITUDE_MAX:
+    if (
+        not expectation.even
+        and find_magnitude(effort, max(seconds, brief.frame_dt), brief.seconds, braked=True) <= MAGNITUDE_MAX
+    ):
         return None
     effort *= wish.reference * (1.0 if turns else TRAVEL / PRESCRIBED_TRAVEL)  # magnitude times frames
     size, until = _spread_effort(effort, first, end, share=1.0)

@@ -15,6 +15,7 @@ from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, TRAVE
 from physagent_jax.forces.schema import Action, ForceField
 from physagent_jax.motion.matching import (
     AXIAL,
+    POINTED,
     Cause,
     agrees,
     find_action_type,
@@ -101,8 +102,7 @@ def _aim(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
     if expectation.kind not in _NO_AIM:
         told = None if expectation.kind in AXIAL else expectation.direction
         if not any(
-            agrees(c, expectation) and (told is None or cosine(c.direction, told) >= edits.POINTED)
-            for c in causes
+            agrees(c, expectation) and (told is None or cosine(c.direction, told) >= POINTED) for c in causes
         ):
             yield edits.point(case, causes)
     if expectation.kind is not MotionKind.FALL:
@@ -162,7 +162,7 @@ def _answers(case: Case, causes: Sequence[Cause], gain: float) -> bool:
 
 def _list_ratios(case: Case, causes: Sequence[Cause]) -> Iterator[tuple[float, float]]:
     """Effort of the same entries in other rounds over the present one, with the gain asked for there; newest first."""
-    now = sum(edits.get_effort(cause, case.last) for cause in causes)
+    now = sum(edits.get_effort(cause, case.brief.last) for cause in causes)
     for field, needed in reversed(case.earlier):
         before = _get_same_effort(case, causes, field)
         if before is not None and needed > 0 and abs(math.log(before / now)) >= 0.02:
@@ -175,7 +175,7 @@ def _get_same_effort(case: Case, causes: Sequence[Cause], field: ForceField) -> 
     found = [cause for cause in list_causes(field) if _identify(cause) in wanted]
     if len(found) != len(causes):
         return None
-    return sum(edits.get_effort(cause, case.last) for cause in found)
+    return sum(edits.get_effort(cause, case.brief.last) for cause in found)
 
 
 def _identify(cause: Cause) -> tuple:
@@ -280,10 +280,10 @@ def _calm(case: Case) -> Iterator[Change]:
         before = [c for c in causes if c.item.active_time and c.item.active_time[0] < first]
         yield edits.shorten(case, before, 0.8, "it should be still afterwards")
         return
-    window = next((w for w in case.report.windows if (w.first, w.last) == (first, last)), None)
+    window = case.seen_window
     if window is None or window.displacement is None or norm(window.displacement) < 1e-3 or last - first < 1:
         return
-    speed = norm(window.displacement) * case.last / (last - first)  # [body lengths per clip]
+    speed = norm(window.displacement) * case.brief.last / (last - first)  # [body lengths per clip]
     brake = Action(
         action_type=find_action_type(MotionKind.MOVE, sudden=True),
         vector=scale(window.displacement, -1.0),

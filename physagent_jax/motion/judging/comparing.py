@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import functools
 import math
-from importlib import resources
 from typing import Any
 
-import yaml
-
+from physagent_jax.core.reading import read_packaged_yaml
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.seen import TO_SIGMA, View
-from physagent_jax.motion.schema import Check
+from physagent_jax.motion.schema import Check, DirectionTable
 from physagent_jax.motion.tolerances import Tolerance
 from physagent_jax.motion.vectors import clamp, cosine, norm
 
@@ -104,7 +102,7 @@ def compare_direction(
     angle = math.degrees(math.acos(clamp(cosine(seen, direction), -1.0, 1.0)))
     passed = angle <= SAME_WAY
     contrary = angle > 180.0 - SAME_WAY
-    causes = asked.causes or "the force field"
+    causes, table = asked.causes or "the force field", asked.view.brief.directions
     if asked.driven:
         fix = f"increase the magnitude of {causes}: it points the right way, but other motion overcomes it"
     elif contrary:
@@ -115,8 +113,8 @@ def compare_direction(
         expectation=asked.index,
         question=question,
         aspect="direction",
-        expected=f"within {SAME_WAY:.0f} degrees of {name_direction(direction, asked.view)}",
-        observed=f"{name_direction(seen, asked.view)}, {angle:.0f} degrees off{how}",
+        expected=f"within {SAME_WAY:.0f} degrees of {name_direction(direction, table)}",
+        observed=f"{name_direction(seen, table)}, {angle:.0f} degrees off{how}",
         passed=passed,
         score=1.0 if passed else round(0.9 * (180.0 - angle) / 180.0, 6),
         margin=round((SAME_WAY - angle) / SAME_WAY, 6),
@@ -129,8 +127,7 @@ def compare_direction(
 @functools.cache
 def read_words() -> dict[str, dict[str, Any]]:
     """The words of the checks with one limit, by name; the file says what they hold."""
-    file = resources.files("physagent_jax.motion.judging") / "checks.yaml"
-    return yaml.safe_load(file.read_text(encoding="utf-8"))
+    return read_packaged_yaml("physagent_jax.motion.judging", "checks.yaml")
 
 
 def check_limit(
@@ -172,11 +169,10 @@ def find_spread(length: float, view: View) -> float:
     return math.degrees(math.atan2(view.sigma("displacement"), max(length, 1e-9)))
 
 
-def name_direction(vector: Vector, view: View) -> str:
+def name_direction(vector: Vector, table: DirectionTable) -> str:
     """A direction in the viewer's words: "left", "left and up", with the lesser part only if it matters."""
     if norm(vector) < 1e-9:
         return "nowhere"
-    table = view.brief.directions
     parts = {name: cosine(vector, getattr(table, name)) for name in type(table).model_fields}
     names = sorted((name for name, share in parts.items() if share > 0.35), key=lambda n: -parts[n])
     return " and ".join(names[:2]) or format_vector(vector)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from statistics import median
 
-from physagent_jax.core.turning import find_turning_points
+from physagent_jax.core.turning import find_returns, find_turning_points
 from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.comparing import find_confidence
 from physagent_jax.motion.schema import Check
@@ -79,18 +79,30 @@ def check_count(
     )
 
 
-def count_turns(asked: Asked, path: list[float], hysteresis: float) -> Check:
+def count_turns(asked: Asked, path: list[float], hysteresis: float, rest: float | None = None) -> Check:
     """To and fro ``repeats`` times is ``2 repeats - 1`` turns, and some more while it comes to rest.
 
-    Without a count (once), any number that can be followed is a sway. Ways back shorter than ``hysteresis``, in the
-    path's unit, do not count.
+    Without a count (once), any number that can be followed is a sway. Ways back shorter than ``hysteresis`` do not
+    count, nor do those that end before the place of rest: what is held in place and bent to one side rings there.
+
+    Args:
+        asked: What is asked.
+        path: Position per frame.
+        hysteresis: Least way back, in the path's unit.
+        rest: Position at rest; None for what has no place of its own.
     """
     count = asked.motion.repeats
+
+    def list_turns(threshold: float) -> list[int]:
+        if rest is None:
+            return find_turning_points(path, threshold)
+        return find_returns(path, threshold, rest)
+
     least, most = 2 * count - 1, (2 * count + 2 if count > 1 else 7)
     return check_count(
         asked,
         "how often does it turn back?",
-        lambda threshold: len(find_turning_points(path, threshold)),
+        lambda threshold: len(list_turns(threshold)),
         least=least,
         most=most,
         aim=0.5 * (least + most),

@@ -169,7 +169,7 @@ def check_fall(asked: Asked) -> list[Check]:
 
 
 def check_sway(asked: Asked) -> list[Check]:
-    """Excursion to either side, its line, and how often it turns back."""
+    """Excursion to either side, its line, and how often it goes back to its place."""
     if asked.hidden:
         return [make_unseen_check(asked, asked.hidden)]
     course = asked.clear_of_others(asked.course(*asked.span), (0.0, 0.0, 0.0))
@@ -190,7 +190,16 @@ def check_sway(asked: Asked) -> list[Check]:
         spread = find_spread(2.0 * amplitude, asked.view)
         checks.append(compare_direction(asked, "along which line?", sense, spread))
     hysteresis = max(2.0 * _SWING * amplitude, 0.5 * tolerances.VISIBLE)
-    return [*checks, count_turns(asked, path, hysteresis)]
+    return [*checks, count_turns(asked, path, hysteresis, _find_rest(asked, direction))]
+
+
+def _find_rest(asked: Asked, direction: Vector) -> float | None:
+    """The place in which the clip begins, on a sway's path; None for what is free, or a part that goes by itself."""
+    begin, places = asked.span[0], asked.view.get_places(asked.end)
+    first, here = places[0], places[begin]
+    if not asked.view.anchored or asked.motion.limb is not None or first is None or here is None:
+        return None
+    return dot(subtract(first, here), direction)
 
 
 def _find_line(course: Course) -> Vector:

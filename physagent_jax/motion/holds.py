@@ -9,12 +9,13 @@ the user asks for never gives way; a motion that it makes impossible is found be
 from __future__ import annotations
 
 import enum
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.strict import Vector
+from physagent_jax.forces.schema import ForceField
 from physagent_jax.forces.skills import get_skill
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind
 from physagent_jax.motion.vectors import cosine
@@ -55,34 +56,45 @@ class Hold:
     words: str = ""
 
 
-def find_leaving(reply: SemanticReply, up: Vector) -> ExpectedMotion | None:
+def list_motions(field: ForceField) -> tuple[ExpectedMotion, ...]:
+    """The falls and the moves of the whole object that a force field without a sentence tells of."""
+    motions = [ExpectedMotion(kind=MotionKind.FALL, window=(0, 1))] if field.default_drop else []
+    for action in field.actions:
+        skill, window = get_skill(action), action.active_time or (0, 1)
+        if "move" in skill.causes and action.region is None:
+            move = {"direction": action.vector, "window": window, "sudden": skill.is_sudden}
+            motions.append(ExpectedMotion(kind=MotionKind.MOVE, **move))
+    return tuple(motions)
+
+
+def find_leaving(plan: Sequence[ExpectedMotion], up: Vector) -> ExpectedMotion | None:
     """The first planned motion that needs the object free, if gravity pulls against ``up``; None if a hold can stay."""
-    return next((each for each in _list_whole_motions(reply) if _needs_free(each, up)), None)
+    return next((each for each in _keep_whole(plan) if _needs_free(each, up)), None)
 
 
-def find_impossible(hold: Hold, reply: SemanticReply, up: Vector) -> ExpectedMotion | None:
+def find_impossible(hold: Hold, plan: Sequence[ExpectedMotion], up: Vector) -> ExpectedMotion | None:
     """The first planned motion that a held object cannot make in any degree; None if there is none.
 
     What is held can still be pulled, pushed and turned as far as it gives way, so that fewer motions are impossible
     than need the object free.
     """
-    return next((each for each in _list_whole_motions(reply) if _is_impossible(each, hold, up)), None)
+    return next((each for each in _keep_whole(plan) if _is_impossible(each, hold, up)), None)
 
 
-def refuse_impossible(hold: Hold, reply: SemanticReply, up: Vector, *, whole: bool) -> None:
+def refuse_impossible(hold: Hold, plan: Sequence[ExpectedMotion], up: Vector, *, whole: bool) -> None:
     """Refuse a plan with a motion that the hold makes impossible.
 
     Args:
         hold: What holds the object.
-        reply: The plan.
+        plan: The planned motions.
         up: Unit vector against gravity.
         whole: Whether all of the object is held, so that nothing of it can move.
 
     Raises:
         UserError: There is such a motion.
     """
-    moving = [each for each in _list_motions(reply) if each.kind is not MotionKind.STILL]
-    motion = next(iter(moving), None) if whole else find_impossible(hold, reply, up)
+    moving = [each for each in plan if each.kind is not MotionKind.STILL]
+    motion = next(iter(moving), None) if whole else find_impossible(hold, plan, up)
     if motion is None:
         return
     held = "as a whole" if whole else f"at {_PLACES[hold.place]}"
@@ -95,9 +107,9 @@ def refuse_impossible(hold: Hold, reply: SemanticReply, up: Vector, *, whole: bo
     )
 
 
-def describe_yielding(hold: Hold, reply: SemanticReply, up: Vector) -> str | None:
+def describe_yielding(hold: Hold, plan: Sequence[ExpectedMotion], up: Vector) -> str | None:
     """A warning that a lift or a turn only stretches or twists what is held; None if there is none to give."""
-    motions = [each for each in _list_whole_motions(reply) if _needs_free(each, up)]
+    motions = [each for each in _keep_whole(plan) if _needs_free(each, up)]
     upright = [each for each in motions if each.kind is MotionKind.ROTATE or _find_height(each, up) > _UPWARD]
     if not upright:
         return None
@@ -115,23 +127,9 @@ def _name(motion: ExpectedMotion) -> str:
     return f"'{motion.words}'" if motion.words else f"The planned motion ({motion.kind.value})"
 
 
-def _list_motions(reply: SemanticReply) -> tuple[ExpectedMotion, ...]:
-    """The expected motions; without any, those that the force field tells of."""
-    if reply.expectations:
-        return reply.expectations
-    field = reply.force_field
-    motions = [ExpectedMotion(kind=MotionKind.FALL, window=(0, 1))] if field.default_drop else []
-    for action in field.actions:
-        skill, window = get_skill(action), action.active_time or (0, 1)
-        if "move" in skill.causes and action.region is None:
-            move = {"direction": action.vector, "window": window, "sudden": skill.is_sudden}
-            motions.append(ExpectedMotion(kind=MotionKind.MOVE, **move))
-    return tuple(motions)
-
-
-def _list_whole_motions(reply: SemanticReply) -> list[ExpectedMotion]:
+def _keep_whole(plan: Sequence[ExpectedMotion]) -> list[ExpectedMotion]:
     """The motions of the object as a whole: no part needs it free, and none is impossible by its hold."""
-    return [each for each in _list_motions(reply) if not each.partial and each.part is None]
+    return [each for each in plan if not each.partial and each.part is None]
 
 
 def _needs_free(motion: ExpectedMotion, up: Vector) -> bool:
