@@ -237,7 +237,7 @@ class _Loop:
             if self._stopped is not None:
                 break
             # The camera stays, so that the rounds' pictures can be compared, as long as it shows what will happen.
-            series = dataclasses.replace(series, camera=attempt.widen())
+            series = dataclasses.replace(series, camera=attempt.scene.camera)
             rewrite = self._maker.rewrite(series, index, context, attempt.round)
             if rewrite.hold is not None and series.forecast is not None:
                 series = self._hold(series, reply, rewrite.hold)

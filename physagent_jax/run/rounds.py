@@ -34,8 +34,7 @@ from physagent_jax.scene.fuse import SceneTemplate, fuse
 from physagent_jax.simulation.recording import Recording, RestartCache
 from physagent_jax.simulation.simulate import simulate_scene
 from physagent_jax.simulation.stopwatch import stay_aside
-
-_FARTHER = 1.5  # times the distance from which the object was seen to leave the picture
+from physagent_jax.simulation.views import reframe
 
 
 @dataclasses.dataclass(frozen=True)
@@ -44,13 +43,6 @@ class Attempt:
 
     scene: SceneConfig
     round: Round
-
-    def widen(self) -> CameraConfig:
-        """Its camera; from farther away if the object has left its picture."""
-        camera = self.scene.camera
-        if self.round.report.quality.leaves_frame is None:
-            return camera
-        return camera.model_copy(update={"distance": _FARTHER * camera.distance})
 
     def name_places(self) -> Judgement:
         """Its judgement with the names of actions for people in its suggestion."""
@@ -119,6 +111,7 @@ class RoundMaker:
             config = fuse(series.template, series.body, force_field, keep=series.camera)
             scene = compile_scene(config, series.body, self._run.base_dir)
         recording = self._simulate(series, index, scene)
+        scene, config = recording.scene, recording.scene.config
         with ThreadPoolExecutor(1) as pool:
             writing = pool.submit(self._write_recording, series, index, scene, recording)
             self._teller.observer.stage(f"{series.name} {index + 1}: measuring the motion")
@@ -164,6 +157,10 @@ class RoundMaker:
                 pool.submit(self._rehearse, scene)
             cache = self.restart_cache
             recording = simulate_scene(scene, watch=self._watch, progress=tell_frame, restart_cache=cache)
+        placed = series.template.camera.target is not None or self._run.spec.perception.prompt is not None
+        if not placed:  # a prompt tells pixels of the first picture
+            with self._watch("render"):
+                recording = reframe(recording)
         self.restart_cache = recording.restart_cache
         if forecast is not None:
             forecast.end_simulation()

@@ -53,8 +53,7 @@ def reframe(recording: Recording) -> Recording:
     """The recording from a camera that shows all of its motion, in the same direction; itself where its own does.
 
     A scene's camera is placed before anything is simulated, by where a free body would go (`scene.fuse`). What tips
-    over or rebounds goes elsewhere, and what is not in the picture cannot be measured. What a later scene may go on
-    from keeps the pictures of the scene's own camera.
+    over or rebounds goes elsewhere, and what is not in the picture cannot be measured.
     """
     config, gaussians = recording.scene.config, recording.gaussians.astype(np.float64)
     ends = np.quantile(gaussians, (OUTERMOST, 1 - OUTERMOST), axis=1)  # (2, T, 3)
@@ -68,7 +67,10 @@ def reframe(recording: Recording) -> Recording:
     images = list(_draw(recording, camera, range(len(gaussians)), config.rendering.background))
     rgb = np.stack([to_uint8(image.rgb) for image in images])
     depth = np.stack([np.asarray(image.depth, np.float32) for image in images])
-    return dataclasses.replace(recording, scene=scene, rgb=rgb, depth=depth)
+    cache = recording.restart_cache
+    shared = [dataclasses.replace(each, rgb=rgb[k], depth=depth[k]) for k, each in enumerate(cache.outputs)]
+    cache = dataclasses.replace(cache, config=config, outputs=tuple(shared))
+    return dataclasses.replace(recording, scene=scene, rgb=rgb, depth=depth, restart_cache=cache)
 
 
 def _draw(
