@@ -22,6 +22,7 @@ OTHERS = {
     "object.opacity_threshold": 0.1,
     "object.splat_encoding": "log-logit",
     "object.extent": 0.8,
+    "object.parts": [{"name": "hat", "point": [0.0, 0.0, 0.1]}],
     "prompt": "drop it",
     "preset": "paper",
     "overrides.cells": 64,
