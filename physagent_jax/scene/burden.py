@@ -75,8 +75,8 @@ class Burden:
 
     def scaled(self, factor: float) -> Burden:
         """The burden of matter that is ``factor`` times as compliant."""
-        firm = (factor * each for each in (self.strain, self.peak, self.sag, self.buckling))
-        return Burden(*firm, self.needed)
+        names = ("strain", "peak", "sag", "buckling")
+        return dataclasses.replace(self, **{name: factor * getattr(self, name) for name in names})
 
 
 NONE = Burden(0.0, 0.0, 0.0, 0.0)
