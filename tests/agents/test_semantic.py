@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from physagent_jax.agents.compiler.builder import MAX_ACTIONS
@@ -216,6 +216,7 @@ LEXICON = sorted(
 )  # fmt: skip
 
 
+@example(["every direction", "squall"], 50, False)
 @settings(max_examples=300, deadline=None)
 @given(st.lists(st.sampled_from(LEXICON), max_size=14), st.integers(1, 200), st.booleans())
 def test_any_words_give_a_valid_field_or_an_error(words, frame_count, held):

@@ -153,7 +153,8 @@ def _act_from_sides(event: Event, brief: SceneBrief) -> None:
         beside = told and sides[0].phrase == "either side"  # "away, by less than a tenth to either side"
         if event.effect in (Effect.PUSH, Effect.STRIKE) and not beside:
             outward = event.motion.pulls or sides[0].phrase in ("outward", "outwards", "apart")
-            event.motion = replace(event.motion, effect=Effect.SCALE, sign=1 if outward else -1)
+            sign = 1 if outward else -1  # of all sides at once, whatever acts there
+            event.motion = replace(event.motion, effect=Effect.SCALE, sign=sign, skill=None)
         if event.effect is Effect.SCALE and sides[0].names == ("all",):
             event.motion = replace(event.motion, effect=Effect.SWELL)
     if event.effect is Effect.SWELL:
