@@ -148,7 +148,7 @@ class _Loop:
         observer.stage("loading and filling the object")
         with self._account.watch("prepare"), self._teller.heed_warnings():
             body = make_body(template.source, preset.filling, preset.domain, self._run.base_dir)
-            self._maker.body, (self._maker.template, _) = body, self._run.place(body)
+            self._maker.body, self._maker.template = body, self._run.place_for_agents(body)
         observer.assumed(f"the object's file was read as {body.reading}")
         return body
 

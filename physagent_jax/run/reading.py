@@ -34,7 +34,7 @@ def read_for_scene(run: ResolvedRun, body: Body, ask: Ask) -> Reply[SemanticRepl
     """
 
     def describe(said: SemanticReply | None = None) -> SceneBrief:
-        return make_brief(run.place(body, said)[0], frames_fixed=run.frames_fixed, parts=body.parts)
+        return make_brief(run.place_for_agents(body, said), frames_fixed=run.frames_fixed, parts=body.parts)
 
     context = AgentContext(run.spec.prompt, describe(), describe_skills())
     reading = ask(context)

@@ -37,7 +37,7 @@ from physagent_jax.scene.priors import (
     find_kind,
     guess_kind,
 )
-from physagent_jax.scene.standing import explain_tilt, level, make_stand
+from physagent_jax.scene.standing import explain_tilt, hold_in_the_air, level, make_stand
 from physagent_jax.scene.template import SceneTemplate
 from physagent_jax.scene.world import WORLDS, Obstacle, World
 
@@ -73,6 +73,17 @@ class ResolvedRun:
     def frames_fixed(self) -> bool:
         """Return whether the clip's length is the user's, whatever the sentence asks for."""
         return self.spec.overrides.frame_count is not None
+
+    def place_for_agents(self, body: Body, reply: SemanticReply | None = None) -> SceneTemplate:
+        """The scene as `place` has it but for the stiffness, which agents are not told and which takes longest.
+
+        Args:
+            body: The object at rest.
+            reply: What the sentence says of the scene; None = it is not read yet.
+        """
+        template = self.template if reply is None else self.with_reply(reply)
+        keeps_weight = reply is not None and reply.world.gravity is not None
+        return template if keeps_weight else hold_in_the_air(template, body)[0]
 
     def place(self, body: Body, reply: SemanticReply | None = None) -> tuple[SceneTemplate, tuple[str, ...]]:
         """The scene in which the object stays as it was captured, and in words what had to be changed for that.

@@ -85,8 +85,9 @@ def make_stand(
         keep_weight: Leave gravity as it is: the sentence needs it. What cannot bear its weight then collapses.
     """
     material = template.material
-    if not keep_weight and (why := _explain_toppling(template, body)) is not None:
-        return _change_world(template, gravity="none", ground=False), (why,)
+    template, why_floats = (template, ()) if keep_weight else hold_in_the_air(template, body)
+    if why_floats:
+        return template, why_floats
     if not is_borne(template) or find_own_burden(template, body).share <= 1:
         return template, ()
     borne = template if keep_material else _stiffen(template, body, 1.0)
@@ -102,6 +103,12 @@ def make_stand(
     why = _explain_collapse(carrying, chosen=keep_material, weight=weight)
     template = _change_world(template, weight=weight)
     return (template if keep_material else _stiffen(template, body, share)), (why,)
+
+
+def hold_in_the_air(template: SceneTemplate, body: Body) -> tuple[SceneTemplate, tuple[str, ...]]:
+    """The template without weight and ground if the object would fall over, and why in words."""
+    why = _explain_toppling(template, body)
+    return (template, ()) if why is None else (_change_world(template, gravity="none", ground=False), (why,))
 
 
 def find_bearing_modulus(template: SceneTemplate, body: Body) -> float:
