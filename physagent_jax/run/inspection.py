@@ -18,28 +18,22 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.gaussians.diagnosis import diagnose_cloud
 from physagent_jax.gaussians.formats import LoadedSplats, find_format, read_head
 from physagent_jax.run.brief import make_brief
-from physagent_jax.run.findings import FoundPart, Inspection, Kind, Piece, PlannedRun, UpAxis
+from physagent_jax.run.findings import FoundPart, Inspection, Kind, Piece, PlannedRun
 from physagent_jax.run.part_marks import find_masks, find_owners
 from physagent_jax.run.preview import check_preview, draw_preview, write_preview
 from physagent_jax.run.resolve import ResolvedRun, resolve
 from physagent_jax.run.spec import ObjectChoice, RunSpec
+from physagent_jax.run.up_axis import choose_up, load_as_it_lies
 from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.card import ObjectCard, load_card
-from physagent_jax.scene.config import SignedAxis, Source
+from physagent_jax.scene.config import SignedAxis
 from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
 from physagent_jax.scene.fuse import fuse
-from physagent_jax.scene.load import load_object
 from physagent_jax.scene.mesh_files import read_mesh
 from physagent_jax.scene.pieces import explain_loose
 from physagent_jax.scene.placement import place
 from physagent_jax.scene.priors import PRIORS, UNKNOWN, find_kind, guess_kind
-from physagent_jax.scene.up_axis import guess_up
 
-USUAL_UP: dict[str, tuple[SignedAxis, str]] = {
-    "splats": ("-y", "the axis of most captures (trained from COLMAP cameras, which are y-down)"),
-    ".obj": ("+y", "the axis of most OBJ files"),
-}
-"""Up axes to try where nothing states one, with the reasons; "+z" for all else, as a run assumes."""
 SENTENCE = "push it to the left"
 """The sentence of the command line that is suggested."""
 
@@ -80,11 +74,8 @@ def inspect_object(
         parts=tuple(parts),
     )
     card, found = load_card(path), _choose_kind(kind, load_card(path), path)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # they are among the notes
-        loaded = load_object(Source(**spec.object.model_dump(exclude={"up", "kind", "extent"})), ".")
-    points = np.asarray(loaded.cloud.means, np.float64)
-    chosen = _choose_up(up, card, loaded, points, path)
+    loaded = load_as_it_lies(spec.object, ".")  # what is warned of is among the notes
+    chosen = choose_up(spec.object.model_copy(update=dict(up=up)), card, loaded, Path())
     choice = spec.object.model_copy(update=dict(up=chosen.axis, kind=found.kind))
     inspection = Inspection(
         path=str(path),
@@ -153,34 +144,6 @@ def _describe_content(path: Path, loaded: LoadedSplats) -> dict[str, Any]:
         name: tuple(each.tolist()) for name, each in dict(low=low, high=high, extent=high - low).items()
     }
     return {**facts, **corners, "count": count}
-
-
-def _choose_up(
-    given: SignedAxis | None, card: ObjectCard, loaded: LoadedSplats, points: np.ndarray, path: Path
-) -> UpAxis:
-    """The up axis that somebody states, else the shape, else the usual one of such files."""
-    seen = guess_up(points)
-    stated: list[tuple[SignedAxis | None, str, str]] = [
-        (given, "option", "it was given"),
-        (card.up, "card", "the card beside the file says so"),
-        (loaded.up, "format", f"the format {loaded.format_name} prescribes it, or the file says so"),
-    ]
-    for axis, source, reason in stated:
-        if axis is not None:
-            doubted = seen.axis not in (None, axis)
-            if doubted:
-                reason += f", though the shape says {seen.axis}: {seen.reason}"
-            known = not (
-                doubted and source == "format"
-            )  # not every program keeps to what its format prescribes
-            return UpAxis.model_validate(dict(axis=axis, known=known, source=source, reason=reason))
-    if seen.axis is not None:
-        return UpAxis(axis=seen.axis, known=True, source="shape", reason=seen.reason)
-    splats = find_format(read_head(path), path) is not None
-    axis, usual = USUAL_UP.get(
-        "splats" if splats else path.suffix.lower(), ("+z", "the axis that a run assumes")
-    )
-    return UpAxis(axis=axis, known=False, source="usual", reason=f"{seen.reason}; {axis} is tried, {usual}")
 
 
 def _choose_kind(given: str | None, card: ObjectCard, path: Path) -> Kind:

@@ -21,13 +21,14 @@ from physagent_jax.run.provenance import hash_settings
 from physagent_jax.run.rigidity import is_hard, keeps_shape, make_rigid
 from physagent_jax.run.sentence_material import SaidMaterial, choose_said_material
 from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
+from physagent_jax.run.up_axis import explain_up, find_up
 from physagent_jax.scene.anchor import MASK_BYTES
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.broad_side import find_broad_side
 from physagent_jax.scene.card import ObjectCard, load_card
 from physagent_jax.scene.config import Anchor, CameraConfig, Domain, Material, SignedAxis, Source
 from physagent_jax.scene.config.material import MODEL_PARAMETERS
-from physagent_jax.scene.load import find_prescribed_up, hash_file
+from physagent_jax.scene.load import hash_file
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import (
     PRIORS,
@@ -187,10 +188,10 @@ def resolve(
     if spec.anchor.mask_path is not None:
         check_regular(base_dir / spec.anchor.mask_path, most=MASK_BYTES, what="the anchor mask")
     card = load_card(path)
-    up = spec.object.up or card.up or find_prescribed_up(path, spec.object.splat_encoding)
+    up = None if source else find_up(spec.object, card, base_dir)
     try:
         preset = resolve_preset(spec)
-        found = source or _make_source(spec, card, path, sha256, up)
+        found = source if up is None else _make_source(spec, card, path, sha256, up.axis)
         anchor = resolve_anchor(spec.anchor, found.kind, base_dir=base_dir)
         source = source or level(found, preset.domain, anchor, WORLDS[spec.world])
         material, warnings = resolve_material(spec.material, source.kind, preset, base_dir=base_dir)
@@ -213,11 +214,7 @@ def resolve(
             error, origin, do="`physagent schema scene` prints the ranges"
         ) from None
     warnings += explain_tilt(source)
-    if up is None:
-        warnings += (
-            "the file's up axis is not known: +z assumed; pass --up if the object lies or stands on its head "
-            "(`physagent inspect` shows it)",
-        )
+    warnings += () if up is None else explain_up(up)
     if spec.perception.prompt is not None:
         rendering, timing = template.preset.rendering, template.preset.timing
         read_mask(spec.perception.prompt, rendering.width, rendering.height, timing.frame_count, base_dir)
@@ -301,7 +298,7 @@ def _choose_friction(spec: RunSpec) -> float:
     return FRICTION if spec.world == "ground" else 0.0
 
 
-def _make_source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str, up: SignedAxis | None) -> Source:
+def _make_source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str, up: SignedAxis) -> Source:
     name = card.name or path.stem.replace("_", " ")
     kind = card.kind or guess_kind(name)
     if spec.object.kind is not None:
@@ -311,7 +308,7 @@ def _make_source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str, up: S
         sha256=sha256,
         name=name,
         kind=kind,
-        up=up or "+z",
+        up=up,
         opacity_threshold=spec.object.opacity_threshold,
         splat_encoding=spec.object.splat_encoding,
         extent=spec.object.extent,

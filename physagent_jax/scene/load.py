@@ -17,10 +17,9 @@ from physagent_jax.gaussians.formats import (
     read_head,
     read_splats,
 )
-from physagent_jax.gaussians.formats.ply_gaussians import GaussianPly
 from physagent_jax.gaussians.formats.ply_header import MOST_BYTES
 from physagent_jax.scene import mesh_formats
-from physagent_jax.scene.config import SignedAxis, Source
+from physagent_jax.scene.config import Source
 from physagent_jax.scene.config.source import MESH_SUFFIXES
 from physagent_jax.scene.mesh_formats import MeshPart
 
@@ -63,26 +62,6 @@ def load_named_parts(source: Source, base_dir: str | Path) -> list[MeshPart]:
     from physagent_jax.scene.mesh_files import read_named_parts  # trimesh takes long to import
 
     return read_named_parts(path)
-
-
-def find_prescribed_up(path: str | Path, encoding: str | None = None) -> SignedAxis | None:
-    """The up axis that a file's format prescribes or the file states; None = neither does.
-
-    Args:
-        path: The object's file.
-        encoding: The user's `--splat-encoding`, with which the file is read.
-
-    Raises:
-        UserError: The file cannot be read.
-    """
-    head = read_head(path, what="the object file")
-    found = find_format(head, path)
-    if found is None:
-        mesh = mesh_formats.find_mesh_format(head, path)
-        return None if mesh is None else mesh.up
-    if isinstance(found, GaussianPly):  # a PLY has no place for it
-        return None
-    return read_splats(path, encoding=encoding).up
 
 
 def check_object(path: str | Path) -> None:

@@ -39,7 +39,8 @@ POLE = BALL * [0.003, 0.003, 1]
 def make_ready(path, cloud, *, resolution=64, **parts):
     """The scene and the body of a run on ``cloud``, as the loop checks them."""
     write_ply(path / "object.ply", cloud)
-    run = resolve(small(path / "object.ply", "push it to the left", resolution=resolution, **parts))
+    parts["object"] = {"path": str(path / "object.ply"), "up": "+z", **parts.get("object", {})}
+    run = resolve(small(path, "push it to the left", resolution=resolution, **parts))
     preset = run.template.preset
     body = make_body(run.template.source, preset.filling, preset.domain, run.base_dir)
     return fuse(run.place(body)[0], body, ForceField()), body

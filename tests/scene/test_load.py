@@ -14,7 +14,7 @@ from physagent_jax.run.spec import ObjectChoice, RunSpec
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.config import Domain, Filling, Source
 from physagent_jax.scene.config.source import MESH_SUFFIXES
-from physagent_jax.scene.load import find_prescribed_up, hash_file, load_object
+from physagent_jax.scene.load import hash_file, load_object
 from physagent_jax.scene.placement import place
 from tests.scene.clouds import cloud_of
 
@@ -93,9 +93,7 @@ def test_gaussians_in_a_glb_are_no_mesh(tmp_path):
     cloud = cloud_of(np.eye(3))
     write_glb(tmp_path / "a.glb", cloud)
     loaded = load_object(Source(path="a.glb"), tmp_path)
-    assert "KHR_gaussian_splatting" in loaded.format_name and loaded.up == find_prescribed_up(
-        tmp_path / "a.glb"
-    )
+    assert "KHR_gaussian_splatting" in loaded.format_name and loaded.up == "+y"
     np.testing.assert_array_equal(loaded.cloud.means, cloud.means)
 
 
@@ -183,9 +181,9 @@ def test_written_frames_lie_where_the_file_does(far):
 
 
 def test_a_prescribed_up_axis_is_found(tmp_path, monkeypatch, robot_path):
-    assert find_prescribed_up(robot_path) is None
+    assert load_object(Source(path=robot_path.name), robot_path.parent).up is None
     trimesh.creation.icosphere(subdivisions=1).export(tmp_path / "ball.glb")
-    assert find_prescribed_up(tmp_path / "ball.glb") == "+y"
+    assert load_object(Source(path="ball.glb"), tmp_path).up == "+y"
 
     class UpFormat:
         name, suffixes = "a format that prescribes up", (".up",)
@@ -200,7 +198,7 @@ def test_a_prescribed_up_axis_is_found(tmp_path, monkeypatch, robot_path):
 
     monkeypatch.setattr(formats, "FORMATS", (UpFormat(), *FORMATS))
     (tmp_path / "a.up").write_bytes(b"up")
-    assert find_prescribed_up(tmp_path / "a.up") == "-x"
+    assert load_object(Source(path="a.up"), tmp_path).up == "-x"
     with pytest.warns(
         UserWarning, match="changes nothing, because a format that prescribes up has one encoding"
     ):
