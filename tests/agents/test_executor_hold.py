@@ -1,9 +1,12 @@
 """The executor holds what goes over as a whole where it should change its shape, and nothing else."""
 
+from dataclasses import replace
+
 import pytest
 
 from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.rules.holding import should_hold
+from physagent_jax.forces.schema import ForceField, VelocityConstraint
 from physagent_jax.motion.schema import AnchorRequest, Verdict
 from tests.agents.scenes import asked, brief, judge, read, rewrite, seen_in
 
@@ -54,3 +57,16 @@ def test_what_needs_to_be_free_is_never_held(ground):
     loose = reply.model_copy(update={"anchor": AnchorRequest(kind="none", words="loose")})
     context: AgentContext = asked(prompt, ground, loose, ())
     assert not should_hold(context, failed)
+
+
+def test_what_is_led_by_its_ends_is_not_held_as_well(ground):
+    """Both act on the base, and what lies between is torn."""
+    prompt = "push the top of the robot to the left"
+    reply, failed = fail(prompt, ground, **WENT_OVER)
+    context = asked(prompt, ground, reply, ())
+    assert should_hold(context, failed)
+    region = failed.force_field.actions[0].region
+    led = VelocityConstraint.model_validate(
+        dict(constraint_type="enforce_particle_rotation", vector=(1, 0, 0), magnitude=1.0, region=region)
+    )
+    assert not should_hold(context, replace(failed, force_field=ForceField(constraints=(led,))))

@@ -181,3 +181,19 @@ def test_the_rest_of_several_parts_holds_none_of_them():
     ]
     region = read("the robot raises its arms", *parts).anchor.region
     assert set(region.inside) == set(MIDDLE) and set(ends) <= set(region.outside)
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "lift the robot by its head",
+        "pull it up by the left arm",
+        "swing it by its arm",
+        "spin it by the top",
+        "lift it by the end of its arm",
+    ],
+)
+def test_what_it_is_taken_by_is_no_part_that_is_moved(sentence):
+    """The whole goes along with what is gripped."""
+    (clause,) = read_intent(sentence, brief()).clauses
+    assert clause.parts == ()

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from physagent_jax.agents.compiler.amounts import find_effort, find_held_magnitude
 from physagent_jax.agents.compiler.directions import find_lean_axis
+from physagent_jax.agents.compiler.events import BY_DEFAULT
 from physagent_jax.agents.compiler.steady import (
     BRAKED_BEFORE,
     IMPULSE_FRAMES,
@@ -23,6 +24,7 @@ from physagent_jax.motion.vectors import add, dot, normalise, scale
 
 _RAISING = (Effect.STRIKE, Effect.JUMP)
 _UPRIGHT = 0.7  # cosine
+_TIPPING = 1.0  # [s] in which what stands is tipped past its balance
 
 
 def compile_strike(task: Task) -> None:
@@ -122,10 +124,13 @@ def _let_fall(task: Task) -> None:
 
 
 def compile_topple(task: Task) -> None:
-    """Gravity and a turn of the top towards the direction."""
+    """Gravity and a turn of the top towards the direction, until gravity goes on with it: what rounds off rolls on."""
     if not task.builder.grounded:
         task.builder.enable_gravity(task.event.words, "a toppling object needs gravity")
     axis = find_lean_axis(task.direction, task.brief)
-    task.act(ActionType.TORQUE, axis, task.event.strength, task.window)
-    task.expect(MotionKind.ROTATE, axis, task.window)
+    first, last = task.window
+    until = min(last, first + _TIPPING / task.brief.frame_dt)
+    task.act(ActionType.TORQUE, axis, task.event.strength, (first, until))
+    told = BY_DEFAULT not in task.event.sources["vector"].why
+    task.expect(MotionKind.ROTATE, axis if told else None, task.window)
     task.expect(MotionKind.FALL, None, task.window)

@@ -138,6 +138,12 @@ class Reader:
         """The word before, past a determiner."""
         return self.get_text(at - 2 if self.is_after_determiner(at) else at - 1)
 
+    def is_gripped(self, at: int) -> bool:
+        """Return whether a part is what all of it is taken by: "lift it by the end of its handle"."""
+        if self.get_preposition(at) == "of":
+            at = at - 3 if self.is_after_determiner(at) else at - 2
+        return self.get_preposition(at) == "by"
+
     def is_striking(self) -> bool:
         """Return whether the last motion is a blow."""
         motion = get_last_motion(self.mentions)

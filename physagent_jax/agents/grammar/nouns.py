@@ -74,8 +74,9 @@ def read_named_part(reader: Reader, at: int) -> Mention | None:
             phrase[0] in reader.names or phrase[0] in LEXICON.part_adjectives or phrase[0] in LEXICON.parts
         )
         if size > 1 or not known and (phrase[0] not in FORMS or reader.is_after_determiner(at)):
-            used = list(range(at, at + size))
-            return reader.make_mention(MentionKind.PLACE, NAMED, " ".join(phrase), used)
+            gripped, used = reader.is_gripped(at), list(range(at, at + size))
+            kind, value = (MentionKind.FUNCTION, None) if gripped else (MentionKind.PLACE, NAMED)
+            return reader.make_mention(kind, value, " ".join(phrase), used)
     return None
 
 
@@ -85,7 +86,8 @@ def read_part(reader: Reader, at: int) -> Mention | None:
         phrase = " ".join(token.text for token in reader.tokens[at : at + size])
         names = LEXICON.part_adjectives.get(phrase)
         if names is not None and (mention := _read_side(reader, at, size, phrase, names)):
-            return mention
+            gripped = mention.kind is MentionKind.PLACE and reader.is_gripped(at)
+            return replace(mention, kind=MentionKind.FUNCTION, value=None) if gripped else mention
     return None
 
 

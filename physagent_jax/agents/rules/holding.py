@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from physagent_jax.agents.context import AgentContext, Round
+from physagent_jax.forces.skills import get_skill
 from physagent_jax.motion.holds import find_leaving
 from physagent_jax.motion.matching import AXIAL
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind
@@ -21,6 +22,8 @@ def should_hold(context: AgentContext, failed: Round) -> bool:
     free = brief.anchored is None and brief.may_be_held and brief.world == "ground"
     if not free or reading is None or reading.anchor.kind is not None:
         return False
+    if any(get_skill(each).prescribes for each in failed.force_field.constraints):
+        return False  # what is led and held at once is torn
     if failed.force_field.default_drop or find_leaving(reading.plan, brief.directions.up) is not None:
         return False
     motions = [each for each in context.expectations if each.kind is not MotionKind.STILL]

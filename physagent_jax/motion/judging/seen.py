@@ -13,7 +13,18 @@ from physagent_jax.motion import tolerances
 from physagent_jax.motion.matching import share_time
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, ObstacleRequest, SceneBrief
 from physagent_jax.motion.tolerances import Tolerance
-from physagent_jax.motion.vectors import add, clamp, cosine, cross, dot, norm, normalise, scale, subtract
+from physagent_jax.motion.vectors import (
+    add,
+    clamp,
+    cosine,
+    cross,
+    dot,
+    norm,
+    normalise,
+    reject,
+    scale,
+    subtract,
+)
 from physagent_jax.perception.schema import Matrix, MotionReport, PartMotion, Uncertainty, WindowMotion
 
 Course = list[tuple[int, Vector]]
@@ -117,9 +128,12 @@ class View:
         if not self.grounded or self.anchored or self.force_field.default_drop:
             return []
         falls = [e for e in self.expectations if e.kind is MotionKind.FALL]
-        turns = [e for e in self.expectations if e.kind is MotionKind.ROTATE and e.direction is not None]
-        ends = [e.direction for e in turns if e.direction and any(share_time(e, f) for f in falls)]
-        ways = [cross(axis, self.brief.directions.up) for axis in ends]
+        turns = [e for e in self.expectations if e.kind is MotionKind.ROTATE]
+        ends = [e.direction for e in turns if any(share_time(e, f) for f in falls)]
+        up, course = self.brief.directions.up, self.course(0, self.last)
+        ways = [cross(axis, up) for axis in ends if axis]
+        if None in ends and course:  # no way is told: where it went
+            ways += [way] if (way := normalise(reject(course[-1][1], up))) else []
         return [normalise(way) or way for way in ways if norm(way) > _TOPPLES]
 
     def fit_to_limb(self, tolerance: Tolerance, motion: ExpectedMotion) -> Tolerance:
