@@ -188,10 +188,11 @@ def resolve(
     if spec.anchor.mask_path is not None:
         check_regular(base_dir / spec.anchor.mask_path, most=MASK_BYTES, what="the anchor mask")
     card = load_card(path)
-    up = None if source else find_up(spec.object, card, base_dir)
+    known = spec.object if source is None else spec.object.model_copy(update=dict(up=source.up))
+    up = find_up(known, card, base_dir)
     try:
         preset = resolve_preset(spec)
-        found = source if up is None else _make_source(spec, card, path, sha256, up.axis)
+        found = source or _make_source(spec, card, path, sha256, up.axis)
         anchor = resolve_anchor(spec.anchor, found.kind, base_dir=base_dir)
         source = source or level(found, preset.domain, anchor, WORLDS[spec.world])
         material, warnings = resolve_material(spec.material, source.kind, preset, base_dir=base_dir)
@@ -214,7 +215,7 @@ def resolve(
             error, origin, do="`physagent schema scene` prints the ranges"
         ) from None
     warnings += explain_tilt(source)
-    warnings += () if up is None else explain_up(up)
+    warnings += explain_up(up)
     if spec.perception.prompt is not None:
         rendering, timing = template.preset.rendering, template.preset.timing
         read_mask(spec.perception.prompt, rendering.width, rendering.height, timing.frame_count, base_dir)
