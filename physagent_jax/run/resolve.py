@@ -18,7 +18,7 @@ from physagent_jax.run.holding import check_hold, find_hold
 from physagent_jax.run.material import resolve_material
 from physagent_jax.run.prompt import read_mask
 from physagent_jax.run.provenance import hash_settings
-from physagent_jax.run.rigidity import is_hard, keeps_shape, make_rigid
+from physagent_jax.run.rigidity import RIGID_NOTE, is_hard, keeps_shape, make_rigid
 from physagent_jax.run.sentence_material import SaidMaterial, choose_said_material
 from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
 from physagent_jax.run.up_axis import explain_up, find_up
@@ -105,7 +105,7 @@ class ResolvedRun:
         held = () if hold is None else check_hold(hold, template.anchor, body, reply, self.base_dir)
         said = self.find_material(reply).preset
         if hold is None and is_hard(self.spec.material, template.source.kind, said) and keeps_shape(reply):
-            template, told = make_rigid(template), ()  # what a softer stand-in would look like is not seen
+            template, told = make_rigid(template), (RIGID_NOTE,)  # a softer stand-in's looks are not seen
         template, notes = make_stand(
             template,
             body,

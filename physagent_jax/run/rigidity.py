@@ -21,6 +21,11 @@ from physagent_jax.scene.template import SceneTemplate
 
 STEP = 4e-3
 """Longest substep of a rigid body [s]: at the speed of a fall from its own height it moves by less than half a cell."""
+RIGID_NOTE = (
+    "the object moves as a rigid body, as it is hard and nothing asks it to deform; `material.youngs_modulus` makes it "
+    "deform"
+)
+"""What a user should know of it."""
 _AS_A_WHOLE = frozenset((MotionKind.MOVE, MotionKind.FALL, MotionKind.ROTATE, MotionKind.STILL))
 _UPRIGHT = 0.9  # component of an axis about which nothing tips over
 

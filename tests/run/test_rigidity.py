@@ -9,7 +9,7 @@ import trimesh
 from physagent_jax.mpm import simulate
 from physagent_jax.run.reading import place_for_field, read_for_scene
 from physagent_jax.run.resolve import resolve
-from physagent_jax.run.rigidity import STEP
+from physagent_jax.run.rigidity import RIGID_NOTE, STEP
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import MaterialModel
@@ -96,7 +96,7 @@ def test_a_sentence_of_steel_makes_soft_kinds_rigid(robot_path):
     reply = read_for_scene(run, body, with_rules().semantic.compile).value
     made, notes = run.place(body, reply)
     assert made.material.model is RIGID and made.material.density == LIBRARY["steel"].material.density
-    assert not any("softened" in note for note in notes)
+    assert RIGID_NOTE in notes and not any("softened" in note for note in notes)
 
 
 def test_a_field_without_a_sentence_keeps_the_kinds_stiffness(table):
