@@ -25,7 +25,7 @@ RIGID_NOTE = (
     "the object moves as a rigid body, as it is hard and nothing asks it to deform; `material.youngs_modulus` makes it "
     "deform"
 )
-"""What a user should know of it."""
+"""The note for the user."""
 _AS_A_WHOLE = frozenset((MotionKind.MOVE, MotionKind.FALL, MotionKind.ROTATE, MotionKind.STILL))
 _UPRIGHT = 0.9  # component of an axis about which nothing tips over
 
