@@ -18,7 +18,7 @@ from benchmarks.first_results.viewing import (
     rank,
     read_remarks,
 )
-from benchmarks.harness import Page, Result, Row, Tables, number, one_line, provenance, table
+from benchmarks.harness import Page, Result, Row, Tables, drop_fields, number, one_line, provenance, table
 
 _SENTENCES = ("#", "object", "preset", "sentence", "viewer", "what a viewer sees")
 _SENTENCES += ("verdict", "from the truth", "rounds", "seconds", "frames")
@@ -37,6 +37,12 @@ _PAIRS = (
 _PAIRS += ("frames",)
 
 HELD_BACK = ("sixty", "twenty")
+_UNSHOWN = frozenset(("force_field", "errors", "oddities", "substeps", "particle_count"))
+_UNSHOWN |= {
+    f"{source}_{what}"
+    for source in ("perceived", "true")
+    for what in ("centroid", "farthest", "rotation", "stretch")
+}
 
 _FIELDS = ("#", "force field", "perceived: farthest, last turn", "truth", "particles", "substeps")
 
@@ -222,9 +228,16 @@ def _motion(centroid, rotation) -> str:
     return f"{moved}, {turned}"
 
 
+def condense(result: Result) -> Result:
+    """The sections, those of the sets that were held back without what no table shows."""
+    held_back = {part: section for part, section in result.items() if part in HELD_BACK}
+    return result | drop_fields(held_back, _UNSHOWN)
+
+
 PAGE = Page(
     "first-results",
     "python -m benchmarks.first_results --parts sentences sixty twenty --data DIR --sheets docs/images",
     write_tables,
     ("physagent_jax",),
+    condense,
 )
