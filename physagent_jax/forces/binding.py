@@ -31,6 +31,7 @@ PLATE_FRICTION = (
 AFTER = (
     1e-3  # [frames] by which a `particle_impulse` comes after what ends then, whatever the clock's round-off
 )
+_FEET = 0.05  # of the height, over which the feet fade out
 _TINY = float(np.finfo(np.float32).tiny)
 
 
@@ -218,9 +219,15 @@ class Binding:
         friction = self.leaf(find_friction(opposition, way))
         lever = self.leaf(0.0 if self._turned else opposition.lever)
         drag = self.leaf(opposition.damping_rate)
-        return [
-            PushCompensation(self.leaf(way), friction, push, start, lever, drag, *self.window, pulse=pulse)
-        ]
+        feet = None if self._turned or not opposition.lever else self._find_feet()
+        numbers = (self.leaf(way), friction, push, start, lever, drag)
+        return [PushCompensation(*numbers, *self.window, feet=feet, pulse=pulse)]
+
+    def _find_feet(self) -> jax.Array:
+        """Weights of the particles that fade with their height over the lowest, with a mean of 1 by mass."""
+        height = self._rest[:, 2].astype(float) - float(self._rest[:, 2].min())
+        weights = np.exp(-height / max(_FEET * height.max(), _TINY))
+        return self.leaf(weights / np.average(weights, weights=self._volume))
 
     def overcome_rubbing(self, k: float | Array) -> list:
         """The force that overcomes the friction of a turn of the whole object with k."""
