@@ -10,7 +10,7 @@ t the time in which a push stops what the one before has set going: the steady s
 knows the speed that it begins with, which a brake has too: friction is made up for on the way from there.
 
 What is held, and a part of it, is an oscillator: pushes in time with it swing it far, quick ones hardly. With u its way
-per steady acceleration, and p u the farthest that the pushes of a train with k = 1 take it from rest, damped as
+per steady acceleration, and p u how far to either side the pushes of a train with k = 1 swing it, damped as
 `forces.holding.OVERSHOOT` says, k = s / (p u).
 """
 
@@ -60,9 +60,9 @@ def find_strokes(
                 continue
             held, way = scaling.holding, numbers[0].vector
             if response is not None and response.answer is not None:
-                k = response.swing / (response.answer * _find_peak(response.frequency, actions, spans))
+                k = response.swing / (response.answer * _find_width(response.frequency, actions, spans))
             elif response is None and held is not None and held.square is not None and scaling.swing:
-                peak = find_way(held, way) * _find_peak(find_frequency(held, way), actions, spans)
+                peak = find_way(held, way) * _find_width(find_frequency(held, way), actions, spans)
                 k = xp.minimum(scaling.swing / peak, held.most)
             else:
                 continue
@@ -130,11 +130,11 @@ def _find_scale(amplitude: float, drag: float, half_period, xp):
     return 2 * amplitude * drag / (half_period - 2 * turned)
 
 
-def _find_peak(frequency, actions: Sequence[Action], spans: Sequence):
-    """The largest excursion from rest of an oscillator that a train pushes, over what each push would bend it [1]."""
+def _find_width(frequency, actions: Sequence[Action], spans: Sequence):
+    """The width to either side of an oscillator's swing, from rest, over what each push alone would bend it [1]."""
     xp = jnp if any(isinstance(each, Tracer) for each in (frequency, *spans)) else np
     decay, turned = _DAMPING * frequency, np.sqrt(1 - _DAMPING**2) * frequency
-    place, speed, peak = 0.0, 0.0, 0.0
+    place, speed, most, least = 0.0, 0.0, 0.0, 0.0
     for action, span in zip(actions, spans):
         rest = np.sign(_find_way(action) @ _find_way(actions[0]))
         time = span * np.linspace(0, 1, _SAMPLES + 1)[1:]
@@ -142,8 +142,9 @@ def _find_peak(frequency, actions: Sequence[Action], spans: Sequence):
         off = place - rest
         places = rest + fades * (off * cos + (speed + decay * off) * sin)
         speeds = fades * (speed * cos - (off * frequency**2 + decay * speed) * sin)
-        place, speed, peak = places[-1], speeds[-1], xp.maximum(peak, xp.abs(places).max())
-    return peak
+        place, speed = places[-1], speeds[-1]
+        most, least = xp.maximum(most, places.max()), xp.minimum(least, places.min())
+    return 0.5 * (most - least)
 
 
 def _go_on(speed, acceleration, drag: float, time, xp):
