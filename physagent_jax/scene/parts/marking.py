@@ -28,7 +28,7 @@ def find_parts(points: np.ndarray) -> tuple[Part, ...]:
     lattice = make_lattice(points)
     limbs = find_limbs(points, lattice)
     low, high = points.min(0), points.max(0)
-    roles = Roles(limbs, low, high, lattice.places.mean(0)).assign()
+    roles = Roles(limbs, lattice).assign()
     return tuple(_make_part(lattice, limbs[k], roles[k], low, high) for k in sorted(roles))
 
 
