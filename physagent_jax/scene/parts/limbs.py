@@ -25,6 +25,7 @@ _SMALLEST = 0.04  # length over the object's
 _THIN, _DISTANT, _PLATE = 0.95, 1.2, 1.0
 _COARSE = 0.6  # of its prominence counts, where a limb by distance and one by thickness would be in each other's way
 _SAME = 0.35  # of the union of two limbs, that both hold, from which on they are one
+_MOST = 0.7  # the same where the larger one holds others, too: a head and the shoulders with arms
 _APART, _WITHIN = (
     0.2,
     0.8,
@@ -95,7 +96,7 @@ def find_limbs(points: np.ndarray, lattice: Lattice) -> list[Limb]:
     told += [(limb, 0.0) for limb in caps]
     chosen: list[Limb] = []
     for limb, _ in sorted(told, key=lambda each: -each[1]):
-        if limb.length >= _SMALLEST and all(_fits(limb, each) for each in chosen):
+        if limb.length >= _SMALLEST and all(_fits(limb, each, chosen) for each in chosen):
             chosen.append(limb)
     chosen.sort(key=lambda limb: limb.share)
     parents = [
@@ -138,12 +139,23 @@ def _share(one: np.ndarray, other: np.ndarray) -> float:
     return len(np.intersect1d(one, other, assume_unique=True)) / len(one)
 
 
-def _fits(one: Limb, other: Limb) -> bool:
+def _fits(one: Limb, other: Limb, chosen: list[Limb]) -> bool:
     """Return whether two limbs are apart, or one is well inside the other."""
-    small, large = sorted((one.nodes, other.nodes), key=len)
-    inside = _share(small, large)
-    shared = inside * len(small)
-    return inside < _APART or (inside > _WITHIN and shared / (len(small) + len(large) - shared) < _SAME)
+    small, large = sorted((one, other), key=lambda limb: len(limb.nodes))
+    inside = _share(small.nodes, large.nodes)
+    if inside < _APART or inside <= _WITHIN:
+        return inside < _APART
+    shared = inside * len(small.nodes)
+    same = shared / (len(small.nodes) + len(large.nodes) - shared)
+    return (
+        same < _SAME
+        or same < _MOST
+        and any(
+            _share(each.nodes, large.nodes) > _WITHIN and _share(each.nodes, small.nodes) < _APART
+            for each in chosen
+            if each.share < large.share
+        )
+    )
 
 
 def measure(lattice: Lattice, nodes: np.ndarray) -> Limb:

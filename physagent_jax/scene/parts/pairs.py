@@ -8,10 +8,11 @@ import math
 import numpy as np
 
 from physagent_jax.scene.parts.lattice import Lattice
-from physagent_jax.scene.parts.limbs import Limb
+from physagent_jax.scene.parts.limbs import Limb, list_outer
 from physagent_jax.scene.parts.mirror import Mirror, find_mirrors
 
-_ALMOST = 0.1  # likeness that a mirror plane may have less than the best one
+_ALMOST = 0.25  # likeness that a mirror plane may have less than the best one: limbs may be posed
+_HALF = 0.15  # share of the object from which on a pair may be its two halves
 _ALIKE = 2.5  # ratio of the shares of a pair, at most
 _IMAGE = 0.12  # of the length, by which the image of a limb may miss its partner
 _POSED = 0.25  # the same of its middle, if it hangs on the same joint
@@ -40,8 +41,8 @@ def find_pairs(limbs: list[Limb], lattice: Lattice) -> Pairs:
         if mirror.likeness >= mirrors[0].likeness - _ALMOST:
             images = [_find_image(limbs, k, mirror, size) for k in range(len(limbs))]
             partners = tuple(j if j is not None and images[j] == k else None for k, j in enumerate(images))
-            paired = sum(limb.share for limb, j in zip(limbs, partners) if j is not None)
-            told.append((mirror.likeness + paired, Pairs(mirror, partners)))
+            shares = [limb.share for limb, j in zip(limbs, partners) if j is not None and limb.share < _HALF]
+            told.append((mirror.likeness + sum(shares), Pairs(mirror, partners)))
     return max(told, key=lambda each: each[0])[1]
 
 
@@ -49,7 +50,8 @@ def _find_image(limbs: list[Limb], index: int, mirror: Mirror, size: float) -> i
     """The limb that is most like the image of another one in a plane, or in that of the limb they are both on."""
     limb, found = limbs[index], {}
     for k, other in enumerate(limbs):
-        if k == index or not are_alike(limb, other):
+        nested = k in (index, *list_outer(limbs, index)) or index in list_outer(limbs, k)
+        if nested or not are_alike(limb, other):
             continue
         missed = _miss(mirror, limb, other, size)
         if limb.parent is not None and limb.parent == other.parent:

@@ -150,7 +150,10 @@ class Roles:
         ]
         if len(slim) > 1 or any(each.share > _SMALL * limb.share for each in slim):
             return False
-        if limb.slimness > _SLIM and not self._list_ears(index):
+        around = [k for k in (index, *list_outer(self.limbs, index)) if self.limbs[k].slimness > _SLIM]
+        if any(
+            self.limbs[k].share <= LARGEST and not self._list_ears(k) for k in around
+        ):  # the end of a tail, too
             return False
         if self._has_four_legs():
             return abs(self._find_place(limb)) > _END and bool(limb.centre[2] > self._find_hips())

@@ -128,5 +128,5 @@ def _is_arm(limb: Limb, outer: Limb) -> bool:
     """Return whether one of a pair is an arm of the limb that it is on, rather than an ear."""
     above = (limb.joint - outer.centre)[2] / max(float(outer.extent[2]), 1e-12)
     rise = (limb.tip - limb.joint)[2] / max(float(np.linalg.norm(limb.tip - limb.joint)), 1e-12)
-    slender = limb.slimness > _SLENDER and limb.length > _REACH and rise < _RISE
+    slender = not limb.flat and limb.slimness > _SLENDER and limb.length > _REACH and rise < _RISE
     return bool(above < -_LOWER or slender and above < _SHOULDER)
