@@ -26,7 +26,8 @@ _BROAD = 0.5  # of the object's width: a plate on legs that is broader is a back
 _OPPOSITE = -0.3  # cosine between the sides of a tail and a head, at most
 _UPRIGHT = 0.8  # cosine to up, from which on a head is overhead
 _MIDDLE = 0.1  # of the length, by which what lies on the mirror plane may be off it
-_SLIM = 3.5  # slimness from which on a limb is no head
+_SLIM, _THIN = 3.5, 3.0  # slimness from which on a limb is no head, and is a tail
+_SINKS = 0.02  # of the height, by which the tip of a head may be below its joint
 _SLENDER = 2.4  # slimness from which on what a limb has several of, or a large one, is no ear or nose
 _TAIL = 0.06  # length over the object's, at least
 _LEAST = 0.1  # the same of wings and arms, where no head is found
@@ -158,8 +159,9 @@ class Roles:
         if self._has_four_legs():
             return abs(self._find_place(limb)) > _END and bool(limb.centre[2] > self._find_hips())
         high = limb.centre[2] > self.low[2] + _HEAD * self.height
-        upright = self.legs or not self._is_long() or self._list_ears(index)
-        return bool(high and upright and limb.tip[2] >= limb.joint[2] - 0.02 * self.height)
+        upright = self.legs or not self._is_long()
+        rises = limb.tip[2] >= limb.joint[2] - _SINKS * self.height
+        return bool(high and (upright and rises or self._list_ears(index)))
 
     def _list_below(self, head: int) -> list[int]:
         """Limbs in pairs beside a limb, off the ground, none larger than it."""
@@ -253,7 +255,7 @@ class Roles:
             fitting = [k for k in fitting if self._is_across(self.limbs[k], self.limbs[self.head])]
             return max(fitting, key=lambda k: self.limbs[k].share, default=None)
         ends = [k for k in fitting if abs(self._find_place(self.limbs[k])) > _END]
-        slim = [k for k in ends if self.limbs[k].slimness > _SLIM]
+        slim = [k for k in ends if self.limbs[k].slimness > _THIN]
         figure = self.legs or any(role in (("arm",), ("ear",)) for role in found.values())
         if figure or len(slim) == 1 and self._find_far_end(slim[0], ends) is not None:
             return slim[0] if len(slim) == 1 else None
