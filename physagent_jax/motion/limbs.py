@@ -73,6 +73,11 @@ def find_front(parts: Sequence[Part]) -> Vector | None:
     return normalise((heads[0].side[0], heads[0].side[1], 0.0))
 
 
+def stands_on_legs(parts: Sequence[Part]) -> bool:
+    """Return whether an animal's legs are seen: its head and ears need not be what is highest, as a raised tail is."""
+    return any("leg" in each.roles[:1] for each in parts)
+
+
 def find_swing(part: Part, brief: SceneBrief) -> Vector:
     """The level way across a limb; the viewer's right where it stands upright."""
     return normalise(cross(brief.directions.up, part.arm)) or brief.directions.right

@@ -66,6 +66,15 @@ def test_a_limb_turns_about_its_joint_the_way_that_is_asked(sentence, limb, part
     assert [each.limb for each in reply.expectations] == [limb]
 
 
+@pytest.mark.parametrize("word", ["ears", "head"])
+def test_the_head_of_what_stands_on_legs_is_not_whatever_is_on_top(word):
+    """A cat's tail may be higher than its head: where the head is not found, nothing is moved in its place."""
+    legs = [make_part("leg", (0, 0, -0.2), (x, 0.0, -math.sqrt(1 - x * x))) for x in (0.5, -0.5)]
+    reply = read(f"pull the {word} up", *legs, TAIL)
+    assert any(f"'{word}'" in doubt and "leg, tail" in doubt for doubt in reply.unsure)
+    assert all(each.region is None for each in reply.force_field.actions)
+
+
 def test_a_leg_that_is_lifted_swings_forward_and_not_into_the_body():
     """It hangs: along itself it would only get shorter. Forward is where an animal's head is."""
     places = [(0.5, 0.2, -0.8), (-0.5, 0.2, -0.8), (0.5, -0.2, -0.8)]

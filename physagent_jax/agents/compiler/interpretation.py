@@ -14,6 +14,7 @@ from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.slabs import make_end_region, make_middle_region
+from physagent_jax.motion.limbs import stands_on_legs
 from physagent_jax.motion.parts import explain_missing
 from physagent_jax.motion.schema import Amount, ObstacleRequest, SceneBrief
 from physagent_jax.motion.vectors import clamp, normalise, scale
@@ -265,7 +266,7 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         told = brief.parts[event.limbs[0]].moved.label or "a part of the object"
         event.sources["region"] = ValueSource(named[0].text, told)
         return
-    if place.role and not place.names:
+    if place.role and (not place.names or place.names == ("up",) and stands_on_legs(brief.parts)):
         event.doubts.append(explain_missing(named[0].text, brief.parts))
         return
     event.part = normalise(sum_directions(place.names, brief))

@@ -66,7 +66,7 @@ def _find_image(limbs: list[Limb], index: int, mirror: Mirror, size: float) -> i
 
 
 def _miss(mirror: Mirror, limb: Limb, other: Limb, size: float) -> float:
-    """How far the image of a limb is from another one on the other side; below 1 for a pair."""
+    """Distance of the image of a limb from another one on the other side; below 1 for a pair."""
     sides = mirror.measure(np.stack([limb.centre, other.centre]))
     if sides[0] * sides[1] >= 0:
         return math.inf

@@ -23,8 +23,6 @@ _SMALL = 0.3  # share of the head, above which what is inside it is no ear
 _RIVAL = 0.4  # share of the largest that may be a head too
 _HIGHER = 0.08  # of the height, that a head is higher than its rivals by
 _BROAD = 0.5  # of the object's width: a plate on legs that is broader is a back
-_OPPOSITE = -0.3  # cosine between the sides of a tail and a head, at most
-_UPRIGHT = 0.8  # cosine to up, from which on a head is overhead
 _MIDDLE = 0.1  # of the length, by which what lies on the mirror plane may be off it
 _SLIM, _THIN = 3.5, 3.0  # slimness from which on a limb is no head, and is a tail
 _SINKS = 0.02  # of the height, by which the tip of a head may be below its joint
@@ -252,7 +250,7 @@ class Roles:
         ]
         fitting = [k for k in fitting if not set(list_outer(self.limbs, k)) & set(fitting)]
         if self.head is not None:
-            fitting = [k for k in fitting if self._is_across(self.limbs[k], self.limbs[self.head])]
+            fitting = [k for k in fitting if self.things.is_across(self.limbs[k], self.limbs[self.head])]
             return max(fitting, key=lambda k: self.limbs[k].share, default=None)
         ends = [k for k in fitting if abs(self._find_place(self.limbs[k])) > _END]
         slim = [k for k in ends if self.limbs[k].slimness > _THIN]
@@ -287,11 +285,6 @@ class Roles:
     def _is_long(self) -> bool:
         """Return whether the object is longer along its mirror plane than it is high."""
         return float(np.ptp(self.places @ self.axis)) > self.height
-
-    def _is_across(self, limb: Limb, head: Limb) -> bool:
-        """Return whether a limb is on the other side than the head, or the head is overhead."""
-        side, way = self.things.find_side(limb)[:2], self.things.find_side(head)
-        return bool(way[2] > _UPRIGHT or side @ way[:2] < _OPPOSITE * np.linalg.norm(way[:2]))
 
     def _is_middle(self, limb: Limb) -> bool:
         return abs(float(self.mirror.measure(limb.centre))) < _MIDDLE * self.size

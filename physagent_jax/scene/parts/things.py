@@ -10,7 +10,7 @@ from physagent_jax.scene.parts.pairs import Pairs
 
 _ON_GROUND = 0.06  # of the height
 _UPRIGHT = 0.8  # cosine to up, from which on a limb is on top
-_OPPOSITE = -0.3  # cosine between the sides of a spout and a handle, at most
+_OPPOSITE = -0.3  # cosine between the sides of a spout and a handle, or a tail and a head, at most
 _FINGER = 0.2  # share of a limb, above which what is one of several inside it is no finger
 _SLENDER, _REACH = (
     2.4,
@@ -66,7 +66,7 @@ class Things:
             return ("bottom",) if side[2] < -_UPRIGHT else ("side",)
         if partner is not None and self._is_free_arm(partner, found):
             return ("arm",)
-        if handles and all(self._is_across(side, self.find_side(each)) for each in handles):
+        if handles and all(self.is_across(limb, each) for each in handles):
             return ("spout",)
         return ("side",)
 
@@ -79,8 +79,10 @@ class Things:
         away = limb.centre - self.middle
         return away / max(float(np.linalg.norm(away)), 1e-12)
 
-    def _is_across(self, side: np.ndarray, other: np.ndarray) -> bool:
-        return other[2] > _UPRIGHT or bool(side[:2] @ other[:2] < _OPPOSITE * np.linalg.norm(other[:2]))
+    def is_across(self, limb: Limb, other: Limb) -> bool:
+        """Return whether a limb is on the other side than another one, or that is overhead."""
+        side, way = self.find_side(limb)[:2], self.find_side(other)
+        return bool(way[2] > _UPRIGHT or side @ way[:2] < _OPPOSITE * np.linalg.norm(way[:2]))
 
     def is_grounded(self, limb: Limb) -> bool:
         """Return whether a limb reaches down to the ground."""
