@@ -71,7 +71,8 @@ class Roles:
         """Roles by place of the limb; what is part of another one, or of no use by itself, is left out."""
         found: Told = {leg: ("leg",) for leg in self.legs}
         if self.back is not None:
-            return self.things.assign(found | {self.back: ("back",)})
+            found[self.back] = ("back",)
+            return self.things.assign(found)
         if self.head is not None:
             found |= self._name_head(self.head)
         found |= self._name_pairs(found)
@@ -191,7 +192,8 @@ class Roles:
 
     def _name_head(self, head: int) -> Told:
         """The head, and the ears and horns on it."""
-        ears, found = self._list_ears(head), {head: ("head",)}
+        ears = self._list_ears(head)
+        found: Told = {head: ("head",)}
         for place, k in enumerate(ears):
             found[k] = ("horn",) if len(ears) >= 4 and place >= len(ears) - 2 else ("ear",)
         return found

@@ -43,7 +43,9 @@ class Things:
 
     def assign(self, told: Told) -> Told:
         """The roles that are told already, with those of the limbs beside them."""
-        found = told | {k: ("handle",) for k in range(len(self.limbs)) if self._is_handle(k)}
+        found: Told = dict(told)
+        for k in filter(self._is_handle, range(len(self.limbs))):
+            found[k] = ("handle",)
         for index in sorted(range(len(self.limbs)), key=lambda k: -self.limbs[k].share):
             limb = self.limbs[index]
             free = is_free(self.limbs, index, found) or self._is_on_lid(index, found)
