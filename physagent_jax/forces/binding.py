@@ -28,6 +28,9 @@ from physagent_jax.mpm.constraints import GradedRotation, GradedTranslation, Mov
 PLATE_FRICTION = (
     0.4  # Coulomb's coefficient of a `moving_plate`: the material may spread under it, but not slip away
 )
+PLATE_DEPTH = 0.1  # [body lengths] that a plate on a part is thick: deeper than it is sunk in a step, by far
+PLATE_SIZE = 1.15  # sides of such a plate over those of the part
+_THINNEST = 0.02  # half of such a plate's side [body lengths], at least
 AFTER = (
     1e-3  # [frames] by which a `particle_impulse` comes after what ends then, whatever the clock's round-off
 )
@@ -295,14 +298,15 @@ class Binding:
         whole = xp.maximum(total, _TINY)
         return xp.where(total > _TINY, (inertia * profile(squared)).sum() / whole, 1.0)
 
-    def width(self) -> Array:
-        """The object's extent along the vector, over its longest [1]."""
+    def width(self, *, chosen: bool = False) -> Array:
+        """The extent along the vector of the object, or of the chosen matter, over the object's longest [1]."""
         axis = self.values.vector
         xp = jnp if _is_traced(axis) else np
         extent = np.ptp(self._rest, axis=0).max()
         if extent == 0:  # all particles in one place
             return np.asarray(1.0)
-        return xp.ptp(self._rest.astype(xp.result_type(float)) @ (axis / xp.linalg.norm(axis))) / extent
+        places = self._rest[self._mask] if chosen else self._rest
+        return xp.ptp(places.astype(xp.result_type(float)) @ (axis / xp.linalg.norm(axis))) / extent
 
     def hold(self, velocity: jax.Array, angular_velocity: jax.Array) -> list[PrescribedMotion]:
         """The particles move so during the window, about pivot or own centre, and then stay if they are to be held."""
@@ -322,17 +326,32 @@ class Binding:
         return motions
 
     def press(self, k: float | Array) -> list[MovingPlate]:
-        """A plate that starts at the object's side, moves with k M v, and then stays if it is to be held."""
+        """A plate that starts at the object's side, moves with k M v, and then stays if it is to be held.
+
+        On a region it is no larger than that.
+        """
         velocity, (start, end) = self.vector(k), self.window
         normal = velocity / jnp.linalg.norm(velocity)
-        behind = (self.leaf(self._rest) @ normal).min()
-        middle = self.leaf(self._rest.mean(0))
+        chosen = self.leaf(self._rest[self._mask])
+        behind = (chosen @ normal).min()
+        middle = self.leaf(self._rest[self._mask].mean(0))
         point = middle + (behind - middle @ normal) * normal
+        edges = depth = None
+        if not self.whole:
+            aside = jnp.cross(normal, jnp.where(jnp.abs(normal[2]) < 0.9, *self.leaf(np.eye(3)[[2, 0]])))
+            aside = aside / jnp.linalg.norm(aside)
+            axes = jnp.stack([aside, jnp.cross(normal, aside)])
+            across = chosen @ axes.T
+            low, high = across.min(0), across.max(0)
+            point = point + (0.5 * (low + high) - point @ axes.T) @ axes
+            half = jnp.maximum(0.5 * PLATE_SIZE * (high - low), _THINNEST * self.extent)
+            edges, depth = axes / half[:, None], self.leaf(PLATE_DEPTH * self.extent)
         friction = self.leaf(PLATE_FRICTION)
-        plates = [MovingPlate(HalfSpace(point, normal, friction, start, end, velocity=velocity))]
+        moving = HalfSpace(point, normal, friction, start, end, velocity=velocity)
+        plates = [MovingPlate(moving, edges, depth)]
         if self._held_until is not None:
             stop = point + velocity * (end - start)
-            plates.append(MovingPlate(HalfSpace(stop, normal, friction, end, self._held_until)))
+            plates.append(MovingPlate(HalfSpace(stop, normal, friction, end, self._held_until), edges, depth))
         return plates
 
     def change_length(self, other: Binding | None, k: float | Array, sign: float) -> list[GradedTranslation]:

@@ -343,6 +343,26 @@ def test_plates_press_what_lies_between_them(x64):
     np.testing.assert_allclose(end.x[:, 0].mean(), start.x[:, 0].mean(), atol=0.005)
 
 
+def test_plates_on_a_region_press_that_alone(x64):
+    region = dict(kind="half_space", point=[0.7, 0.5, 0.5], normal=[1, 0, 0])
+    told = dict(constraint_type="moving_plate", magnitude=1.0, active_time=[0, 10], region=region)
+    squeeze = ForceField.model_validate(
+        {"constraints": [told | dict(vector=[0, 0, side]) for side in (1, -1)]}
+    )
+    _, start, end = moved(squeeze, cells=(12, 4, 4), E=1e5, seconds=0.5 * DURATION, extent=0.6)
+    x, y = np.asarray(start.x), np.asarray(end.x)
+    share = (x[:, 0] - x[:, 0].min()) / np.ptp(x[:, 0])
+    outer = (x[:, 2] == x[:, 2].min(), x[:, 2] == x[:, 2].max())
+    low, high = (
+        [(y - x)[face & side, 2].mean() / np.ptp(x[:, 2]) for side in (share > 0.75, share < 0.5)]
+        for face in outer
+    )
+    assert (
+        0.08 < low[0] < 0.3 and -0.3 < high[0] < -0.08
+    )  # half of its height is asked for, less is had in contact
+    assert max(abs(low[1]), abs(high[1])) < 0.01
+
+
 @pytest.mark.parametrize(
     "changes",
     [{"held_until": 5}, {"active_time": None, "held_until": 12}, {"constraint_type": "particle_impulse"}],
