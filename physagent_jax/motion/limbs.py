@@ -21,12 +21,17 @@ _PLAIN = 45.0  # [degrees] that a plain word turns a limb by
 _LEAST, _MOST = 15.0, 80.0  # [degrees]
 _ALONG = 0.85  # cosine to the limb from which on a way leads along it
 _REACH = 0.3  # of its length, by which a plain word moves a limb along itself
+_PRESSED = 0.5  # of its extent, by which a plain word presses a limb that cannot give way
+_DEEPEST = 0.6
+_FOOT = 0.12  # of the object's height, below which a limb lies on what bears the object
 _LIFTED = 1.0  # the same of a lid, which lies loose and comes off
 _THERE = 0.2  # cosine to a side from which on a limb is on it
 Window = tuple[float, float]
 PLACES = ("top", "bottom", "side")
 """Roles that tell a part's place alone: a word for another part takes it where it is the only one there."""
-LOOSE = frozenset((*PLACES, "lid", "knob"))
+SEATED = frozenset(("crown", "lid", "knob", "top"))
+"""Roles of what sits on the rest with a broad face."""
+LOOSE = frozenset((*PLACES, "lid", "knob", "crown"))
 """Roles of what may sit loose on the rest."""
 
 
@@ -73,6 +78,13 @@ def find_front(parts: Sequence[Part]) -> Vector | None:
     return normalise((heads[0].side[0], heads[0].side[1], 0.0))
 
 
+def is_borne(part: Part, way: Vector, brief: SceneBrief) -> bool:
+    """Return whether a limb cannot go a way because the ground is there, or what it sits on."""
+    seated = not SEATED.isdisjoint(part.roles[:1]) and cosine(part.arm, way) < -_ALONG
+    lowest = min(place[2] for place in part.moved.inside)
+    return seated or brief.world == "ground" and dot(way, brief.directions.down) > _ALONG and lowest < _FOOT
+
+
 def find_swing(part: Part, brief: SceneBrief) -> Vector:
     """The level way across a limb; the viewer's right where it stands upright."""
     return normalise(cross(brief.directions.up, part.arm)) or brief.directions.right
@@ -115,6 +127,19 @@ class Turning:
         out = find_front(self.brief.parts) or normalise(aside) or self.brief.directions.right
         return normalise(add((scale(out, math.sin(turn)), scale(way, 1.0 - math.cos(turn))))) or way
 
+    def find_chord(self, way: Vector, angle: float) -> Vector:
+        """The way from where the tip is to where it then is, as a unit vector; arguments as of `find_course`."""
+        arm, turn = normalise(self.part.arm) or self.brief.directions.up, math.radians(angle)
+        aside = normalise(subtract(way, scale(arm, dot(arm, way))))
+        if (
+            aside is None
+            or self.slides
+            or abs(dot(arm, way)) >= _ALONG
+            or is_borne(self.part, way, self.brief)
+        ):
+            return way
+        return normalise(add((scale(aside, math.sin(turn)), scale(arm, math.cos(turn) - 1.0)))) or way
+
     def bring(
         self, way: Vector, motion: ExpectedMotion, angle: float, window: Window, stop: float | None
     ) -> VelocityConstraint:
@@ -128,6 +153,8 @@ class Turning:
             stop: Frame until which it is held there; None = not.
         """
         arm = normalise(self.part.arm) or self.brief.directions.up
+        if is_borne(self.part, way, self.brief):
+            return self.driver.press(way, min(_PRESSED * motion.strength, _DEEPEST), window, stop)
         if abs(dot(arm, way)) < _ALONG and not self.slides:
             axis = normalise(cross(arm, subtract(way, scale(arm, dot(arm, way))))) or self.brief.directions.up
             return self.driver.turn(axis, angle, window, stop)

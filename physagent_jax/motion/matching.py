@@ -52,8 +52,9 @@ class Cause:
 
     @property
     def turns_limb(self) -> bool:
-        """Return whether it turns a part about its joint, whatever way that moves the part."""
-        return isinstance(self.item, VelocityConstraint) and self.item.pivot is not None
+        """Return whether it turns a part about its joint, or presses it alone, whatever way that moves the part."""
+        pressed = self.skill.deforms == "plates" and self.item.region is not None
+        return isinstance(self.item, VelocityConstraint) and (self.item.pivot is not None or pressed)
 
     @property
     def pushes(self) -> bool:

@@ -13,7 +13,13 @@ from physagent_jax.motion.vectors import cosine, norm, subtract
 
 _SIDE = 0.5  # cosine to one of the viewer's directions from which a part lies there
 _SIDES = dict(left="left", right="right", toward="front", away="back", up="upper", down="lower")
-_PLAIN = {place: f"part at the {place}" for place in PLACES}
+_PLAIN = {place: f"part at the {place}" for place in PLACES} | {
+    "grip": "end of the handle",
+    "forefinger": "index finger",
+    "middlefinger": "middle finger",
+    "ringfinger": "ring finger",
+    "littlefinger": "little finger",
+}
 _MOST_SEEDS = 256  # of a region
 _RANK = {"option": 0, "file": 1, "shape": 2}
 

@@ -16,7 +16,7 @@ from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.slabs import make_end_region, make_middle_region
 from physagent_jax.motion.parts import explain_missing
 from physagent_jax.motion.schema import Amount, ObstacleRequest, SceneBrief
-from physagent_jax.motion.vectors import clamp, normalise, scale
+from physagent_jax.motion.vectors import clamp, cosine, normalise, scale
 
 # What each kind of way means nothing for; nor does a part for what all of the object does.
 _NO_WAYS = (Effect.SWELL, Effect.BURST, Effect.STILL)
@@ -31,6 +31,7 @@ _USELESS = {
 }
 _WHOLE = (Effect.ROLL, Effect.BURST, Effect.TOPPLE, Effect.JUMP, Effect.FALL)
 _ONCE = (Effect.FALL, Effect.TOPPLE, Effect.ROLL, Effect.BURST, Effect.RELEASE, Effect.STILL)
+_STEEP = 0.7  # cosine to the vertical
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 
 
@@ -264,6 +265,11 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         event.region, event.part = brief.parts[event.limbs[0]].moved, brief.parts[event.limbs[0]].side
         told = brief.parts[event.limbs[0]].moved.label or "a part of the object"
         event.sources["region"] = ValueSource(named[0].text, told)
+        if event.effect is Effect.SCALE and event.motion.sign < 0 and _is_upright(event.direction, brief):
+            event.motion = replace(
+                event.motion, effect=Effect.PUSH, sign=1, skill=None
+            )  # a part gives way downwards
+            event.direction = brief.directions.down
         return
     if place.role and not place.names:
         event.doubts.append(explain_missing(named[0].text, brief.parts))
@@ -282,6 +288,10 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         event.region = make_end_region(scale(event.part, -1.0), 1.0 - place.start)
     else:
         event.region = make_end_region(event.part, place.start)
+
+
+def _is_upright(way: Vector | None, brief: SceneBrief) -> bool:
+    return way is not None and abs(cosine(way, brief.directions.up)) > _STEEP
 
 
 def resolve_obstacles(

@@ -22,6 +22,7 @@ from physagent_jax.motion.limbs import (
     find_angle,
     find_front,
     find_swing,
+    is_borne,
 )
 from physagent_jax.motion.parts import find_named, join_rest
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
@@ -29,6 +30,10 @@ from physagent_jax.motion.vectors import add, scale
 
 _TIME = 1.0  # [s] in which a limb gets where it goes, at most
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them
+_DONE = {
+    ConstraintType.PARTICLE_ROTATION: "turns about its joint",
+    ConstraintType.MOVING_PLATE: "is pressed by a plate of its size",
+}
 _DRIVEN = (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE)
 
 
@@ -36,7 +41,9 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     """Places in the brief's parts of what a part's word means; several for a plural without a side, none if unknown."""
     if named := find_named(brief.parts, part.phrase, plural=_is_plural(part.text)):
         return named
-    adjective, _, noun = part.phrase.rpartition(" ")
+    adjective, _, noun = (
+        part.phrase.rpartition(" ") if part.phrase not in read_lexicon().parts else ("", "", part.phrase)
+    )
     said = noun if adjective else part.text.lower()
     roles = _find_roles(noun) or ([said] if said not in PLACES else [])
     side, front = None, find_front(brief.parts)
@@ -53,7 +60,7 @@ def _find_roles(name: str) -> list[str]:
     """The roles that a part of this name may have, likeliest first; none if its noun tells none."""
     nouns = [word for word in split_name(name) if not word.isdigit()] or [""]
     parts = read_lexicon().parts
-    place = parts.get(nouns[-1]) or parts.get(nouns[-1].removesuffix("s"))
+    place = parts.get(name) or parts.get(nouns[-1]) or parts.get(nouns[-1].removesuffix("s"))
     return [] if place is None else place.role.split()
 
 
@@ -64,8 +71,9 @@ def _is_plural(text: str) -> bool:
 
 def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
     """The reply in which limbs are turned about their joints, and the rest is held if nothing else is to move."""
-    asked = [each for each in reply.expectations if each.limb is not None and each.kind in _DRIVEN]
-    if not asked:
+    limbs = [each for each in reply.expectations if each.limb is not None]
+    asked = [each for each in limbs if each.kind in _DRIVEN]
+    if not limbs:
         return reply
     frame_count = reply.frame_count or brief.frame_count
     moved = [brief.parts[each.limb].moved for each in asked if each.limb is not None]
@@ -78,16 +86,19 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
             more, expected = _drive(each, asked, brief, frame_count)
             constraints += more
         expectations.append(expected)
-    alone = all(each.limb is not None or each.kind is MotionKind.STILL for each in reply.expectations)
-    anchor = reply.anchor
+    alone = all(each in limbs or each.kind is MotionKind.STILL for each in reply.expectations)
+    anchor, held = (
+        reply.anchor,
+        {each.limb: brief.parts[each.limb] for each in limbs if each.limb is not None},
+    )
     if alone and anchor.kind is None:
-        limbs = sorted({each.limb for each in asked if each.limb is not None})
-        words = asked[0].words or "a part"
-        anchor = AnchorRequest(kind="rest", words=words, region=join_rest([brief.parts[k] for k in limbs]))
+        region = join_rest([held[limb] for limb in sorted(held)])
+        anchor = AnchorRequest(kind="rest", words=limbs[0].words or "a part", region=region)
     field = reply.force_field.model_copy(update=dict(actions=actions, constraints=tuple(constraints)))
-    turns = any(each.constraint_type is ConstraintType.PARTICLE_ROTATION for each in constraints)
-    done = "turns about its joint" if turns else "moves as a whole"
-    note = f"A part {done}" + (", and the rest is held." if anchor.kind == "rest" else ".")
+    kinds = {each.constraint_type for each in constraints}
+    done = next((words for kind, words in _DONE.items() if kind in kinds), "is moved alone")
+    told = ", ".join(each.moved.label or "a part" for each in held.values())
+    note = f"{told}: it {done}" + (", and the rest is held." if anchor.kind == "rest" else ".")
     return reply.model_copy(
         update=dict(
             force_field=field,
@@ -146,8 +157,9 @@ def _drive(
     if motion.kind is MotionKind.ROTATE and motion.direction is not None:
         made = turning.driver.turn(motion.direction, find_angle(motion), window, stop)
     else:
-        angle = find_angle(motion)
-        way = turning.find_course(motion.direction or find_swing(part, brief), angle)
+        angle, way = find_angle(motion), motion.direction or find_swing(part, brief)
+        way = way if is_borne(part, way, brief) else turning.find_course(way, angle)
         made = turning.bring(way, motion, angle, window, stop)
-        motion = motion if motion.direction is None else motion.model_copy(update=dict(direction=way))
+        told = None if motion.direction is None else turning.find_chord(way, angle)
+        motion = motion.model_copy(update=dict(direction=told))
     return [made], motion

@@ -108,7 +108,7 @@ def _compile_lean(task: Task) -> None:
     vertical = abs(dot(task.direction, brief.directions.up)) >= 0.9
     if event.repeat.alternate or event.count > 1:
         _compile_sway(task)
-    elif task.builder.anchored or event.is_in_wind or vertical or brief.object_kind == "plant":
+    elif task.builder.anchored or event.limbs or event.is_in_wind or vertical or brief.object_kind == "plant":
         _compile_push(task)
     else:
         axis, strength = find_lean_axis(task.direction, brief), _LEAN * event.strength

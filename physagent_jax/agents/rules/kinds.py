@@ -112,7 +112,8 @@ def press_between(wish: Wish, causes: Sequence[Cause]) -> ForceField:
         ways = (axis if cosine(axis, free) > 0 else scale(axis, -1.0),)
     travel = _find_travel(wish, causes, movers=len(ways))
     plate = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
-    return _put(wish, causes, *[_prescribe(plate, way, *travel) for way in ways])
+    region = causes[0].item.region
+    return _put(wish, causes, *[_prescribe(plate, way, *travel, region) for way in ways])
 
 
 def replace_blows(wish: Wish, causes: Sequence[Cause]) -> ForceField:
@@ -272,6 +273,17 @@ def _press_part(wish: Wish) -> _Replaced:
     return _put(wish, causes, _prescribe(causes[0], down, *travel, region)), why
 
 
+def _squeeze_limb(wish: Wish) -> _Replaced:
+    """A limb is squeezed between two plates of its size."""
+    if wish.expectation.kind is not MotionKind.SQUEEZE or wish.expectation.limb is None:
+        return None
+    causes = _find_forces(wish, lambda c: c.item.region is not None and agrees(c, wish.expectation))
+    whole = wish.expectation.model_copy(update={"partial": False, "strength": MAGNITUDE_MAX})
+    if not causes:
+        return None
+    return press_between(wish.about(whole), causes), "it is squeezed between two plates of its size"
+
+
 def _turn_ends(wish: Wish) -> _Replaced:
     """One end turned against the other: two opposed rotations of the ends; a torque on each half would shear it."""
     other = next((e for e in wish.expectations if _is_turned_against(wish.expectation, e)), None)
@@ -398,4 +410,4 @@ def _lead(wish: Wish) -> _Replaced:
     return _put(wish, causes, hand), f"{reason}, so it is led there{short}"
 
 
-_RULES = (_deform, _press_part, _turn_ends, _strike, _carry, _set_down, _lead)
+_RULES = (_deform, _squeeze_limb, _press_part, _turn_ends, _strike, _carry, _set_down, _lead)
