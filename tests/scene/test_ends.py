@@ -108,7 +108,7 @@ def find(points):
     """Mean place in the object's box of what moves, by first role."""
     low, size = points.min(0), np.ptp(points, axis=0)
     parts = find_parts(points)
-    masks = {part.roles[0]: make_region_mask(part.moved, points) for part in parts}
+    masks = {role: make_region_mask(part.moved, points) for part in parts for role in part.roles}
     return {role: ((points[mask] - low) / size).mean(0) for role, mask in masks.items()}
 
 
@@ -149,7 +149,7 @@ def test_ends_and_sections_lie_where_they_are(make, places):
 
 def test_what_a_stem_bears_goes_along_and_its_foot_stays():
     points = make_mushroom()
-    (stem,) = (part for part in find_parts(points) if part.roles[0] == "stem")
+    (stem,) = (part for part in find_parts(points) if "stem" in part.roles)
     moved, rest = (make_region_mask(region, points) for region in (stem.moved, stem.rest))
     assert points[moved, 2].min() > 0.5 and points[rest, 2].max() < 0.2
     assert 0.2 < stem.joint[2] < 0.4 and stem.arm[2] > 0.5

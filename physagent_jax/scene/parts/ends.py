@@ -112,17 +112,20 @@ def _find_sections(profile: _Profile, *, upright: bool) -> list[Found]:
     below, above, between = profile.pick(0.0, a), profile.pick(b, 1.0), profile.pick(a, b)
     match kinds:
         case "sB" if upright:
-            return [(below, ("stem", "handle")), (above, ("crown", "head"))]
+            return [(below, ("stem", "handle")), (above, ("top", "crown"))]
         case "Bs" if upright:
             return [(above, ("neck",))]
         case "BsB" if upright:
-            return [(between, ("stem",)), (above, ("crown",))]
+            return [(between, ("stem",)), (above, ("top", "crown"))]
         case "sB":
             return [(below, ("handle",)), (above, ("head",)), (profile.pick(0.0, _END), ("grip",))]
         case "Bs":
             return [(above, ("handle",)), (below, ("head",)), (profile.pick(1 - _END, 1.0), ("grip",))]
         case "sBs" if upright and lengths[1] > _GUARD and lengths[0] > lengths[2]:
-            return [(below, ("stem",)), (profile.pick(a, 1.0), ("crown",))]  # a hat with a knob, a mushroom
+            return [
+                (below, ("stem",)),
+                (profile.pick(a, 1.0), ("top", "crown")),
+            ]  # a hat with a knob, a mushroom
         case "sBs" if lengths[1] < _GUARD and max(slims) > 2 * min(slims):
             blade, handle = (below, above) if lengths[0] > lengths[2] else (above, below)
             tip = profile.pick(0.0, _END) if lengths[0] > lengths[2] else profile.pick(1 - _END, 1.0)

@@ -20,6 +20,7 @@ _JOINT, _BEND = 0.3, 0.08  # of the way from neck to tip, and of the object's le
 _SAME = (
     0.5  # overlap (intersection over union) from which on a limb is the section that has a name of its own
 )
+_UPRIGHT = ("stem", "neck")  # sections of what stands
 _FOOT = 0.15  # of a stem, that stays
 _SEEDS = 64  # that mark a part, or what is beside it, at most: fewer leave patches of a large one out
 
@@ -41,10 +42,14 @@ def find_parts(points: np.ndarray) -> tuple[Part, ...]:
     counts = collections.Counter(role for names in roles.values() for role in names)
     known = frozenset(role for role, count in counts.items() if count > 1 or role not in ("arm", "wing"))
     for nodes, names in find_ends(lattice, known):
+        same = [each for each in told if _is_same(each[0].nodes, nodes)]
         told = [each for each in told if not _is_same(each[0].nodes, nodes)]
-        told.append((measure(lattice, nodes), names))
+        place = (
+            same[0][1] if same and names[0] in _UPRIGHT else ()
+        )  # a stem may be a leg: its place goes first
+        told.append((measure(lattice, nodes), (*place, *names)))
     return tuple(
-        (_make_stem if names[0] == "stem" else _make_part)(lattice, limb, names, low, high)
+        (_make_stem if "stem" in names else _make_part)(lattice, limb, names, low, high)
         for limb, names in told
     )
 
