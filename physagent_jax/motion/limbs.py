@@ -23,6 +23,7 @@ _ALONG = 0.85  # cosine to the limb from which on a way leads along it
 _REACH = 0.3  # of its length, by which a plain word moves a limb along itself
 _PRESSED = 0.5  # of its extent, by which a plain word presses a limb that cannot give way
 _DEEPEST = 0.6
+_BUCKLES = 0.5  # of that, of what sits on the rest: pressed deeper, it tilts and slips out
 _FOOT = 0.12  # of the object's height, below which a limb lies on what bears the object
 _LIFTED = 1.0  # the same of a lid, which lies loose and comes off
 _THERE = 0.2  # cosine to a side from which on a limb is on it
@@ -154,7 +155,8 @@ class Turning:
         """
         arm = normalise(self.part.arm) or self.brief.directions.up
         if is_borne(self.part, way, self.brief):
-            return self.driver.press(way, min(_PRESSED * motion.strength, _DEEPEST), window, stop)
+            share = 1.0 if cosine(arm, way) > -_ALONG else _BUCKLES
+            return self.driver.press(way, share * min(_PRESSED * motion.strength, _DEEPEST), window, stop)
         if abs(dot(arm, way)) < _ALONG and not self.slides:
             axis = normalise(cross(arm, subtract(way, scale(arm, dot(arm, way))))) or self.brief.directions.up
             return self.driver.turn(axis, angle, window, stop)

@@ -68,6 +68,8 @@ def _order(leaves: list[int], limbs: list[Limb]) -> dict[int, tuple[PartRole, ..
     if gaps[apart] < _APART * gaps[others].max():
         return {k: ("finger",) for k in leaves}
     row = sorted(others, key=lambda index: between[apart, index])
-    names: tuple[tuple[PartRole, ...], ...] = tuple((name, "finger") for name in _FINGERS)
-    names = names if len(row) == len(_FINGERS) else (("finger",),) * len(row)
-    return {leaves[apart]: ("thumb",)} | {leaves[index]: name for index, name in zip(row, names)}
+    found: dict[int, tuple[PartRole, ...]] = {leaves[index]: ("finger",) for index in row}
+    if len(row) == len(_FINGERS):
+        found = {leaves[index]: (name, "finger") for index, name in zip(row, _FINGERS)}
+    found[leaves[apart]] = ("thumb",)
+    return found

@@ -33,10 +33,10 @@ _SOLE = (0.06, 0.75)  # of the height that is a sole; of the length that it is l
 _FLAT = 0.2  # height over length of a shoe, at least
 _HEEL = 0.35  # of the height
 _UPRIGHT = 0.8  # cosine
-_BODY: frozenset[PartRole] = frozenset(("leg", "handle", "spout", "ear", "horn", "thumb", "finger"))
+_BODY = frozenset(("leg", "handle", "spout", "ear", "horn", "thumb", "finger"))
 """Roles of objects whose parts stick out: their shape along an axis tells nothing more."""
 
-_FIGURE: frozenset[PartRole] = frozenset(("head", "arm", "wing"))
+_FIGURE = frozenset(("head", "arm", "wing"))
 """Roles of objects that are told apart by their limbs rather than by how broad they are."""
 
 
@@ -59,7 +59,7 @@ class _Profile:
         return np.flatnonzero((self.along >= low) & (self.along <= high))
 
 
-def find_ends(lattice: Lattice, known: frozenset[PartRole]) -> list[Found]:
+def find_ends(lattice: Lattice, known: frozenset[str]) -> list[Found]:
     """The ends and sections of an upright object.
 
     Args:
@@ -143,12 +143,12 @@ def _find_front(profile: _Profile) -> list[Found]:
     flares = [each[: _BINS // 7].max() / each[_BINS // 7 : 2 * _BINS // 5].min() for each in sides]
     breadths = [each[: _BINS // 8].mean() for each in sides]
     if max(flares) > _FLARED and min(flares) < _EVEN:
-        front, roles = int(np.argmin(flares)), ("nose", "bow")
-    elif max(breadths) > _POINTED * min(breadths):
-        front, roles = int(np.argmin(breadths)), ("tip", "bow")
-    else:
-        return []
-    return [(ends[front], roles), (ends[1 - front], ("stern",))]
+        front = int(np.argmin(flares))
+        return [(ends[front], ("nose", "bow")), (ends[1 - front], ("stern",))]
+    if max(breadths) > _POINTED * min(breadths):
+        front = int(np.argmin(breadths))
+        return [(ends[front], ("tip", "bow")), (ends[1 - front], ("stern",))]
+    return []
 
 
 def _find_toe(places: np.ndarray, spacing: float) -> list[Found]:
