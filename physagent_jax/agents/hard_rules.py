@@ -234,8 +234,10 @@ def directional_rigidity(item: Entry, _group: str, context: Context) -> Iterator
     """Base vectors are immutable; composites are their normalised sums.
 
     World axes and the directions that the sentence names are allowed too; anything else is moved to the
-    nearest of these.
+    nearest of these. The axis of a turn about a joint follows from how the part points.
     """
+    if item.get("pivot"):
+        return
     given = tuple(item["vector"])
     nearest = max(context.allowed, key=lambda v: cosine(v, given))
     if cosine(nearest, given) < _SAME_VECTOR:

@@ -18,7 +18,7 @@ from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.opposition import find_friction, find_rubbing
 from physagent_jax.forces.parameters import ActionParameters, Array
-from physagent_jax.forces.regions import make_region_mask
+from physagent_jax.forces.regions import grade_part, make_region_mask
 from physagent_jax.forces.schema import Action, CellsRegion, Opposition, SkillScaling, VelocityConstraint
 from physagent_jax.forces.sections import find_stress_concentration
 from physagent_jax.forces.terms import PushCompensation, TurnCompensation
@@ -158,6 +158,11 @@ class Binding:
         self.instant = self.leaf((first + AFTER) * frame_dt)
         pivot = getattr(timed, "pivot", None)
         self._pivot = None if pivot is None else rest.min(0) + np.asarray(pivot) * np.ptp(rest, axis=0)
+        self._led, self._share = np.flatnonzero(self._mask), None
+        if (bend := getattr(timed, "bend", None)) is not None:
+            part, share, middle = grade_part(bend, rest)
+            self._led, self._share = np.flatnonzero(part), self.leaf(share)
+            self._pivot = None if pivot is None else middle
         hold_end = getattr(timed, "held_until", None)
         self._held_until = None if hold_end is None else self.leaf(hold_end * frame_dt)
         self._rigid = isinstance(timed.region, CellsRegion) and timed.region.rigid
@@ -305,9 +310,12 @@ class Binding:
         return xp.ptp(self._rest.astype(xp.result_type(float)) @ (axis / xp.linalg.norm(axis))) / extent
 
     def hold(self, velocity: jax.Array, angular_velocity: jax.Array) -> list[PrescribedMotion]:
-        """The particles move so during the window, about pivot or own centre, and then stay if they are to be held."""
+        """The particles move so during the window, about pivot or own centre, and then stay if they are to be held.
+
+        Those of a part that bends beside its joint go with their share of it.
+        """
         with jax.ensure_compile_time_eval():  # places are known, also where numbers are traced
-            particles = to_device(np.flatnonzero(self._mask), np.int32)
+            particles = to_device(self._led, np.int32)
         still = self.leaf(np.zeros(3))
         pivot = None if self._pivot is None else self.leaf(self._pivot)
         windows = [self.window]
@@ -316,7 +324,7 @@ class Binding:
             windows.append((self.window[1], self._held_until))
             fields.append((still, still, still))
         motions = [
-            PrescribedMotion(particles, *field, *window, rigid=self._rigid)
+            PrescribedMotion(particles, *field, *window, share=self._share, rigid=self._rigid)
             for field, window in zip(fields, windows)
         ]
         return motions

@@ -93,6 +93,9 @@ class Part(Strict):
         arm: From there to its tip [body lengths].
         side: Where it is, seen from the object's middle (unit world vector).
         share: Share of the object's volume.
+        neck: Spread of where it joins the rest along each world axis (standard deviations) [body lengths]; 0 = not
+            known, or nothing joins them.
+        confidence: Chance that its first role is right, by how clearly its shape tells.
     """
 
     name: Annotated[str, Field(max_length=MOST_LETTERS)] = ""
@@ -106,6 +109,8 @@ class Part(Strict):
     arm: Numbers
     side: Direction
     share: float = Field(ge=0, le=1)
+    neck: Numbers = (0.0, 0.0, 0.0)
+    confidence: float = Field(default=1.0, ge=0, le=1)
 
 
 def split_name(name: str) -> tuple[str, ...]:

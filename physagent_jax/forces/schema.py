@@ -78,6 +78,22 @@ class CellsRegion(Strict):
     rigid: bool = False
 
 
+class Bend(Strict):
+    """The place beside a joint where a driven part bends, so that its skin does not crease.
+
+    Attributes:
+        joint: Where the part joins the rest (bounding-box fractions).
+        rest: Particles that stay; all others belong to the part.
+        reach: Distance from the joint within which the rest borders on the part [body lengths].
+        depth: Way into the part over which its motion grows from none to all of it [body lengths].
+    """
+
+    joint: _Place
+    rest: CellsRegion
+    reach: float = Field(gt=0, le=2)
+    depth: float = Field(gt=0, le=2)
+
+
 Region = Annotated[BoxRegion | HalfSpaceRegion | SphereRegion | CellsRegion, Field(discriminator="kind")]
 
 
@@ -146,12 +162,15 @@ class VelocityConstraint(_Timed):
             the window ends. A sudden skill has none.
         pivot: Point that particles turn about, for a rotation (bounding-box fractions): a joint; None = their own
             centre.
+        bend: Where the part bends beside its joint, whose own particles then move too; None = nowhere: those of
+            ``region`` move as a whole.
         vector, magnitude, gain, active_time, region, object: as for `Action`.
     """
 
     constraint_type: ConstraintType
     held_until: _Frame | None = None
     pivot: _Place | None = None
+    bend: Bend | None = None
 
     @model_validator(mode="after")
     def _check_held(self) -> VelocityConstraint:

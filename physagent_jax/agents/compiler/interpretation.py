@@ -8,13 +8,14 @@ from dataclasses import replace
 from physagent_jax.agents import intent
 from physagent_jax.agents.compiler.amounts import MOST, find_target
 from physagent_jax.agents.compiler.directions import TOWARDS, sum_directions, take_heading
-from physagent_jax.agents.compiler.events import WAYS, Event, ValueSource, WayKind
-from physagent_jax.agents.compiler.limbs import find_limbs
+from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueSource, WayKind
+from physagent_jax.agents.compiler.limbs import find_limbs, find_roles, is_plural
 from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.slabs import make_end_region, make_middle_region
-from physagent_jax.motion.parts import explain_missing
+from physagent_jax.motion.joints import Turning
+from physagent_jax.motion.parts import explain_guess, explain_missing
 from physagent_jax.motion.schema import Amount, ObstacleRequest, SceneBrief
 from physagent_jax.motion.vectors import clamp, normalise, scale
 
@@ -261,11 +262,21 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
     if event.parts:
         event.limbs = find_limbs(named[0], brief)
     if event.limbs:
-        event.region, event.part = brief.parts[event.limbs[0]].moved, brief.parts[event.limbs[0]].side
-        told = brief.parts[event.limbs[0]].moved.label or "a part of the object"
-        event.sources["region"] = ValueSource(named[0].text, told)
+        doubt = explain_guess(named[0].text, brief.parts, event.limbs, plural=is_plural(named[0].text))
+        event.doubts += filter(None, [doubt])
+        part = brief.parts[event.limbs[0]]
+        event.region, event.part = part.moved, part.side
+        event.sources["region"] = ValueSource(named[0].text, part.moved.label or "a part of the object")
+        limb = Turning(part, brief, brief.frame_count)
+        if event.sources["vector"].why.endswith(BY_DEFAULT) and event.effect is Effect.SWAY:
+            _turn(event, limb.swing, "across the part")
+        elif event.sources["vector"].why.endswith(BY_DEFAULT) and event.motion.wrings:
+            _turn(event, limb.arm, "about the part's own line")
         return
-    if place.role and not place.names:
+    adjective, _, noun = named[0].phrase.rpartition(" ")
+    if event.parts and adjective and find_roles(noun):
+        event.doubts.append(explain_missing(named[0].text, brief.parts))
+    elif place.role and not place.names:
         event.doubts.append(explain_missing(named[0].text, brief.parts))
         return
     event.part = normalise(sum_directions(place.names, brief))

@@ -7,49 +7,66 @@ sentence moves limbs alone the rest is held.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from physagent_jax.agents.compiler.directions import sum_directions
-from physagent_jax.agents.compiler.events import KnownPart
-from physagent_jax.agents.lexicon import read_lexicon
+from physagent_jax.agents.compiler.events import Event, KnownPart
+from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.agents.windows import divide
 from physagent_jax.forces.part import split_name
 from physagent_jax.forces.schema import ConstraintType, VelocityConstraint
-from physagent_jax.motion.limbs import (
-    LOOSE,
-    PLACES,
-    Turning,
-    choose_parts,
-    find_angle,
-    find_front,
-    find_swing,
-)
+from physagent_jax.motion.joints import Turning
+from physagent_jax.motion.limbs import LOOSE, PLACES, choose_parts, find_front
 from physagent_jax.motion.parts import find_named, join_rest
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import add, scale
 
-_TIME = 1.0  # [s] in which a limb gets where it goes, at most
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them
 _DRIVEN = (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE)
 
 
 def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     """Places in the brief's parts of what a part's word means; several for a plural without a side, none if unknown."""
-    if named := find_named(brief.parts, part.phrase, plural=_is_plural(part.text)):
+    if named := find_named(brief.parts, part.phrase, plural=is_plural(part.text)):
         return named
     adjective, _, noun = part.phrase.rpartition(" ")
     said = noun if adjective else part.text.lower()
-    roles = _find_roles(noun) or ([said] if said not in PLACES else [])
+    roles = find_roles(noun) or ([said] if said not in PLACES else [])
     side, front = None, find_front(brief.parts)
     if adjective:
         turned = dict(toward=front, away=front and scale(front, -1.0))
         side = add(turned.get(name) or sum_directions((name,), brief) for name in part.place.names)
     known = [
-        each.model_copy(update=dict(roles=(*_find_roles(each.name)[:1], *each.roles))) for each in brief.parts
+        each.model_copy(update=dict(roles=(*find_roles(each.name)[:1], *each.roles))) for each in brief.parts
     ]
-    return choose_parts(known, roles, side, _is_plural(part.text))
+    return choose_parts(known, roles, side, is_plural(part.text))
 
 
-def _find_roles(name: str) -> list[str]:
+def find_support(clauses: Sequence[Event], brief: SceneBrief) -> AnchorRequest:
+    """The hold of a free object of which parts alone are to move, and its shape does not show them.
+
+    What acts on a region of it would otherwise take the whole along.
+    """
+    acting = [each for each in clauses if each.effect not in (Effect.STILL, Effect.HOLD, Effect.RELEASE)]
+    free = brief.may_be_held and brief.world == "ground" and brief.anchored is None
+    if not free or not acting or not all(_names_unseen_part(each, brief) for each in acting):
+        return AnchorRequest()
+    return AnchorRequest(kind="base", words=acting[0].words)
+
+
+def _names_unseen_part(event: Event, brief: SceneBrief) -> bool:
+    """Return whether a clause moves a part by a word for something that sticks out, which the shape does not show."""
+    part = event.parts[0] if event.parts else None
+    return (
+        part is not None
+        and bool(find_roles(part.phrase))
+        and "down" not in part.place.names
+        and not find_limbs(part, brief)
+    )
+
+
+def find_roles(name: str) -> list[str]:
     """The roles that a part of this name may have, likeliest first; none if its noun tells none."""
     nouns = [word for word in split_name(name) if not word.isdigit()] or [""]
     parts = read_lexicon().parts
@@ -57,7 +74,8 @@ def _find_roles(name: str) -> list[str]:
     return [] if place is None else place.role.split()
 
 
-def _is_plural(text: str) -> bool:
+def is_plural(text: str) -> bool:
+    """Return whether a part's word means several."""
     word = text.split()[-1].lower() if text.split() else ""
     return word.endswith("s") or word == "feet"
 
@@ -125,29 +143,26 @@ def _drive(
     """The constraints that bring about a limb's motion, and the motion as it is then expected."""
     assert motion.limb is not None
     part, last = brief.parts[motion.limb], frame_count - 1.0
-    slides = part.seated and LOOSE.issuperset(_find_roles(part.name))
+    slides = part.seated and LOOSE.issuperset(find_roles(part.name))
     turning = Turning(part, brief, frame_count, slides)
-    first, end = motion.window
     if motion.kind is MotionKind.SWAY:
-        way = motion.direction or find_swing(part, brief)
-        swings = max(motion.repeats, _SWINGS)
-        windows = divide((first, end), [0.5, *[1.0] * (2 * swings - 1), 0.5])
-        windows = [window for window in windows if window[1] - window[0] >= 1.0] or [(first, end)]
-        angle = find_angle(motion) * 0.6
-        made = []
-        for index, window in enumerate(windows):
-            share = (window[1] - window[0]) / max(each[1] - each[0] for each in windows)
-            made.append(turning.bring(way, motion, (-1) ** index * angle * 2 * share, window, None))
-        return made, motion.model_copy(update=dict(direction=way, repeats=swings, limb=motion.limb))
-    later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > first + 0.5]
+        count = max(motion.repeats, _SWINGS)
+        way, angles = turning.list_swings(motion, count)
+        made = [
+            turning.bring(way, motion, angle, window, None)
+            for angle, window in zip(angles, divide(motion.window, [abs(each) for each in angles]))
+            if window[1] - window[0] >= 1.0
+        ]
+        course = turning.find_course(way, angles[0])
+        return made, motion.model_copy(update=dict(direction=course, repeats=count))
+    later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > motion.window[0] + 0.5]
     until = min([last, *later])
-    window = (first, min(end, first + max(_TIME / brief.frame_dt, 2.0), until))
-    stop = None if motion.released or until <= window[1] else until
+    window = turning.find_window(motion, until)
+    stop = None if motion.released or motion.sudden or until <= window[1] else until
     if motion.kind is MotionKind.ROTATE and motion.direction is not None:
-        made = turning.driver.turn(motion.direction, find_angle(motion), window, stop)
-    else:
-        angle = find_angle(motion)
-        way = turning.find_course(motion.direction or find_swing(part, brief), angle)
-        made = turning.bring(way, motion, angle, window, stop)
-        motion = motion if motion.direction is None else motion.model_copy(update=dict(direction=way))
-    return [made], motion
+        axis = motion.direction
+        return [turning.turn(axis, turning.find_angle(motion, axis), window, stop)], motion
+    way = motion.direction or turning.swing
+    angle = turning.find_angle(motion, turning.find_axis(way), way)
+    course = motion.direction and turning.find_course(way, angle)
+    return [turning.bring(way, motion, angle, window, stop)], motion.model_copy(update=dict(direction=course))

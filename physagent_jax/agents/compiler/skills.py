@@ -103,12 +103,12 @@ def _alternate(task: Task, kind: ActionType, magnitude: float, windows: list[Win
 
 
 def _compile_lean(task: Task) -> None:
-    """Anchored things and things in the wind are pushed over; a free thing is turned."""
+    """Parts, anchored things and things in the wind are pushed over; a free thing is turned."""
     event, brief = task.event, task.brief
     vertical = abs(dot(task.direction, brief.directions.up)) >= 0.9
     if event.repeat.alternate or event.count > 1:
         _compile_sway(task)
-    elif task.builder.anchored or event.is_in_wind or vertical or brief.object_kind == "plant":
+    elif event.limbs or task.builder.anchored or event.is_in_wind or vertical or brief.object_kind == "plant":
         _compile_push(task)
     else:
         axis, strength = find_lean_axis(task.direction, brief), _LEAN * event.strength

@@ -296,17 +296,24 @@ def _is_alike(one: ExpectedMotion, other: ExpectedMotion) -> bool:
 
 
 def _check_part(asked: Asked) -> list[Check]:
-    """The named end moves more than the opposite one; one that is excepted moves less."""
-    motion, moving = asked.motion, asked.end
+    """The named end moves more than the opposite one, a part also more than the whole; one that is excepted less."""
+    motion, moving, view = asked.motion, asked.end, asked.view
     if moving is None or motion.kind not in (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE):
         return []
-    resting = asked.view.find_end(scale(moving.direction, -1.0))
+    resting = view.find_end(scale(moving.direction, -1.0))
     own = _measure_extent(asked, moving)
     other = None if resting is None else _measure_extent(asked, resting)
     if own is None or other is None:
         raise _Unseen("the ends are not followed")
-    both = any(e.part and e.part != motion.part for e in asked.together)
-    if own < asked.visible or both:
+    if any(e.part and e.part != motion.part for e in asked.together):
+        if motion.limb is None:
+            return []
+        other = 0.0
+    if motion.limb is not None:
+        other = max(
+            [other, *(norm(p) for _, p in view.course(*asked.span) if asked.kind is not MotionKind.ROTATE)]
+        )
+    if own < asked.visible:
         return []  # that nothing moves is told by the amount
     return [check_limit(asked, "part", other / own, _REST_SHARE[motion.excludes_part], asked.sigma / own)]
 

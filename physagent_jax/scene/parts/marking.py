@@ -55,6 +55,9 @@ def _make_part(
         arm=tuple(np.round(way / size, 4).tolist()),
         side=tuple(np.round(away / max(float(np.linalg.norm(away)), 1e-12), 4).tolist()),
         share=round(limb.share, 4),
+        neck=tuple(
+            np.round(lattice.places[np.concatenate(lattice.find_necks(nodes))].std(0) / size, 4).tolist()
+        ),
     )
 
 
