@@ -274,7 +274,7 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
             _turn(event, limb.arm, "about the part's own line")
         return
     adjective, _, noun = named[0].phrase.rpartition(" ")
-    if event.parts and adjective and find_roles(noun):
+    if event.parts and brief.parts and adjective and find_roles(noun):
         event.doubts.append(explain_missing(named[0].text, brief.parts))
     elif place.role and not place.names:
         event.doubts.append(explain_missing(named[0].text, brief.parts))

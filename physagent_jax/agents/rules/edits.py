@@ -24,6 +24,7 @@ from physagent_jax.motion.vectors import add, clamp, cosine, dot, norm, normalis
 from physagent_jax.perception.schema import MotionReport, WindowMotion
 
 _BRIEF = 0.15  # of the clip: "briefly", as the lexicon has it
+_FURTHER = 1.5  # factor by which a limb may be turned farther
 _SAME_GAIN = 0.03  # relative change of k that is not worth a word: windows go by whole frames
 
 
@@ -161,6 +162,8 @@ def _scale(cause: Cause, factor: float, latest: float) -> dict:
 
     ``latest`` is the frame up to which what has a prescribed velocity may go on.
     """
+    if cause.turns_limb:  # it goes as far as is prescribed: more than that would fold it
+        factor = min(factor, _FURTHER)
     wanted = abs(cause.item.magnitude) * cause.item.gain * factor  # M times the gain
     size = round(clamp(wanted / cause.item.gain, MAGNITUDE_MIN, MAGNITUDE_MAX), 4)
     changes: dict = {"magnitude": math.copysign(size, cause.item.magnitude)}

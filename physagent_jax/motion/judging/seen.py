@@ -115,7 +115,8 @@ class View:
         moved = [norm(p) for _, p in course]
         for end in self.report.parts:
             moved += [norm(p) / 1.5 for _, p in self.course(0, self.last, end)]
-        if not course or max(moved) >= self.visible:
+        lost = any(end.limb is not None and None in end.centroid for end in self.report.parts)
+        if not course or lost or max(moved) >= self.visible:
             return False
         if max((norm(v) for _, v in turns), default=0.0) >= max(
             tolerances.VISIBLE_DEGREES, self.uncertainty("rotation")
