@@ -255,6 +255,12 @@ def test_an_arm_waves_above_and_beside_the_body():
     assert motion.kind is MotionKind.SWAY and motion.repeats >= 2
 
 
+def test_a_head_that_nods_goes_forward_and_back():
+    """A word that tells its own way keeps it."""
+    (motion,) = read("the robot nods its head", HEAD).expectations
+    assert abs(motion.direction[1]) > 0.9
+
+
 def test_what_bends_is_brought_where_it_is_bent():
     """A free thing that is bent turns over as a whole; an ear that points right goes towards who looks."""
     ear = make_limb("ear", (0.3, 0, 0), (1, 0, 0))
@@ -279,20 +285,23 @@ def test_a_twist_of_a_part_goes_about_its_own_line():
     assert abs(find_turn(constraint)[0]) > 20 and np.abs(find_turn(constraint)[1:]).max() < 1e-6
 
 
+KNOB = make_part("side", (0.3, 0, 0), (1, 0, 0))
+
+
 @pytest.mark.parametrize(
     ("sentence", "parts", "certain"),
     [
         ("raise the right arm", [HANGING[0], HANGING[1], HEAD], True),
-        ("raise the right arm", [make_part("side", (0.3, 0, 0), (1, 0, 0)), HEAD], False),
+        ("raise the right arm", [KNOB, HEAD], False),
         ("raise the right arm", [HANGING[1].model_copy(update=dict(confidence=0.3)), HEAD], False),
         ("it wags its tail", [TAIL, make_part("tail", (0, 0.1, 0.1), (0, 0.9, 0.4))], False),
         ("raise the arms", [HANGING[1], HEAD], False),
-        ("raise the right arm", [make_part("side", (0.3, 0, 0), (1, 0, 0)).model_copy(update=dict(name="arm", origin="option")), HEAD], True),
+        ("raise the right arm", [KNOB.model_copy(update=dict(name="arm", origin="option")), HEAD], True),
         ("lift the left wing", [HEAD, TAIL], False),
     ],
 )  # fmt: skip
 def test_a_part_that_nothing_tells_for_certain_is_a_doubt(sentence, parts, certain):
-    """A place alone, an unclear shape, one tail of two, one arm of a pair, or no such part: no success without a word."""
+    """A place alone, an unclear shape, one tail of two, one arm of a pair, or no such part."""
     assert (read(sentence, *parts).unsure == ()) is certain
 
 

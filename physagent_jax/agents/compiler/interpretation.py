@@ -268,9 +268,10 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         event.region, event.part = part.moved, part.side
         event.sources["region"] = ValueSource(named[0].text, part.moved.label or "a part of the object")
         limb = Turning(part, brief, brief.frame_count)
-        if event.sources["vector"].why.endswith(BY_DEFAULT) and event.effect is Effect.SWAY:
+        assumed = event.sources["vector"].why.endswith(BY_DEFAULT)
+        if assumed and event.effect is Effect.SWAY and event.motion.direction is None:
             _turn(event, limb.swing, "across the part")
-        elif event.sources["vector"].why.endswith(BY_DEFAULT) and event.motion.wrings:
+        elif assumed and event.motion.wrings:
             _turn(event, limb.arm, "about the part's own line")
         return
     adjective, _, noun = named[0].phrase.rpartition(" ")
