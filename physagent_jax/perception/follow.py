@@ -22,6 +22,7 @@ SEEDS = 300
 """Points seeded per link, about."""
 PART_SEEDS = 60
 """The same on each part that is followed by itself, more densely: a thin one has few pixels."""
+NO_SEEDS = np.zeros((0, 2))
 FEWEST = 12
 """Pairs of points below which no motion is fitted."""
 KEPT_LINK = 0.6
@@ -114,7 +115,7 @@ def follow(
     return path
 
 
-def link(path, span, base, chain, own, clip: EncodedClip, depths, camera, more) -> int:
+def link(path, span, base, chain, own, clip: EncodedClip, depths, camera, more=NO_SEEDS) -> int:
     """Follow one set of seeds, write what it finds into ``path``; return the last frame that it reached.
 
     The seeds ``more`` tell of parts alone: the whole would else be taken for the part that has most of them.
@@ -173,10 +174,10 @@ def _place_part_seeds(
 ) -> np.ndarray:
     """More seeds on each part [px], shape (N, 2)."""
     if ends is None or not ends.prompts:
-        return np.zeros((0, 2))
+        return NO_SEEDS
     y, x = np.nonzero(np.isfinite(depth))
     belongs = ends.find_parts(start, lift.unproject(np.stack([x + 0.5, y + 0.5], 1), depth[y, x], camera))
-    found = [np.zeros((0, 2))]
+    found = [NO_SEEDS]
     for mine in belongs.T:
         within = np.full_like(depth, np.nan)
         within[y[mine], x[mine]] = depth[y[mine], x[mine]]
