@@ -110,7 +110,7 @@ class Turning:
         way = normalise(cross(table.up if level else table.toward, self.arm)) or table.right
         return scale(way, -1.0) if dot(way, self.out if self.hangs else table.up) < 0 else way
 
-    def find_axis(self, way: Vector) -> Vector | None:
+    def find_axis(self, way: Vector, *, sudden: bool = False) -> Vector | None:
         """The axis about which a limb turns so that its tip goes a way; None where the way leads along it.
 
         What is raised or lowered turns in the upright plane in which it points, or away from the body where it hangs;
@@ -118,6 +118,7 @@ class Turning:
 
         Args:
             way: Unit world vector.
+            sudden: Whether it is a blow, which tips over what it meets end on.
         """
         up, rise = self.brief.directions.up, dot(way, self.brief.directions.up)
         along = dot(self.arm, way)
@@ -127,7 +128,7 @@ class Turning:
             plane = normalise(level) if points else None
             return scale(cross(plane or self.out, up), math.copysign(1.0, rise))
         if abs(along) >= _ALONG:
-            return None
+            return normalise(cross(up, way)) if sudden else None
         if self.hangs and abs(rise) < 1 - _ALONG and cosine(way, self.out) < _INWARD:
             way = add((way, self.brief.directions.toward))
         return normalise(cross(self.arm, way))
@@ -216,7 +217,7 @@ class Turning:
             window: First and last frame.
             stop: Frame until which it is held there; None = not.
         """
-        axis = None if self.slides else self.find_axis(way)
+        axis = None if self.slides else self.find_axis(way, sudden=motion.sudden)
         if axis is not None:
             return self.turn(axis, angle, window, stop)
         told = motion.amount if motion.kind is MotionKind.MOVE else None
@@ -227,9 +228,9 @@ class Turning:
         made = self.driver.shift(way, reach * norm(self.part.arm) * angle / _PLAIN, window, stop)
         return made if self.slides else self._bend(made, norm(self.part.arm) if max(self.part.neck) else 0.0)
 
-    def find_course(self, way: Vector, angle: float) -> Vector:
+    def find_course(self, way: Vector, angle: float, *, sudden: bool = False) -> Vector:
         """The way that the tip goes when it is brought ``way`` by an angle [degrees]."""
-        axis = None if self.slides else self.find_axis(way)
+        axis = None if self.slides else self.find_axis(way, sudden=sudden)
         if axis is None:
             return way
         turned = rotate(self.arm, scale(axis, angle))

@@ -310,3 +310,10 @@ def test_a_free_object_is_held_where_its_shape_does_not_show_the_part():
     scene = dict(world="ground", may_be_held=True)
     assert read("lift the left wing", HEAD, TAIL, **scene).anchor.kind == "base"
     assert read("lift the robot", HEAD, TAIL, **scene).anchor.kind is None
+
+
+def test_a_blow_on_the_end_of_a_part_tips_it_over_its_joint():
+    """Along itself it could only be pushed into the body."""
+    (constraint,) = read("hit the right arm from the right", RIGHT_ARM, HEAD).force_field.constraints
+    assert constraint.constraint_type is ConstraintType.PARTICLE_ROTATION
+    assert find_way(constraint, RIGHT_ARM)[2] > 0.29

@@ -163,6 +163,6 @@ def _drive(
         axis = motion.direction
         return [turning.turn(axis, turning.find_angle(motion, axis), window, stop)], motion
     way = motion.direction or turning.swing
-    angle = turning.find_angle(motion, turning.find_axis(way), way)
-    course = motion.direction and turning.find_course(way, angle)
+    angle = turning.find_angle(motion, turning.find_axis(way, sudden=motion.sudden), way)
+    course = motion.direction and turning.find_course(way, angle, sudden=motion.sudden)
     return [turning.bring(way, motion, angle, window, stop)], motion.model_copy(update=dict(direction=course))
