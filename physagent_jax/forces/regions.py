@@ -10,6 +10,9 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import Bend, BoxRegion, CellsRegion, HalfSpaceRegion, Region, SphereRegion
 
 
+_OUTER = 0.7  # of the way to a part's farthest particle, beyond which it goes along as a whole
+
+
 def make_region_mask(region: Region, rest: np.ndarray, origin: str = "region") -> np.ndarray:
     """Particles of ``region``.
 
@@ -64,7 +67,9 @@ def grade_part(bend: Bend, rest: np.ndarray) -> tuple[np.ndarray, np.ndarray, np
     off = np.linalg.norm(rest[still] - joint, axis=1)
     beside = off <= max(bend.reach * size, 1.2 * float(off.min()))
     distance = np.asarray(KDTree(rest[still][beside]).query(rest[~still])[0])
-    along = np.minimum((distance - distance.min()) / (bend.depth * size), 1.0)
+    distance = distance - distance.min()
+    depth = min(bend.depth * size, _OUTER * float(distance.max()))  # what is broad and flat moves as well
+    along = np.minimum(distance / max(depth, 1e-9 * size), 1.0)
     bends = along < 1
     middle = rest[~still][bends].mean(0) if bends.any() else joint
     return ~still, along**2 * (3 - 2 * along), middle

@@ -306,7 +306,7 @@ def test_a_part_that_nothing_tells_for_certain_is_a_doubt(sentence, parts, certa
 
 
 def test_a_free_object_is_held_where_its_shape_does_not_show_the_part():
-    """What acts on a side of it would take it along."""
+    """A force on one side would take all of it along."""
     scene = dict(world="ground", may_be_held=True)
     assert read("lift the left wing", HEAD, TAIL, **scene).anchor.kind == "base"
     assert read("lift the robot", HEAD, TAIL, **scene).anchor.kind is None

@@ -57,3 +57,12 @@ def test_a_part_bends_beside_its_joint():
     means = np.array([share[np.isclose(along, each)].mean() for each in np.unique(along.round(6))])
     assert (np.diff(means) > -1e-9).all() and np.diff(means).max() < 0.2
     np.testing.assert_allclose(middle, [1.2, 0.5, 0.5], atol=0.06)
+
+
+def test_a_flat_part_moves_too():
+    """A plate on the side of a block: its own thickness is far less than the way that its joint would bend over."""
+    grid = np.stack(np.meshgrid(*[np.linspace(0, 1, 21)] * 3, indexing="ij"), -1).reshape(-1, 3)
+    region = CellsRegion(inside=((0.42, 0.5, 0.5),), outside=((0.96, 0.5, 0.5),))
+    bend = Bend(joint=(0.7, 0.5, 0.5), rest=region, reach=1.0, depth=0.9)
+    part, share, _ = grade_part(bend, grid)
+    assert share[grid[part, 0] == 1].min() == 1.0
