@@ -9,7 +9,6 @@ from scipy.spatial import KDTree
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import Bend, BoxRegion, CellsRegion, HalfSpaceRegion, Region, SphereRegion
 
-
 _OUTER = 0.7  # of the way to a part's farthest particle, beyond which it goes along as a whole
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import itertools
 import math
 
 from physagent_jax.core.strict import Vector
@@ -51,6 +52,7 @@ _SHORT = 0.6  # of its length, at most
 _STRAIN = 0.85  # [1] of the skin on the outside of a bend, at most
 _STEEPEST = 1.5  # slope of u^2 (3 - 2 u) in its middle
 _BORDER = 3.0  # standard deviations of the neck, within which the rest borders on the part
+_SWINGS = 2  # of a limb that wags, unless the sentence counts them
 _BLOW = 0.2  # [s] in which a blow swings a limb out
 _TIME = 1.0  # [s] in which a limb gets where it goes, at most
 Window = tuple[float, float]
@@ -109,6 +111,41 @@ class Turning:
         level = "tail" in self.part.roles[:1]
         way = normalise(cross(table.up if level else table.toward, self.arm)) or table.right
         return scale(way, -1.0) if dot(way, self.out if self.hangs else table.up) < 0 else way
+
+    def drive(self, motion: ExpectedMotion, until: float) -> tuple[list[VelocityConstraint], ExpectedMotion]:
+        """The constraints that bring about a motion, and the motion as it is then expected.
+
+        Args:
+            motion: The motion.
+            until: Frame at which the limb's next one begins, or the clip's last.
+        """
+        if motion.kind is MotionKind.SWAY:
+            return self._drive_swings(motion)
+        window = self._find_window(motion, until)
+        stop = None if motion.released or motion.sudden or until <= window[1] else until
+        if motion.kind is MotionKind.ROTATE and motion.direction is not None:
+            axis = motion.direction
+            return [self.turn(axis, self.find_angle(motion, axis), window, stop)], motion
+        way = motion.direction or self.swing
+        angle = self.find_angle(motion, self.find_axis(way, sudden=motion.sudden), way)
+        course = motion.direction and self.find_course(way, angle, sudden=motion.sudden)
+        return [self.bring(way, motion, angle, window, stop)], motion.model_copy(
+            update=dict(direction=course)
+        )
+
+    def _drive_swings(self, motion: ExpectedMotion) -> tuple[list[VelocityConstraint], ExpectedMotion]:
+        """As `drive`, to and fro: each stroke takes as long as its angle needs."""
+        count, (first, last) = max(motion.repeats, _SWINGS), motion.window
+        way, angles = self.list_swings(motion, count)
+        done = list(itertools.accumulate([0.0, *map(abs, angles)]))
+        edges = [first + (last - first) * each / done[-1] for each in done]
+        made = [
+            self.bring(way, motion, angle, window, None)
+            for angle, window in zip(angles, itertools.pairwise(edges))
+            if window[1] - window[0] >= 1.0
+        ]
+        course = self.find_course(way, angles[0])
+        return made, motion.model_copy(update=dict(direction=course, repeats=count))
 
     def find_axis(self, way: Vector, *, sudden: bool = False) -> Vector | None:
         """The axis about which a limb turns so that its tip goes a way; None where the way leads along it.
@@ -236,7 +273,7 @@ class Turning:
         turned = rotate(self.arm, scale(axis, angle))
         return normalise(subtract(turned, self.arm)) or way
 
-    def find_window(self, motion: ExpectedMotion, until: float) -> Window:
+    def _find_window(self, motion: ExpectedMotion, until: float) -> Window:
         """The frames in which it goes where it is to go, before ``until``; a blow is short."""
         first, end = motion.window
         frames = (_BLOW if motion.sudden else _TIME) / self.brief.frame_dt

@@ -13,7 +13,6 @@ from physagent_jax.agents.compiler.directions import sum_directions
 from physagent_jax.agents.compiler.events import Event, KnownPart
 from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.agents.schema import Evidence, SemanticReply
-from physagent_jax.agents.windows import divide
 from physagent_jax.forces.part import split_name
 from physagent_jax.forces.schema import ConstraintType, VelocityConstraint
 from physagent_jax.motion.joints import Turning
@@ -22,7 +21,6 @@ from physagent_jax.motion.parts import find_named, join_rest
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import add, scale
 
-_SWINGS = 2  # of a limb that wags, unless the sentence counts them
 _DRIVEN = (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE)
 
 
@@ -142,27 +140,7 @@ def _drive(
 ) -> tuple[list[VelocityConstraint], ExpectedMotion]:
     """The constraints that bring about a limb's motion, and the motion as it is then expected."""
     assert motion.limb is not None
-    part, last = brief.parts[motion.limb], frame_count - 1.0
+    part = brief.parts[motion.limb]
     slides = part.seated and LOOSE.issuperset(find_roles(part.name))
-    turning = Turning(part, brief, frame_count, slides)
-    if motion.kind is MotionKind.SWAY:
-        count = max(motion.repeats, _SWINGS)
-        way, angles = turning.list_swings(motion, count)
-        made = [
-            turning.bring(way, motion, angle, window, None)
-            for angle, window in zip(angles, divide(motion.window, [abs(each) for each in angles]))
-            if window[1] - window[0] >= 1.0
-        ]
-        course = turning.find_course(way, angles[0])
-        return made, motion.model_copy(update=dict(direction=course, repeats=count))
     later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > motion.window[0] + 0.5]
-    until = min([last, *later])
-    window = turning.find_window(motion, until)
-    stop = None if motion.released or motion.sudden or until <= window[1] else until
-    if motion.kind is MotionKind.ROTATE and motion.direction is not None:
-        axis = motion.direction
-        return [turning.turn(axis, turning.find_angle(motion, axis), window, stop)], motion
-    way = motion.direction or turning.swing
-    angle = turning.find_angle(motion, turning.find_axis(way, sudden=motion.sudden), way)
-    course = motion.direction and turning.find_course(way, angle, sudden=motion.sudden)
-    return [turning.bring(way, motion, angle, window, stop)], motion.model_copy(update=dict(direction=course))
+    return Turning(part, brief, frame_count, slides).drive(motion, min([frame_count - 1.0, *later]))
