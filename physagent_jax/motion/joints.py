@@ -11,6 +11,7 @@ import dataclasses
 import functools
 import itertools
 import math
+import operator
 
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.driving import PartDriver
@@ -210,8 +211,11 @@ class Turning:
     def _find_zone(self, axis: Vector) -> tuple[float, float]:
         """The way over which it bends [body lengths], and the largest angle that leaves no crease [degrees]."""
         length = norm(self.part.arm)
-        across = normalise(cross(axis, self.arm)) or axis
-        width = _WIDE * norm(tuple(a * b for a, b in zip(across, self.part.neck)))
+        across = normalise(cross(axis, self.arm))  # None of a twist
+        spread = (
+            max(self.part.neck) if across is None else norm(tuple(map(operator.mul, across, self.part.neck)))
+        )
+        width = _WIDE * spread
         if not width:
             return 0.0, math.inf
         depth = length if self.supple else min(_ZONE * width, _SHORT * length)

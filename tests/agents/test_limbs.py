@@ -280,8 +280,9 @@ def test_a_blow_swings_a_part_at_once_and_lets_it_go():
 
 
 def test_a_twist_of_a_part_goes_about_its_own_line():
-    arm = make_limb("arm", (0.3, 0, 0), (1, 0, 0))
+    arm = make_limb("arm", (0.3, 0, 0), (1, 0, 0), neck=(0.002, 0.02, 0.02))
     (constraint,) = read("twist the right arm", arm, HEAD).force_field.constraints
+    assert constraint.bend.depth > 0.09  # as wide as the neck, which is thin along the arm
     assert abs(find_turn(constraint)[0]) > 20 and np.abs(find_turn(constraint)[1:]).max() < 1e-6
 
 
