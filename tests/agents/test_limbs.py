@@ -299,6 +299,8 @@ KNOB = make_part("side", (0.3, 0, 0), (1, 0, 0))
         ("raise the arms", [HANGING[1], HEAD], False),
         ("raise the right arm", [KNOB.model_copy(update=dict(name="arm", origin="option")), HEAD], True),
         ("lift the left wing", [HEAD, TAIL], False),
+        ("pull the ears up", [HEAD, TAIL], False),
+        ("push the head to the left", [TAIL], True),
     ],
 )  # fmt: skip
 def test_a_part_that_nothing_tells_for_certain_is_a_doubt(sentence, parts, certain):
@@ -310,6 +312,8 @@ def test_a_free_object_is_held_where_its_shape_does_not_show_the_part():
     """A force on one side would take all of it along."""
     scene = dict(world="ground", may_be_held=True)
     assert read("lift the left wing", HEAD, TAIL, **scene).anchor.kind == "base"
+    assert read("pull the ears up", HEAD, TAIL, **scene).anchor.kind == "base"
+    assert read("lift the left wing", HEAD, TAIL, world="ground").anchor.kind is None
     assert read("lift the robot", HEAD, TAIL, **scene).anchor.kind is None
 
 

@@ -9,7 +9,7 @@ from physagent_jax.agents import intent
 from physagent_jax.agents.compiler.amounts import MOST, find_target
 from physagent_jax.agents.compiler.directions import TOWARDS, sum_directions, take_heading
 from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueSource, WayKind
-from physagent_jax.agents.compiler.limbs import find_limbs, find_roles, is_plural
+from physagent_jax.agents.compiler.limbs import find_limbs, is_plural, sticks_out
 from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
@@ -274,8 +274,7 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         elif assumed and event.motion.wrings:
             _turn(event, limb.arm, "about the part's own line")
         return
-    adjective, _, noun = named[0].phrase.rpartition(" ")
-    if event.parts and brief.parts and adjective and find_roles(noun):
+    if event.parts and brief.parts and sticks_out(named[0]):
         event.doubts.append(explain_missing(named[0].text, brief.parts))
     elif place.role and not place.names:
         event.doubts.append(explain_missing(named[0].text, brief.parts))

@@ -56,12 +56,13 @@ def find_support(clauses: Sequence[Event], brief: SceneBrief) -> AnchorRequest:
 def _names_unseen_part(event: Event, brief: SceneBrief) -> bool:
     """Return whether a clause moves a part by a word for something that sticks out, which the shape does not show."""
     part = event.parts[0] if event.parts else None
-    return (
-        part is not None
-        and bool(find_roles(part.phrase))
-        and "down" not in part.place.names
-        and not find_limbs(part, brief)
-    )
+    known = part is None or not sticks_out(part) or bool(find_limbs(part, brief))
+    return not known and part is not None and "down" not in part.place.names
+
+
+def sticks_out(part: KnownPart) -> bool:
+    """Return whether a word means something that sticks out, whatever side it tells: no end of the object."""
+    return bool(roles := find_roles(part.phrase)) and roles[0] not in (*PLACES, "head")
 
 
 def find_roles(name: str) -> list[str]:
