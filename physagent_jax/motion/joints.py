@@ -213,7 +213,7 @@ class Turning:
         length = norm(self.part.arm)
         across = normalise(cross(axis, self.arm))  # None of a twist
         spread = (
-            max(self.part.neck) if across is None else norm(tuple(map(operator.mul, across, self.part.neck)))
+            max(self.part.neck) if across is None else math.hypot(*map(operator.mul, across, self.part.neck))
         )
         width = _WIDE * spread
         if not width:
