@@ -7,6 +7,7 @@ itself where the way leads along it.
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -22,6 +23,7 @@ _LEAST, _MOST = 15.0, 80.0  # [degrees]
 _ALONG = 0.85  # cosine to the limb from which on a way leads along it
 _REACH = 0.3  # of its length, by which a plain word moves a limb along itself
 _LIFTED = 1.0  # the same of a lid, which lies loose and comes off
+_LEVEL = 0.5  # cosine to the vertical below which a line is level
 _THERE = 0.2  # cosine to a side from which on a limb is on it
 Window = tuple[float, float]
 PLACES = ("top", "bottom", "side")
@@ -71,6 +73,25 @@ def find_front(parts: Sequence[Part]) -> Vector | None:
     if len(heads) != 1 or sum("leg" in each.roles[:1] for each in parts) < 3:
         return None
     return normalise((heads[0].side[0], heads[0].side[1], 0.0))
+
+
+def find_level_line(brief: SceneBrief) -> Vector:
+    """The level line through something from end to end, about which it rolls over (unit vector).
+
+    It is longest along it, or looks along it, or has two like parts on either side of it (wings); else it points at the
+    viewer.
+    """
+    long = brief.long_axis
+    if long is not None and abs(long[2]) < _LEVEL:
+        return long
+    pairs = [
+        (math.dist(one.side, other.side), add([one.side, scale(other.side, -1.0)]))
+        for one, other in itertools.combinations(brief.parts, 2)
+        if one.roles[:1] == other.roles[:1] and "leg" not in one.roles[:1]
+    ]
+    across = max(pairs, default=(0.0, (0.0, 0.0, 0.0)))[1]
+    beside = normalise(cross(brief.directions.up, across))
+    return find_front(brief.parts) or (beside if abs(across[2]) < _LEVEL else None) or brief.directions.toward
 
 
 def find_swing(part: Part, brief: SceneBrief) -> Vector:

@@ -24,6 +24,8 @@ from physagent_jax.motion.vectors import add, dot, normalise, scale
 
 _RAISING = (Effect.STRIKE, Effect.JUMP)
 _UPRIGHT = 0.7  # cosine
+_LEVEL = 0.5  # cosine to the vertical below which a way is level
+_THROWN = 0.6  # of a blow, with which what flies an arc comes down about as far aside as one along the ground goes
 _TIPPING = 1.0  # [s] in which what stands is tipped past its balance
 
 
@@ -37,8 +39,11 @@ def compile_strike(task: Task) -> None:
     falls_back = builder.default_drop or (builder.grounded and not builder.anchored)
     rises = falls_back and dot(way, task.brief.directions.up) > 0.5
     strength = _find_blow(task, count, rises)
+    up, flown = task.brief.directions.up, way
+    if event.motion.gravity and falls_back and abs(dot(way, up)) < _LEVEL:
+        flown, strength = normalise(add([way, up])) or way, _THROWN * strength
     for index, part in enumerate(divide(window, [1.0] * count)):
-        blow = scale(way, -1.0 if swings and index % 2 else 1.0)
+        blow = scale(flown, -1.0 if swings and index % 2 else 1.0)
         task.act(ActionType.IMPULSE, blow, strength, make_impulse_window(part[0]))
     if task.needs_brake and count == 1 and not builder.grounded:  # else friction stops it
         stop = make_impulse_window(window[1] - IMPULSE_FRAMES)

@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 
 from physagent_jax.agents.compiler.amounts import find_effort, find_span, find_word_effort
-from physagent_jax.agents.compiler.events import Event
+from physagent_jax.agents.compiler.events import Event, WayKind
 from physagent_jax.agents.intent import Duration
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.windows import Window
@@ -104,7 +104,8 @@ def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, la
             if event.amount is None and stops and not event.motion.brief:
                 effort = find_word_effort(event.strength, event.effect)
             if effort is not None and not anchored:
-                seconds = max(find_span(effort, STEP, brief), STEP if len(slots) > 1 else 0.0)
+                pace = event.strength if event.amount and event.strengths else 1.0  # "slowly, by a quarter turn"
+                seconds = max(find_span(effort, STEP / pace, brief), STEP if len(slots) > 1 else 0.0)
         slot.need = slot.length if slot.length is not None else seconds / brief.frame_dt
     return slots
 
@@ -181,7 +182,14 @@ def follows(before: Event, event: Event) -> bool:
         return True  # "rolls left and tips over at the end"
     rests = effect is Effect.STILL and (not event.motion.generic or event.is_timed)
     lifted = before.effect is Effect.PUSH and effect is Effect.FALL and before.phrase != event.phrase
-    return effect is Effect.RELEASE or rests or lifted or _contrary(before, event)
+    return effect is Effect.RELEASE or rests or lifted or _carries_on(before, event) or _contrary(before, event)
+
+
+def _carries_on(before: Event, event: Event) -> bool:
+    """Return whether what was raised is then moved on: "it takes off and flies to the right"."""
+    raised = before.effect is event.effect is Effect.PUSH and before.motion.direction == "up"
+    aside = event.motion.direction is None and bool(event.pick(WayKind.TO)) and not event.is_upwards
+    return raised and aside and not (before.parts or event.parts)
 
 
 _SUCCESSIONS = (

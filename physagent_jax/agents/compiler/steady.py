@@ -86,7 +86,7 @@ class Task:
             "part": event.part,
             "excludes_part": event.excludes_part,
             "stays": event.stays,
-            "even": event.clause.even and kind in (MotionKind.MOVE, MotionKind.ROTATE),
+            "even": (event.clause.even or event.motion.floats) and kind in (MotionKind.MOVE, MotionKind.ROTATE),
             "amount": event.amount or self._find_duration(),
         }
         for limb in event.limbs or (None,):

@@ -28,6 +28,8 @@ OTHER = "other"
 _REPLACED = {kind: (kind,) for kind in (MentionKind.PLACE, MentionKind.SENSE, MentionKind.QUANTITY)} | {
     way: WAYS for way in WAYS
 }
+_OVERTURNING = (Effect.LEAN, Effect.PUSH, Effect.STRIKE, Effect.TURN, Effect.ROLL, Effect.FALL)
+_HOVERING = (Effect.TURN, Effect.ROLL, Effect.STILL)
 _REACH = 20  # words before a correction in which the corrected ones stand
 # What ends a comparison.
 _GOES_ON = (
@@ -260,29 +262,56 @@ def read_returns(mentions: list[Mention], _names: frozenset[str]) -> list[Mentio
 
 
 def read_landings(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
-    """Makes a toppling of a fall on a side: "it falls on its back", "tip it onto its right side".
+    """Makes a toppling of what ends on a side: "it falls on its back", "knock it onto its side", "so that it lies on".
 
     How an object lies while it goes is no part that is moved: "it slides to the left on its back".
     """
-    result = list(mentions)
-    verb: int | None = None
+    result, verbs, told = list(mentions), [], False
     for at, side in enumerate(mentions):
-        verb = at if side.motion is not None else verb
-        way = read_sections()["lying"].get(side.phrase) if side.kind is MentionKind.PLACE else None
-        motion = mentions[verb].motion if verb is not None else None
-        if verb is None or motion is None or way is None or at < verb + 3:
+        if side.motion is not None and side.phrase != "flat":  # "flat on its back"
+            verbs.append(at)
+        told = told or side.kind in WAYS
+        way = read_sections()["lying"].get(side.phrase)
+        if not verbs or way is None or at < verbs[-1] + 3:
             continue
         on, owner = mentions[at - 2 : at]
-        if on.form not in ("on", "onto") or owner.form not in get_set("pronouns_of_owners"):
+        if on.form not in ("on", "onto", "upon") or owner.form not in get_set("pronouns_of_owners"):
             continue
-        tipped = motion.effect is Effect.TOPPLE or motion.effect is Effect.LEAN and on.form == "onto"
-        if tipped or mentions[verb].phrase == "fall":
-            result[verb] = replace(mentions[verb], value=LEXICON.motions["topple"], phrase="topple")
-            result[at - 2] = empty(on)
-            result[at] = replace(side, kind=MentionKind.DIRECTION, value=(way,), phrase="lying")
-        elif on.form == "on" and motion.generic and way in ("away", "toward"):
+        lies = mentions[verbs[-1]].phrase == "lie" and len(verbs) > 1
+        verb = mentions[verbs[-2 if lies else -1]]
+        assert verb.motion is not None
+        driven = verb.motion.effect in _OVERTURNING and (lies or on.form == "onto")
+        if driven or verb.motion.effect is Effect.TOPPLE or verb.phrase in get_set("landing"):
+            result[verbs[-2 if lies else -1]] = replace(verb, value=LEXICON.motions["topple"], phrase="topple")
+            for place in [at - 2, *range(verbs[-1] + (not lies), at - 2)]:
+                if place == at - 2 or mentions[place].phrase in ("flat", "lie"):
+                    result[place] = empty(mentions[place])
+            known = told and side.phrase == "side"  # "over to the right, so that it lies on its side"
+            lying = replace(side, kind=MentionKind.DIRECTION, value=(way,), phrase="lying")
+            result[at] = empty(side) if known else lying
+        elif on.form == "on" and verb.motion.generic and way in ("away", "toward"):
             result[at] = empty(side)
     return result
 
 
-PASSES = (drop_others, read_corrections, mark_exceptions, read_comparisons, read_returns, read_landings)
+def read_aloft(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Takes its weight from what only turns "in the air"; what rolls there turns about its own line."""
+    motions = [mention.motion for mention in mentions if mention.motion is not None]
+    hovering = all(each.floats or each.effect in _HOVERING for each in motions)
+    if not motions or not hovering or any(mention.kind is MentionKind.PLACE for mention in mentions):
+        return mentions
+    result = [
+        replace(each, kind=MentionKind.GRAVITY, value="none") if each.phrase == "in the air" else each
+        for each in mentions
+    ]
+    over = LEXICON.motions["roll over"]
+    rolls = any(each.kind is MentionKind.GRAVITY and each.value == "none" for each in result)
+    return [
+        replace(each, value=over, phrase="roll over")
+        if rolls and each.motion is not None and each.motion.effect is Effect.ROLL
+        else each
+        for each in result
+    ]
+
+
+PASSES = (drop_others, read_corrections, mark_exceptions, read_comparisons, read_returns, read_landings, read_aloft)

@@ -22,7 +22,7 @@ from physagent_jax.forces.calibration import (
     TURN,
     find_magnitude,
 )
-from physagent_jax.forces.schema import BoxRegion, ConstraintType, ForceField, Region, VelocityConstraint
+from physagent_jax.forces.schema import Action, BoxRegion, ConstraintType, ForceField, Region, VelocityConstraint
 from physagent_jax.forces.skills import list_skills
 from physagent_jax.forces.slabs import make_box, make_end_region
 from physagent_jax.motion.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, share_time
@@ -340,6 +340,46 @@ def _carry(wish: Wish) -> _Replaced:
     return _put(wish, causes, hand), "it is carried up, and kept there"
 
 
+def _carry_on(wish: Wish) -> _Replaced:
+    """Carry on what was carried up and goes aside: a force would let it fall."""
+    expectation, way = wish.expectation, wish.expectation.direction
+    if expectation.kind is not MotionKind.MOVE or way is None or expectation.sudden or expectation.partial:
+        return None
+    hands, causes = _list_hands(wish), _find_forces(wish, lambda c: c.pushes)
+    if not causes or not any(_is_lift(hand, wish) for hand in hands):
+        return None
+    first, end = wish.get_span(causes)
+    if abs(_get_end(hands[-1]) - first) > 1.5 or abs(cosine(way, wish.brief.directions.up)) > _VERTICAL:
+        return None
+    effort = _find_way(wish, (end - first) * wish.brief.frame_dt) / PRESCRIBED_TRAVEL * wish.reference
+    magnitude, until = _find_pace(effort, first, end)
+    let_go = max(first, wish.get_span(hands[-1:])[1])
+    kept = replace_items(wish.force_field, hands[-1:], [_hold_until(hands[-1], let_go)])
+    hand = _prescribe(causes[0], way, magnitude, (first, until), _find_next(wish, end))
+    return _put(replace(wish, force_field=kept), causes, hand), "it is carried on, without being dropped"
+
+
+def _list_hands(wish: Wish) -> list[Cause]:
+    """Constraints that carry all of the object, in their order."""
+    hands = [cause for cause in list_causes(wish.force_field) if cause.skill.deforms == "ends"]
+    return [hand for hand in hands if hand.item.region is None and hand.item.active_time is not None]
+
+
+def _is_lift(hand: Cause, wish: Wish) -> bool:
+    return cosine(hand.item.vector, wish.brief.directions.up) > _VERTICAL
+
+
+def _hold_until(hand: Cause, frame: float) -> VelocityConstraint | Action:
+    """The constraint held where it is until a frame, if that is after its own time."""
+    later = frame > (hand.item.active_time or (0.0, 0.0))[1]
+    return hand.item.model_copy(update={"held_until": frame if later else None})
+
+
+def _get_end(hand: Cause) -> float:
+    """Frame at which a constraint lets go."""
+    return getattr(hand.item, "held_until", None) or (hand.item.active_time or (0.0, 0.0))[1]
+
+
 def _set_down(wish: Wish) -> _Replaced:
     """Carry down what was carried up and goes down again without falling, as far as it was up."""
     expectation, down = wish.expectation, wish.brief.directions.down
@@ -347,20 +387,19 @@ def _set_down(wish: Wish) -> _Replaced:
         return None
     if expectation.sudden or expectation.partial or expectation.amount is not None:
         return None
-    hands = [cause for cause in list_causes(wish.force_field) if cause.skill.deforms == "ends"]
-    whole = [hand for hand in hands if hand.item.region is None and hand.item.active_time is not None]
-    lifts = [hand for hand in whole if cosine(hand.item.vector, down) < -_VERTICAL]
+    hands = _list_hands(wish)
+    lifts = [hand for hand in hands if _is_lift(hand, wish)]
     causes = _find_forces(wish, lambda c: c.pushes)
     if not lifts or not causes:
         return None
     (first, end), (begun, stopped) = wish.get_span(causes[:1]), wish.get_span(lifts[-1:])
-    moves = wish.list_other_begins()
+    carried = hands[-1] is not lifts[-1] and abs(_get_end(hands[-1]) - first) < 1.5
+    moves = [] if carried else wish.list_other_begins()
     if stopped > first + 0.5 or any(stopped - 0.5 < begin < first + 0.5 for begin in moves):
         return None  # what moves it meanwhile needs it free
-    lift = lifts[-1].item
-    magnitude, until = _spread_effort(lift.magnitude * (stopped - begun), first, end)
-    held = lift.model_copy(update={"held_until": first if first > stopped else None})
-    lifted = replace(wish, force_field=replace_items(wish.force_field, lifts[-1:], [held]))
+    magnitude, until = _spread_effort(lifts[-1].item.magnitude * (stopped - begun), first, end)
+    held = _hold_until(hands[-1], first)
+    lifted = replace(wish, force_field=replace_items(wish.force_field, hands[-1:], [held]))
     lowering = _prescribe(causes[0], down, magnitude, (first, until), None)
     return _put(lifted, causes, lowering), "it is carried down again"
 
@@ -398,4 +437,4 @@ def _lead(wish: Wish) -> _Replaced:
     return _put(wish, causes, hand), f"{reason}, so it is led there{short}"
 
 
-_RULES = (_deform, _press_part, _turn_ends, _strike, _carry, _set_down, _lead)
+_RULES = (_deform, _press_part, _turn_ends, _strike, _carry, _carry_on, _set_down, _lead)
