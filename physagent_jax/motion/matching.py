@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -59,6 +60,18 @@ class Cause:
     def pushes(self) -> bool:
         """Return whether it is a force that lasts and moves the whole of its particles along a direction."""
         return self.group == "actions" and "move" in self.skill.causes and not self.skill.is_sudden
+
+    @property
+    def carries(self) -> bool:
+        """Return whether it leads or turns all of the object in a time of its own."""
+        whole = self.item.region is None and self.item.active_time is not None
+        return whole and self.skill.prescribes and self.skill.deforms != "plates"
+
+    @property
+    def lets_go(self) -> float:
+        """Frame at which a constraint leaves what it led to itself; infinity if it acts to the end."""
+        held = getattr(self.item, "held_until", None)
+        return held or (self.item.active_time or (0.0, math.inf))[1]
 
     def prescribe(self, **fields: Any) -> VelocityConstraint:
         """The velocity constraint that does its work, with these fields."""

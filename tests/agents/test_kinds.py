@@ -113,11 +113,11 @@ def test_what_is_put_down_again_is_carried_as_far_as_it_was_raised(prompt):
 
 
 def test_what_moves_otherwise_in_between_is_let_go():
-    prompt = "it moves up, then to the left, then down"
+    prompt = "it moves up, then sways to the left, then moves down"
     reply = GrammarSemanticAgent().compile(asked(prompt, brief(world="ground", frames_fixed=False))).value
     (raised,) = reply.force_field.constraints
-    left = next(e for e in reply.expectations if e.direction == LEFT)
-    assert (raised.held_until or raised.active_time[1]) <= left.window[0]
+    sway = next(e for e in reply.expectations if e.kind is MotionKind.SWAY)
+    assert (raised.held_until or raised.active_time[1]) <= sway.window[0]
 
 
 def test_what_is_lifted_before_something_else_is_carried_until_then():

@@ -26,7 +26,9 @@ def test_longer_is_along_the_long_line():
     assert tell(motion) == "stretch right"
 
 
-@pytest.mark.parametrize("prompt", ["pull it until it is twice as long", "stretch it until it is twice as long"])
+@pytest.mark.parametrize(
+    "prompt", ["pull it until it is twice as long", "stretch it until it is twice as long"]
+)
 def test_how_long_it_becomes_is_a_stretch(prompt):
     (motion,) = read(prompt, ground(long_axis=UP)).expectations
     assert motion.kind.value == "stretch" and motion.amount is not None
@@ -73,6 +75,15 @@ def test_rolling_over_is_about_the_object_s_own_line():
     assert motion.direction == TOWARD
 
 
+def test_what_turns_over_is_led():
+    """A torque about a level line makes it tumble about others; what spins upright is turned by one."""
+    over, spin = (
+        plan(prompt).force_field for prompt in ("it rolls over in the air", "spin it by 90 degrees")
+    )
+    assert not over.actions and len(over.constraints) == 1
+    assert spin.actions and not spin.constraints
+
+
 def test_what_is_thrown_aside_flies_an_arc():
     """It goes up as well, and is judged by the way that is told."""
     reply = read("throw it to the left", ground())
@@ -83,7 +94,9 @@ def test_what_is_thrown_aside_flies_an_arc():
     assert kick.vector == LEFT
 
 
-@pytest.mark.parametrize("prompt", ["it takes off and flies to the right", "it rises, then flies to the right"])
+@pytest.mark.parametrize(
+    "prompt", ["it takes off and flies to the right", "it rises, then flies to the right"]
+)
 def test_what_flies_on_stays_up(prompt):
     """It is carried up, and on to the clip's end."""
     up, aside = plan(prompt).force_field.constraints
@@ -139,6 +152,6 @@ def test_halfway_through_is_a_time():
 
 
 def test_lying_down_needs_no_invention():
-    """What is put on something else than a side is no toppling."""
+    """Refuse what is put on something else than a side: it is no toppling."""
     with pytest.raises(UserError):
         read("put it on its shelf", ground())

@@ -16,16 +16,18 @@ from physagent_jax.agents.compiler.steady import (
     make_impulse_window,
 )
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.windows import divide
 from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY, MAGNITUDE_MAX, find_reference_time
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import add, dot, normalise, scale
+from physagent_jax.motion.windows import divide
 
 _RAISING = (Effect.STRIKE, Effect.JUMP)
 _UPRIGHT = 0.7  # cosine
 _LEVEL = 0.5  # cosine to the vertical below which a way is level
-_THROWN = 0.6  # of a blow, with which what flies an arc comes down about as far aside as one along the ground goes
+_THROWN = (
+    0.6  # of a blow, with which what flies an arc comes down about as far aside as one along the ground goes
+)
 _TIPPING = 1.0  # [s] in which what stands is tipped past its balance
 
 
@@ -40,7 +42,7 @@ def compile_strike(task: Task) -> None:
     rises = falls_back and dot(way, task.brief.directions.up) > 0.5
     strength = _find_blow(task, count, rises)
     up, flown = task.brief.directions.up, way
-    if event.motion.gravity and falls_back and abs(dot(way, up)) < _LEVEL:
+    if event.motion.gravity and builder.grounded and not builder.anchored and abs(dot(way, up)) < _LEVEL:
         flown, strength = normalise(add([way, up])) or way, _THROWN * strength
     for index, part in enumerate(divide(window, [1.0] * count)):
         blow = scale(flown, -1.0 if swings and index % 2 else 1.0)

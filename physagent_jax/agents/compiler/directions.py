@@ -105,7 +105,8 @@ def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
         total = normalise(parts[0])
         both = motion.effect is Effect.SCALE or event.pick(WayKind.SIDES)  # "its ends apart"
         event.repeat = replace(event.repeat, alternate=not both)
-    lifted = motion.bound and motion.direction == "up" and not event.parts and bool(event.pick(WayKind.TO))
+    rises = motion.effect is Effect.PUSH and motion.direction == "up" and not motion.floats
+    lifted = rises and not event.parts and bool(event.pick(WayKind.TO))
     if lifted and total is not None and abs(dot(total, up)) < _LEVEL:
         total = normalise(add([total, up]))  # "it takes off to the right"
     why = "the viewer's directions, added" if len(told) > 1 else "the viewer's direction"

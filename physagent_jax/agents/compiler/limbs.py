@@ -11,7 +11,6 @@ from physagent_jax.agents.compiler.directions import sum_directions
 from physagent_jax.agents.compiler.events import KnownPart
 from physagent_jax.agents.lexicon import read_lexicon
 from physagent_jax.agents.schema import Evidence, SemanticReply
-from physagent_jax.agents.windows import divide
 from physagent_jax.forces.part import split_name
 from physagent_jax.forces.schema import ConstraintType, VelocityConstraint
 from physagent_jax.motion.limbs import (
@@ -26,6 +25,7 @@ from physagent_jax.motion.limbs import (
 from physagent_jax.motion.parts import find_named, join_rest
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import add, scale
+from physagent_jax.motion.windows import divide
 
 _TIME = 1.0  # [s] in which a limb gets where it goes, at most
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them

@@ -13,10 +13,10 @@ from physagent_jax.agents.compiler.amounts import find_effort, find_span, find_w
 from physagent_jax.agents.compiler.events import Event, WayKind
 from physagent_jax.agents.intent import Duration
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.windows import Window
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion.schema import SceneBrief
 from physagent_jax.motion.vectors import clamp, dot
+from physagent_jax.motion.windows import Window
 
 _MOTIONS = (Effect.PUSH, Effect.STRIKE, Effect.JUMP, Effect.ROLL)
 _STILL_SHARE = 0.5  # stillness at the end needs less of the clip than what comes before it
@@ -104,7 +104,9 @@ def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, la
             if event.amount is None and stops and not event.motion.brief:
                 effort = find_word_effort(event.strength, event.effect)
             if effort is not None and not anchored:
-                pace = event.strength if event.amount and event.strengths else 1.0  # "slowly, by a quarter turn"
+                pace = (
+                    event.strength if event.amount and event.strengths else 1.0
+                )  # "slowly, by a quarter turn"
                 seconds = max(find_span(effort, STEP / pace, brief), STEP if len(slots) > 1 else 0.0)
         slot.need = slot.length if slot.length is not None else seconds / brief.frame_dt
     return slots
@@ -182,7 +184,9 @@ def follows(before: Event, event: Event) -> bool:
         return True  # "rolls left and tips over at the end"
     rests = effect is Effect.STILL and (not event.motion.generic or event.is_timed)
     lifted = before.effect is Effect.PUSH and effect is Effect.FALL and before.phrase != event.phrase
-    return effect is Effect.RELEASE or rests or lifted or _carries_on(before, event) or _contrary(before, event)
+    return (
+        effect is Effect.RELEASE or rests or lifted or _carries_on(before, event) or _contrary(before, event)
+    )
 
 
 def _carries_on(before: Event, event: Event) -> bool:

@@ -11,13 +11,13 @@ from physagent_jax.agents.compiler.directions import find_lean_axis
 from physagent_jax.agents.compiler.schedule import Slot
 from physagent_jax.agents.compiler.steady import Task, add_steady, make_impulse_window, shorten
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.windows import Window, divide, divide_swings
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, SWING
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.forces.skills import find_skill
 from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import dot, scale
+from physagent_jax.motion.windows import Window, divide, divide_swings
 
 _UPRIGHT = 0.7  # cosine
 _LEAN = 0.5  # torque of a lean relative to a full turn

@@ -28,7 +28,7 @@ OTHER = "other"
 _REPLACED = {kind: (kind,) for kind in (MentionKind.PLACE, MentionKind.SENSE, MentionKind.QUANTITY)} | {
     way: WAYS for way in WAYS
 }
-_OVERTURNING = (Effect.LEAN, Effect.PUSH, Effect.STRIKE, Effect.TURN, Effect.ROLL, Effect.FALL)
+_OVERTURNING = (Effect.LEAN, Effect.PUSH, Effect.STRIKE, Effect.TURN, Effect.ROLL, Effect.FALL, Effect.TOPPLE)
 _HOVERING = (Effect.TURN, Effect.ROLL, Effect.STILL)
 _REACH = 20  # words before a correction in which the corrected ones stand
 # What ends a comparison.
@@ -262,34 +262,40 @@ def read_returns(mentions: list[Mention], _names: frozenset[str]) -> list[Mentio
 
 
 def read_landings(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
-    """Makes a toppling of what ends on a side: "it falls on its back", "knock it onto its side", "so that it lies on".
+    """Makes a toppling of what ends on a side: "it falls on its back", "push it so that it lies on its side".
 
     How an object lies while it goes is no part that is moved: "it slides to the left on its back".
     """
-    result, verbs, told = list(mentions), [], False
+    result, verbs, ways = list(mentions), [], []
     for at, side in enumerate(mentions):
         if side.motion is not None and side.phrase != "flat":  # "flat on its back"
             verbs.append(at)
-        told = told or side.kind in WAYS
+        ways += [at] if side.kind in WAYS else []
         way = read_sections()["lying"].get(side.phrase)
         if not verbs or way is None or at < verbs[-1] + 3:
             continue
         on, owner = mentions[at - 2 : at]
-        if on.form not in ("on", "onto", "upon") or owner.form not in get_set("pronouns_of_owners"):
+        if on.form not in ("on", "onto") or owner.form not in get_set("pronouns_of_owners"):
             continue
         lies = mentions[verbs[-1]].phrase == "lie" and len(verbs) > 1
-        verb = mentions[verbs[-2 if lies else -1]]
-        assert verb.motion is not None
-        driven = verb.motion.effect in _OVERTURNING and (lies or on.form == "onto")
-        if driven or verb.motion.effect is Effect.TOPPLE or verb.phrase in get_set("landing"):
-            result[verbs[-2 if lies else -1]] = replace(verb, value=LEXICON.motions["topple"], phrase="topple")
-            for place in [at - 2, *range(verbs[-1] + (not lies), at - 2)]:
+        acts = verbs[-2] if lies else verbs[-1]
+        verb, motion = mentions[acts], get_last_motion(mentions[: acts + 1])
+        overturns = motion is not None and motion.effect in _OVERTURNING and (lies or on.form == "onto")
+        if (
+            overturns
+            or motion is not None
+            and motion.effect is Effect.TOPPLE
+            or verb.phrase in get_set("landing")
+        ):
+            for place in range(acts + 1, at):
                 if place == at - 2 or mentions[place].phrase in ("flat", "lie"):
                     result[place] = empty(mentions[place])
-            known = told and side.phrase == "side"  # "over to the right, so that it lies on its side"
+            result[acts] = replace(verb, value=LEXICON.motions["topple"], phrase="topple")
+            # "over to the right, so that it lies on its side"
+            known = side.phrase == "side" and bool(ways)
             lying = replace(side, kind=MentionKind.DIRECTION, value=(way,), phrase="lying")
             result[at] = empty(side) if known else lying
-        elif on.form == "on" and verb.motion.generic and way in ("away", "toward"):
+        elif on.form == "on" and motion is not None and motion.generic and way in ("away", "toward"):
             result[at] = empty(side)
     return result
 
@@ -297,21 +303,26 @@ def read_landings(mentions: list[Mention], _names: frozenset[str]) -> list[Menti
 def read_aloft(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
     """Takes its weight from what only turns "in the air"; what rolls there turns about its own line."""
     motions = [mention.motion for mention in mentions if mention.motion is not None]
-    hovering = all(each.floats or each.effect in _HOVERING for each in motions)
-    if not motions or not hovering or any(mention.kind is MentionKind.PLACE for mention in mentions):
+    aloft = any(each.phrase == "in the air" or each.value == "none" for each in mentions)
+    hovers = all(each.floats or each.effect in _HOVERING for each in motions) and bool(motions)
+    if not aloft or not hovers or any(mention.kind is MentionKind.PLACE for mention in mentions):
         return mentions
-    result = [
-        replace(each, kind=MentionKind.GRAVITY, value="none") if each.phrase == "in the air" else each
-        for each in mentions
-    ]
-    over = LEXICON.motions["roll over"]
-    rolls = any(each.kind is MentionKind.GRAVITY and each.value == "none" for each in result)
-    return [
-        replace(each, value=over, phrase="roll over")
-        if rolls and each.motion is not None and each.motion.effect is Effect.ROLL
-        else each
-        for each in result
-    ]
+
+    def lift(each: Mention) -> Mention:
+        if each.phrase == "in the air":
+            return replace(each, kind=MentionKind.GRAVITY, value="none")
+        rolls = each.motion is not None and each.motion.effect is Effect.ROLL
+        return replace(each, value=LEXICON.motions["roll over"], phrase="roll over") if rolls else each
+
+    return list(map(lift, mentions))
 
 
-PASSES = (drop_others, read_corrections, mark_exceptions, read_comparisons, read_returns, read_landings, read_aloft)
+PASSES = (
+    drop_others,
+    read_corrections,
+    mark_exceptions,
+    read_comparisons,
+    read_returns,
+    read_landings,
+    read_aloft,
+)

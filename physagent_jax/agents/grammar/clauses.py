@@ -384,7 +384,7 @@ def tell_result(cause: Clause, result: Mention) -> list[Mention]:
     """The line that an adjective tells of a stretch or a squeeze without one: "stretch it until it is taller"."""
     first, second = get_verb(cause.head), get_verb(result)
     alike = first.effect is second.effect is Effect.SCALE and first.sign == second.sign
-    pressed = second.sign < 0 and second.direction != "up"  # "press it until it is thin"
+    pressed = second.sign < 0 and second.direction == "right"  # "press it until it is thin"
     if not alike or pressed or second.direction is None or cause.select(*_LINES):
         return []
     return [replace(result, kind=MentionKind.AXIS, value=(second.direction,))]

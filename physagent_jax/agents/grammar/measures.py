@@ -152,7 +152,9 @@ def _make_quantity(
     turned = words.get(at - 2) if before in get_set("pronouns") else before
     counted = number not in ("a", "an") or bool(groups.get("whole"))
     known = LEXICON.motions
-    done = {known[token.lemma].effect for token in words.tokens[max(at - _NEAR, 0) : at] if token.lemma in known}
+    done = {
+        known[token.lemma].effect for token in words.tokens[max(at - _NEAR, 0) : at] if token.lemma in known
+    }
     holds = {
         "": False,
         "always": True,
@@ -166,6 +168,7 @@ def _make_quantity(
         "turned": value < 1.0 and turned in _TABLES["turns"],
         "leaned": Effect.LEAN in done,
         "spun": Effect.TURN in done,
+        "driven": Effect.PUSH in done,
         "large": value >= _LEAST_DEGREES,
         "to": before == "to",
         "unless_to": before not in ("to", "at", "until"),

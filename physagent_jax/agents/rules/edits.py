@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from physagent_jax.agents.windows import divide_swings
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
     GAIN_MAX,
@@ -21,6 +20,7 @@ from physagent_jax.motion.matching import AXIAL, Cause, find_action_type, redire
 from physagent_jax.motion.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.tolerances import round_window
 from physagent_jax.motion.vectors import add, clamp, cosine, dot, norm, normalise, reject, scale
+from physagent_jax.motion.windows import divide_swings
 from physagent_jax.perception.schema import MotionReport, WindowMotion
 
 _BRIEF = 0.15  # of the clip: "briefly", as the lexicon has it

@@ -22,7 +22,7 @@ from physagent_jax.forces.calibration import (
     TURN,
     find_magnitude,
 )
-from physagent_jax.forces.schema import Action, BoxRegion, ConstraintType, ForceField, Region, VelocityConstraint
+from physagent_jax.forces.schema import BoxRegion, ConstraintType, ForceField, Region, VelocityConstraint
 from physagent_jax.forces.skills import list_skills
 from physagent_jax.forces.slabs import make_box, make_end_region
 from physagent_jax.motion.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, share_time
@@ -34,6 +34,7 @@ SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinne
 MOVING = 0.6  # share of its window in which an end or a plate moves; in the rest it is held
 TURNING = 0.8  # the same of an end that is turned
 _VERTICAL = 0.7  # cosine
+_OVER = 120.0  # [degrees] about a level line, from where on something is turned over
 _OPPOSED = -0.7
 _NO_WAY = (0.0, 0.0, 0.0)
 
@@ -340,44 +341,25 @@ def _carry(wish: Wish) -> _Replaced:
     return _put(wish, causes, hand), "it is carried up, and kept there"
 
 
-def _carry_on(wish: Wish) -> _Replaced:
-    """Carry on what was carried up and goes aside: a force would let it fall."""
-    expectation, way = wish.expectation, wish.expectation.direction
-    if expectation.kind is not MotionKind.MOVE or way is None or expectation.sudden or expectation.partial:
-        return None
-    hands, causes = _list_hands(wish), _find_forces(wish, lambda c: c.pushes)
-    if not causes or not any(_is_lift(hand, wish) for hand in hands):
-        return None
-    first, end = wish.get_span(causes)
-    if abs(_get_end(hands[-1]) - first) > 1.5 or abs(cosine(way, wish.brief.directions.up)) > _VERTICAL:
-        return None
-    effort = _find_way(wish, (end - first) * wish.brief.frame_dt) / PRESCRIBED_TRAVEL * wish.reference
-    magnitude, until = _find_pace(effort, first, end)
-    let_go = max(first, wish.get_span(hands[-1:])[1])
-    kept = replace_items(wish.force_field, hands[-1:], [_hold_until(hands[-1], let_go)])
-    hand = _prescribe(causes[0], way, magnitude, (first, until), _find_next(wish, end))
-    return _put(replace(wish, force_field=kept), causes, hand), "it is carried on, without being dropped"
+def _find_hand(wish: Wish, first: float) -> list[Cause]:
+    """The constraint that holds all of what was raised until a frame; none if nothing does."""
+    hands = [cause for cause in list_causes(wish.force_field) if cause.carries]
+    return [hand for hand in hands[-1:] if _list_lifts(wish) and abs(hand.lets_go - first) < 1.5]
 
 
-def _list_hands(wish: Wish) -> list[Cause]:
-    """Constraints that carry all of the object, in their order."""
-    hands = [cause for cause in list_causes(wish.force_field) if cause.skill.deforms == "ends"]
-    return [hand for hand in hands if hand.item.region is None and hand.item.active_time is not None]
+def _list_lifts(wish: Wish) -> list[Cause]:
+    """The constraints that raise all of the object."""
+    moves = [each for each in list_causes(wish.force_field) if each.carries and each.skill.deforms]
+    return [each for each in moves if cosine(each.item.vector, wish.brief.directions.up) > _VERTICAL]
 
 
-def _is_lift(hand: Cause, wish: Wish) -> bool:
-    return cosine(hand.item.vector, wish.brief.directions.up) > _VERTICAL
-
-
-def _hold_until(hand: Cause, frame: float) -> VelocityConstraint | Action:
-    """The constraint held where it is until a frame, if that is after its own time."""
-    later = frame > (hand.item.active_time or (0.0, 0.0))[1]
-    return hand.item.model_copy(update={"held_until": frame if later else None})
-
-
-def _get_end(hand: Cause) -> float:
-    """Frame at which a constraint lets go."""
-    return getattr(hand.item, "held_until", None) or (hand.item.active_time or (0.0, 0.0))[1]
+def _hold_until(wish: Wish, hands: list[Cause], frame: float) -> Wish:
+    """The wish with hands that keep what they carry until a frame, if that is after their own time."""
+    held = [
+        hand.item.model_copy(update={"held_until": frame if frame > wish.get_span([hand])[1] else None})
+        for hand in hands
+    ]
+    return replace(wish, force_field=replace_items(wish.force_field, hands, held))
 
 
 def _set_down(wish: Wish) -> _Replaced:
@@ -387,29 +369,26 @@ def _set_down(wish: Wish) -> _Replaced:
         return None
     if expectation.sudden or expectation.partial or expectation.amount is not None:
         return None
-    hands = _list_hands(wish)
-    lifts = [hand for hand in hands if _is_lift(hand, wish)]
+    lifts = _list_lifts(wish)
     causes = _find_forces(wish, lambda c: c.pushes)
     if not lifts or not causes:
         return None
     (first, end), (begun, stopped) = wish.get_span(causes[:1]), wish.get_span(lifts[-1:])
-    carried = hands[-1] is not lifts[-1] and abs(_get_end(hands[-1]) - first) < 1.5
-    moves = [] if carried else wish.list_other_begins()
+    hands = _find_hand(wish, first) or lifts[-1:]
+    moves = wish.list_other_begins() if hands[0].name == lifts[-1].name else []
     if stopped > first + 0.5 or any(stopped - 0.5 < begin < first + 0.5 for begin in moves):
         return None  # what moves it meanwhile needs it free
     magnitude, until = _spread_effort(lifts[-1].item.magnitude * (stopped - begun), first, end)
-    held = _hold_until(hands[-1], first)
-    lifted = replace(wish, force_field=replace_items(wish.force_field, hands[-1:], [held]))
     lowering = _prescribe(causes[0], down, magnitude, (first, until), None)
-    return _put(lifted, causes, lowering), "it is carried down again"
+    return _put(_hold_until(wish, hands, first), causes, lowering), "it is carried down again"
 
 
 def _lead(wish: Wish) -> _Replaced:
-    """Lead what moves at one speed, or so far that no force in range starts and stops it in its time."""
+    """Lead what was raised, is turned over, goes at one speed, or farther than forces start and stop it."""
     expectation, brief, way = wish.expectation, wish.brief, wish.expectation.direction
     turns = expectation.kind is MotionKind.ROTATE
     told = find_told(expectation, brief, "degrees" if turns else "body lengths")
-    if not (turns or expectation.kind is MotionKind.MOVE) or not (told or expectation.even):
+    if not (turns or expectation.kind is MotionKind.MOVE):
         return None
     if brief.anchored is not None or expectation.sudden or expectation.partial or expectation.repeats > 1:
         return None
@@ -418,23 +397,23 @@ def _lead(wish: Wish) -> _Replaced:
     if way is None or not causes or any(share_time(e, expectation) for e in others):
         return None  # what is led does nothing else
     first, end = wish.get_span(causes)[0], min(expectation.window[1], wish.brief.last)
-    seconds = (end - first) * brief.frame_dt
+    seconds, hands = (end - first) * brief.frame_dt, _find_hand(wish, first)
     if turns:
         effort = math.radians((told or expect_rotation(expectation, False, seconds=seconds)).target) / TURN
     else:
         effort = _find_way(wish, seconds) / TRAVEL
-    if (
-        not expectation.even
-        and find_magnitude(effort, max(seconds, brief.frame_dt), brief.seconds, braked=True) <= MAGNITUDE_MAX
-    ):
+    over = turns and told and told.target > _OVER and abs(cosine(way, brief.directions.up)) < _VERTICAL
+    needed = find_magnitude(effort, max(seconds, brief.frame_dt), brief.seconds, braked=True)
+    if not (hands or expectation.even or over) and (not told or needed <= MAGNITUDE_MAX):
         return None
     effort *= wish.reference * (1.0 if turns else TRAVEL / PRESCRIBED_TRAVEL)  # magnitude times frames
     size, until = _spread_effort(effort, first, end, share=1.0)
     hand = _prescribe(causes[0], way, size, (first, until), _find_next(wish, end))
     reason = "at one speed" if expectation.even else "no force in range starts and stops it in that time"
+    reason = "a torque would let it tumble" if over else "it is kept up" if hands else reason
     far = effort <= 1.01 * MAGNITUDE_MAX * (until - first)
     short = "" if far else ", as far as the fastest goes in that time"
-    return _put(wish, causes, hand), f"{reason}, so it is led there{short}"
+    return _put(_hold_until(wish, hands, first), causes, hand), f"{reason}, so it is led there{short}"
 
 
-_RULES = (_deform, _press_part, _turn_ends, _strike, _carry, _carry_on, _set_down, _lead)
+_RULES = (_deform, _press_part, _turn_ends, _strike, _carry, _set_down, _lead)
