@@ -31,6 +31,7 @@ PLATE_FRICTION = (
 AFTER = (
     1e-3  # [frames] by which a `particle_impulse` comes after what ends then, whatever the clock's round-off
 )
+_UPRIGHT = 0.7  # cosine to the vertical
 _TINY = float(np.finfo(np.float32).tiny)
 
 
@@ -238,6 +239,11 @@ class Binding:
         """Share of the entry's acceleration that the whole object gains."""
         return 1.0 if self.scaling.share is None else self.scaling.share
 
+    @property
+    def _stands(self) -> bool:
+        """Return whether the object is on the ground."""
+        return self.scaling.opposition is not None and self.scaling.opposition.friction > 0
+
     def _split(self) -> tuple[Array, Array]:
         """abs(M), and the vector with its sign."""
         xp = jnp if _is_traced(self.values.magnitude) else np
@@ -339,7 +345,7 @@ class Binding:
         """The object gets longer or shorter evenly along the vector, as its two ends say, and then stays if held.
 
         Args:
-            other: The other end; None = it rests on the ground or is held.
+            other: The other end; None = it rests on the ground or is held. What stands gets longer upwards.
             k: Speed of both ends [m/s].
             sign: 1 if the vector points out of the object at this end, -1 if into it.
         """
@@ -352,6 +358,8 @@ class Binding:
         if other is None:  # the far end, towards which the plate moves
             middle = self.leaf(self._rest.mean(0))
             point = middle + (along.max() - middle @ axis) * axis
+        elif self._stands and abs(self.upwards) > _UPRIGHT:  # the ground bears the lower end, which stays
+            point = self.leaf(self._rest[self._rest[:, 2].argmin()])
         start, end = self.window
         motions = [
             GradedTranslation(axis=axis, speed=speed, length=length, point=point, start=start, end=end)

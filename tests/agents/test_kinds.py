@@ -188,7 +188,7 @@ def test_a_part_of_what_stands_is_pressed_from_above(region, long_axis, low, hig
         ({"action_type": "translation", "vector": LEFT}, {"kind": "move", "direction": LEFT}, {}),
         ({"action_type": "torque", "vector": UP}, {"kind": "rotate", "direction": UP}, {}),
         ({"action_type": "impulse", "vector": LEFT}, {"kind": "move", "direction": LEFT, "sudden": True}, {}),
-        (scaled(UP, 1.0), {"kind": "stretch", "direction": UP}, {"world": "ground"}),  # its foot cannot be moved
+        (scaled(UP, 1.0), {"kind": "stretch", "direction": UP}, {"anchored": "its base"}),  # its foot cannot be moved
         (scaled(UP, 1.0), {"kind": "stretch"}, {}),  # in all directions
         (scaled(UP, 1.0, region=TOP), {"kind": "stretch", "direction": UP, "partial": True}, {}),
         (scaled(UP, -1.0), {"kind": "stretch", "direction": UP}, {}),  # misread: not this rule's affair
@@ -255,7 +255,9 @@ def test_the_semantic_agent_chooses_and_says_so():
     said = {item.field: item.value for item in turned.evidence if item.field.endswith("vector")}
     assert said == {"constraints[0].vector": "[0, 0, 1]", "constraints[1].vector": "[0, 0, -1]"}
     standing = brief(world="ground")
-    assert compiled("stretch it vertically", standing).force_field.constraints == ()
+    held = brief(world="ground", anchored="its base")
+    assert compiled("stretch it vertically", held).force_field.constraints == ()
+    assert len(compiled("stretch it vertically", standing).force_field.constraints) == 2
     assert len(compiled("stretch it vertically in zero gravity", standing).force_field.constraints) == 2
     assert compiled("push it left") == read("push it left")
 

@@ -7,9 +7,10 @@ import pytest
 from pydantic import ValidationError
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL
 from physagent_jax.forces.compilation import compile_force_field
 from physagent_jax.forces.scaling import make_closed_form_scaling
-from physagent_jax.forces.schema import ForceField
+from physagent_jax.forces.schema import ForceField, Opposition
 from physagent_jax.mpm import step
 from physagent_jax.mpm.energy import angular_momentum, momentum
 from tests.mpm.blocks import block
@@ -25,7 +26,15 @@ def field(**action):
 
 
 def moved(
-    force_field, *, cells=(4, 4, 4), E=1e6, density=1000.0, per_frame=20, extent=LENGTH, seconds=DURATION
+    force_field,
+    *,
+    cells=(4, 4, 4),
+    E=1e6,
+    density=1000.0,
+    per_frame=20,
+    extent=LENGTH,
+    seconds=DURATION,
+    opposition=None,
 ):
     """Simulate a block of longest side 0.2 m under ``force_field``; return (model, start, end)."""
     model, state = block(
@@ -38,7 +47,9 @@ def moved(
         dt=FRAME_DT / per_frame,
         dtype=np.float64,
     )
-    scaling = make_closed_form_scaling(extent=extent, youngs_modulus=E, density=density, duration=DURATION)
+    scaling = make_closed_form_scaling(
+        extent=extent, youngs_modulus=E, density=density, duration=DURATION, opposition=opposition
+    )
     forces, constraints = compile_force_field(
         force_field,
         scaling,
@@ -55,6 +66,27 @@ def moved(
 def test_translation_moves_one_body_length_over_the_clip(x64):
     _, start, end = moved(field(action_type="translation"))
     np.testing.assert_allclose((end.x - start.x).mean(0), [LENGTH, 0, 0], rtol=0.01, atol=1e-9)
+
+
+@pytest.mark.parametrize("friction", [0.0, 4.0])
+def test_what_stands_gets_longer_upwards(x64, friction):
+    """Two ends that part by the same way make it as long; on the ground the lower one stays, else the middle does."""
+    ends = [
+        {
+            "constraint_type": "enforce_particle_translation",
+            "vector": [0, 0, sign],
+            "magnitude": 0.5,
+            "region": {"kind": "half_space", "point": [0.5, 0.5, 0.5 + 0.25 * sign], "normal": [0, 0, sign]},
+        }
+        for sign in (1.0, -1.0)
+    ]
+    stands = Opposition(friction=friction, travel=LENGTH, time=1.0)
+    _, start, end = moved(ForceField.model_validate({"constraints": ends}), opposition=stands)
+    height = np.asarray(start.x[:, 2])
+    strain, shift = np.polyfit(height, np.asarray(end.x[:, 2]) - height, 1)
+    # The outermost of so few particles lie well inside.
+    assert strain == pytest.approx(2 * 0.5 * PRESCRIBED_TRAVEL, rel=0.15)
+    assert -shift / strain == pytest.approx(height.min() if friction else height.mean(), abs=0.02 * LENGTH)
 
 
 def test_motion_does_not_depend_on_density_or_stiffness(x64):

@@ -26,7 +26,7 @@ _RAISING = (Effect.STRIKE, Effect.JUMP)
 _UPRIGHT = 0.7  # cosine
 _LEVEL = 0.5  # cosine to the vertical below which a way is level
 _THROWN = (
-    0.6  # of a blow, with which what flies an arc comes down about as far aside as one along the ground goes
+    0.45  # of a blow, with which what flies an arc comes down about as far aside as one along the ground goes
 )
 _TIPPING = 1.0  # [s] in which what stands is tipped past its balance
 

@@ -245,8 +245,8 @@ def _deform(wish: Wish) -> _Replaced:
     else:
         where = "as they are moved apart in turn" if pulled else "wherever it is by then"
         why = f"the two ends are moved together, {where}"
-    # of what stands, a force stretches what rises above the lower end
-    return None if upright else (move_ends(wish, causes), why)
+    held = wish.brief.anchored is not None or wish.force_field.default_drop
+    return None if upright and held else (move_ends(wish, causes), why)
 
 
 def _press_part(wish: Wish) -> _Replaced:
@@ -407,7 +407,8 @@ def _lead(wish: Wish) -> _Replaced:
     if not (hands or expectation.even or over) and (not told or needed <= MAGNITUDE_MAX):
         return None
     effort *= wish.reference * (1.0 if turns else TRAVEL / PRESCRIBED_TRAVEL)  # magnitude times frames
-    size, until = _spread_effort(effort, first, end, share=1.0)
+    later = min(_find_next(wish, end), first + effort / MAGNITUDE_MAX)  # a fast one needs more than its time
+    size, until = _spread_effort(effort, first, max(end, later), share=1.0)
     hand = _prescribe(causes[0], way, size, (first, until), _find_next(wish, end))
     reason = "at one speed" if expectation.even else "no force in range starts and stops it in that time"
     reason = "a torque would let it tumble" if over else "it is kept up" if hands else reason
