@@ -75,6 +75,15 @@ def test_rolling_over_is_about_the_object_s_own_line():
     assert motion.direction == TOWARD
 
 
+def test_its_side_is_across_its_own_line():
+    """What is long from left to right falls towards or away from the viewer; what stands, to the left."""
+    for line, axis in ((RIGHT, RIGHT), (UP, TOWARD), (None, TOWARD)):
+        for prompt in ("knock it onto its side", "lay it on its side", "it tips over so that it lies on its side"):
+            turn, fall = read(prompt, ground(long_axis=line)).expectations
+            assert fall.kind.value == "fall"
+            assert [abs(c) for c in turn.direction] == [abs(c) for c in axis]
+
+
 def test_what_turns_over_is_led():
     """A torque about a level line makes it tumble about others; what spins upright is turned by one."""
     over, spin = (

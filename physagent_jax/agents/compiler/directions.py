@@ -39,7 +39,9 @@ def sum_directions(names: Names, brief: SceneBrief) -> Vector:
     """Sum of named directions (not normalised)."""
     table = brief.directions
     long = brief.long_axis
-    lines = {"long": long or table.up, "lengthwise": long or table.right, "own": find_level_line(brief)}
+    own = find_level_line(brief)  # "own" is along it, "beside" across
+    lines = {"long": long or table.up, "lengthwise": long or table.right, "own": own}
+    lines["beside"] = normalise(cross(own, table.up)) or table.left
     known = _WORLD_AXES | lines
     return add(known.get(name) or getattr(table, name) for name in names)
 

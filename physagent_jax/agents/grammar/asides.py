@@ -293,7 +293,7 @@ def read_landings(mentions: list[Mention], _names: frozenset[str]) -> list[Menti
             result[acts] = replace(verb, value=LEXICON.motions["topple"], phrase="topple")
             # "over to the right, so that it lies on its side"
             known = side.phrase == "side" and bool(ways)
-            lying = replace(side, kind=MentionKind.DIRECTION, value=(way,), phrase="lying")
+            lying = replace(side, kind=MentionKind.DIRECTION, value=(way,), phrase="to lie on a side")
             result[at] = empty(side) if known else lying
         elif on.form == "on" and motion is not None and motion.generic and way in ("away", "toward"):
             result[at] = empty(side)
