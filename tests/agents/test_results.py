@@ -78,7 +78,11 @@ def test_rolling_over_is_about_the_object_s_own_line():
 def test_its_side_is_across_its_own_line():
     """A thing that is long from left to right falls to or from the viewer, one that stands to the left."""
     for line, axis in ((RIGHT, RIGHT), (UP, TOWARD), (None, TOWARD)):
-        for prompt in ("knock it onto its side", "lay it on its side", "it tips over so that it lies on its side"):
+        for prompt in (
+            "knock it onto its side",
+            "lay it on its side",
+            "it tips over so that it lies on its side",
+        ):
             turn, fall = read(prompt, ground(long_axis=line)).expectations
             assert fall.kind.value == "fall"
             assert [abs(c) for c in turn.direction] == [abs(c) for c in axis]
