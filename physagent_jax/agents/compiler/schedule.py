@@ -22,6 +22,7 @@ _MOTIONS = (Effect.PUSH, Effect.STRIKE, Effect.JUMP, Effect.ROLL)
 _STILL_SHARE = 0.5  # stillness at the end needs less of the clip than what comes before it
 _SMALLEST_SHARE = 0.1  # of a run of events, kept for those without a told length
 STEP = 1.5  # [s] that a step of a sequence takes, and settling
+_LEVEL = 0.7  # cosine to the vertical below which an axis is level
 _STROKE = 0.75  # [s] that each of several strokes or swings takes at least
 _SWING = 4.0  # [s] in which what is held swings until it is still: 1 Hz with a damping ratio of 0.2
 _REST = 0.5  # [s] after a motion by a quantity, in which it is seen to be reached
@@ -103,11 +104,15 @@ def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, la
             stops = has_to_stop(event, after, brief.directions.up, grounded)
             if event.amount is None and stops and not event.motion.brief:
                 effort = find_word_effort(event.strength, event.effect)
+            line = event.direction if event.effect is Effect.TURN else None
+            led = (
+                line is not None and abs(dot(line, brief.directions.up)) < _LEVEL
+            )  # `rules.kinds` leads it over
             if effort is not None and not anchored:
                 pace = (
                     event.strength if event.amount and event.strengths else 1.0
                 )  # "slowly, by a quarter turn"
-                seconds = max(find_span(effort, STEP / pace, brief), STEP if len(slots) > 1 else 0.0)
+                seconds = max(find_span(effort, STEP / pace, brief, led), STEP if len(slots) > 1 else 0.0)
         slot.need = slot.length if slot.length is not None else seconds / brief.frame_dt
     return slots
 

@@ -407,8 +407,9 @@ def _lead(wish: Wish) -> _Replaced:
     if not (hands or expectation.even or over) and (not told or needed <= MAGNITUDE_MAX):
         return None
     effort *= wish.reference * (1.0 if turns else TRAVEL / PRESCRIBED_TRAVEL)  # magnitude times frames
-    later = min(_find_next(wish, end), first + effort / MAGNITUDE_MAX)  # a fast one needs more than its time
-    stop = max(min(max(end, later), brief.last - 1.0), first + 1.0)  # what is let go at the end would be seen to fall
+    kept_up = hands or not turns and cosine(way, brief.directions.up) > _VERTICAL
+    # What is let go at the end would be seen to fall.
+    stop = max(min(end, brief.last - 1.0), first + 1.0) if kept_up else end
     size, until = _spread_effort(effort, first, stop, share=1.0)
     hand = _prescribe(causes[0], way, size, (first, until), _find_next(wish, end))
     reason = "at one speed" if expectation.even else "no force in range starts and stops it in that time"
