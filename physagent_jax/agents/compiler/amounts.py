@@ -104,7 +104,7 @@ def find_word_effort(strength: float, effect: Effect) -> float | None:
 def find_span(effort: float, usual: float, brief: SceneBrief, led: bool = False) -> float:
     """The time for which an object is pushed and then braked, so that a magnitude in range brings it there [s].
 
-    Half of the time it is pushed, half braked: it gets M (t / T)^2 / 2 of what M = 1 does in T. If it is ``led`` instead,
+    Half of the time it is pushed, half braked: it gets M (t / T)^2 / 2 of what M = 1 does in T. If it is led instead,
     it gets M t / T.
     """
     reference = calibration.REFERENCE_TIME
