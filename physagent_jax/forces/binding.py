@@ -16,7 +16,7 @@ from jax.core import Tracer
 
 from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
-from physagent_jax.forces.opposition import find_friction, find_rubbing
+from physagent_jax.forces.opposition import find_friction, find_righting
 from physagent_jax.forces.parameters import ActionParameters, Array
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.forces.schema import Action, CellsRegion, Opposition, SkillScaling, VelocityConstraint
@@ -222,13 +222,13 @@ class Binding:
             PushCompensation(self.leaf(way), friction, push, start, lever, drag, *self.window, pulse=pulse)
         ]
 
-    def overcome_rubbing(self, k: float | Array) -> list:
-        """The force that overcomes the friction of a turn of the whole object with k."""
+    def overcome_righting(self, k: float | Array) -> list:
+        """The force that overcomes what opposes a turn of the whole object with k."""
         opposition = self.opposition
-        if opposition is None or not opposition.turning:
+        if opposition is None or not (opposition.turning or opposition.tipping):
             return []
         size, way = self._split()
-        friction, turn = self.leaf(find_rubbing(opposition, way)), self.leaf(k * self.share * size)
+        friction, turn = self.leaf(find_righting(opposition, way)), self.leaf(k * self.share * size)
         return [
             TurnCompensation(self.leaf(way), friction, turn, self.leaf(opposition.damping_rate), *self.window)
         ]

@@ -1,8 +1,9 @@
 """Compensation for pushes, blows and turns against which friction and weight work.
 
 The way s that M asks for is what counts: M = 1 means the same visible motion on the ground as in empty space. A push
-overcomes what opposes it and moves the object by what is left; when it ends, friction stops it. Weight is made up for
-here, friction while it acts (`forces.terms.friction`), because what it takes is seen only then. A blow gives the speed
+overcomes what opposes it and moves the object by what is left; when it ends, friction stops it. Weight that is lifted
+is made up for here. Friction, and the weight that holds the object upright, are made up for while they act
+(`forces.terms.friction`), because what it takes is seen only then. A blow gives the speed
 whose way is M s: with a deceleration c, v = sqrt(2 c M s), or v = M s / T + c T / 2 if it is still moving after T. So a
 throw rises by M s and comes down. Closed forms; what a part alone is given is not changed, since it moves against the
 rest of the object rather than over the ground.
@@ -64,17 +65,9 @@ def oppose_blow(opposition: Opposition | None, k, magnitude, direction):
     return sign * xp.where(way < 0.5 * c * time**2, stopped, passing)
 
 
-def oppose_turn(opposition: Opposition | None, k, magnitude, axis):
-    """Angular acceleration about ``axis`` of a turn of ``magnitude`` but for friction [rad/s^2]."""
-    if opposition is None:
-        return k * magnitude
-    xp = _to_numpy(magnitude)
-    return k * magnitude + xp.sign(magnitude) * opposition.tipping * (1 - axis[2] ** 2)
-
-
-def find_rubbing(opposition: Opposition, axis):
-    """Angular deceleration by friction of what spins about ``axis``, unit vector, shape (3,) [rad/s^2]."""
-    return opposition.turning * axis[2] ** 2
+def find_righting(opposition: Opposition, axis):
+    """Angular deceleration of what turns about ``axis``, unit vector, shape (3,): by friction, by weight [rad/s^2]."""
+    return opposition.turning * axis[2] ** 2 + opposition.tipping * (1 - axis[2] ** 2)
 
 
 def describe_opposition(opposition: Opposition) -> str:

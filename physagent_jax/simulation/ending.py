@@ -6,11 +6,15 @@ simulation goes on a little. Actions end with the planned frames, and what moves
 
 from __future__ import annotations
 
+import math
 import warnings
 
 import numpy as np
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.forces.opposition import RISES
+from physagent_jax.forces.schema import Action, VelocityConstraint
+from physagent_jax.forces.skills import get_skill
 from physagent_jax.mpm import Frame, simulate
 from physagent_jax.scene.compile import CompiledScene
 from physagent_jax.scene.config import DomainBox
@@ -26,8 +30,9 @@ RESTING = 0.2  # [s] for which it must look still: at the turning point of a swi
 def simulate_ending(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     """Positions [m], shape (T, n, 3), and deformation gradients of a clip's particles, its ending included.
 
-    The particles are the body's. What is held up to the last planned frame stays so: letting it go would undo what was
-    asked. An ending that cannot be simulated is cut short, with a warning: the planned frames are what counts.
+    The particles are the body's. What is held or carried up to the last planned frame is seen so at the end: letting it
+    go would undo what was asked. An ending that cannot be simulated is cut short, with a warning: the planned frames
+    are what counts.
     """
     scene, dt = recording.scene, recording.scene.config.timing.frame_dt
     x, F = recording.x[:, scene.back], recording.F[:, scene.back]
@@ -35,7 +40,7 @@ def simulate_ending(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     wanted = max(int(np.ceil(RESTING / dt)), 1)
     still = wanted if _is_still(speeds[0], scene) else 0  # planned frames are there for long enough
     more: list[Frame] = []
-    if not still and not _is_held(scene):
+    if not still and not _is_kept(scene):
         for frame in _simulate_on(scene, recording.last, int(np.ceil(LONGEST / dt))):
             more.append(frame)
             still = still + 1 if _is_still(np.linalg.norm(np.asarray(frame.state.v), axis=1), scene) else 0
@@ -83,10 +88,18 @@ def _measure_clearance(scene: CompiledScene, frame: Frame) -> np.ndarray:
     return np.concatenate([x.min(axis=0), size - x.max(axis=0)]) - inside * dx
 
 
-def _is_held(scene: CompiledScene) -> bool:
-    """Return whether a skill holds something where it was brought until the planned frames end."""
-    last = scene.config.timing.frame_count - 1
-    return any((each.held_until or 0) >= last for each in scene.config.force_field.constraints)
+def _is_kept(scene: CompiledScene) -> bool:
+    """Return whether a skill holds something where it was brought, or carries the object, until the planned frames end."""
+    last, field = scene.config.timing.frame_count - 1, scene.config.force_field
+    held = any((each.held_until or 0) >= last for each in field.constraints)
+    carrying = [each for each in (*field.actions, *field.constraints) if _carries(each)]
+    return held or any(each.active_time is None or each.active_time[1] >= last for each in carrying)
+
+
+def _carries(entry: Action | VelocityConstraint) -> bool:
+    """Return whether a skill lifts all of the object for as long as it acts."""
+    skill, lift = get_skill(entry), entry.vector[2] * math.copysign(1.0, entry.magnitude)
+    return entry.region is None and "move" in skill.causes and not skill.is_sudden and lift > RISES
 
 
 def _is_still(speeds: np.ndarray, scene: CompiledScene) -> bool:

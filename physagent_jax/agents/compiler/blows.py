@@ -17,14 +17,19 @@ from physagent_jax.agents.compiler.steady import (
 )
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.windows import divide
-from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY, MAGNITUDE_MAX, find_reference_time
+from physagent_jax.forces.calibration import (
+    DROP_HEIGHT,
+    GRAVITY,
+    MAGNITUDE_MAX,
+    find_reference_time,
+    find_tipping,
+)
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import add, dot, normalise, scale
 
 _RAISING = (Effect.STRIKE, Effect.JUMP)
 _UPRIGHT = 0.7  # cosine
-_TIPPING = 1.0  # [s] in which what stands is tipped past its balance
 
 
 def compile_strike(task: Task) -> None:
@@ -124,13 +129,12 @@ def _let_fall(task: Task) -> None:
 
 
 def compile_topple(task: Task) -> None:
-    """Gravity and a turn of the top towards the direction, until gravity goes on with it: what rounds off rolls on."""
+    """Gravity and a turn of the top towards the direction, past the balance: gravity goes on with it."""
     if not task.builder.grounded:
         task.builder.enable_gravity(task.event.words, "a toppling object needs gravity")
-    axis = find_lean_axis(task.direction, task.brief)
-    first, last = task.window
-    until = min(last, first + _TIPPING / task.brief.frame_dt)
-    task.act(ActionType.TORQUE, axis, task.event.strength, (first, until))
+    axis, (first, last), dt = find_lean_axis(task.direction, task.brief), task.window, task.brief.frame_dt
+    magnitude, seconds = find_tipping(task.event.strength, (last - first) * dt, task.brief.seconds)
+    task.act(ActionType.TORQUE, axis, magnitude, (first, first + seconds / dt))
     told = BY_DEFAULT not in task.event.sources["vector"].why
     task.expect(MotionKind.ROTATE, axis if told else None, task.window)
     task.expect(MotionKind.FALL, None, task.window)

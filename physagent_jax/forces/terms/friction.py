@@ -15,6 +15,9 @@ the feedback damps and cannot excite the object's own modes.
 Friction acts at the feet: overcome at the mass centre alone, it would trip the object up. A push over the ground
 therefore gives back its moment too, and holds the object upright by feedback of its spin, as a hand would, with at most
 twice that moment: again a field of a rigid body, which strains nothing. Not what rolls or is to turn meanwhile.
+
+A turn about a level axis has its weight to overcome where it stands, in the same way: until the mass centre is over the
+edge of its foot. Then weight turns it faster than was asked, and the feedback gives nothing more.
 """
 
 from __future__ import annotations
@@ -103,11 +106,11 @@ class PushCompensation:
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
 class TurnCompensation:
-    """Overcomes the friction of a spin about an axis through the mass centre.
+    """Overcomes what opposes a turn about an axis through the mass centre: friction, or the weight of what stands.
 
     Attributes:
         axis: Unit vector (right-hand rule), shape (3,).
-        friction: Angular deceleration to be expected [rad/s^2], scalar.
+        friction: Angular deceleration to be expected of either [rad/s^2], scalar.
         turn: Angular acceleration that is to be left [rad/s^2], scalar.
         damping_rate: Damping rate of velocities [1/s], scalar.
         start, end: Window [s], scalars.
