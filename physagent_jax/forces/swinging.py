@@ -41,11 +41,11 @@ def find_strokes(
         frame_dt: Seconds per frame [s].
     """
     strokes: dict[int, Stroke] = {}
-    for run in [] if scaling.holding is not None else _find_runs(field):
+    for run in [] if scaling.holding is not None else find_runs(field):
         actions, numbers = [field.actions[i] for i in run], [values[i] for i in run]
         spans = [(each.window[1] - each.window[0]) * frame_dt for each in numbers]
         xp = jnp if any(isinstance(span, Tracer) for span in spans) else np
-        k, swings = scaling.translation, _swings(actions)
+        k, swings = scaling.translation, is_swing(actions)
         if swings and scaling.swing is not None:
             half_period = xp.max(xp.stack([xp.asarray(span) for span in spans]))
             k = _find_scale(scaling.swing, scaling.damping_rate, half_period, xp)
@@ -57,7 +57,7 @@ def find_strokes(
     return strokes
 
 
-def _find_runs(field: ForceField) -> list[list[int]]:
+def find_runs(field: ForceField) -> list[list[int]]:
     """Places of pushes of the same particles along one line that follow each other, two at least."""
     pushes = [
         index
@@ -87,8 +87,8 @@ def _follows(before: Action, action: Action) -> bool:
     return same and abs(late) <= _GAP and abs(alike) > _PARALLEL
 
 
-def _swings(actions: Sequence[Action]) -> bool:
-    """Return whether each goes against the one before, and they give back what they took."""
+def is_swing(actions: Sequence[Action]) -> bool:
+    """Return whether each of successive pushes goes against the one before, and they give back what they took."""
     ways = [_find_way(action) for action in actions]
     if len(actions) < LEAST_PUSHES or any(a @ b > 0 for a, b in zip(ways, ways[1:])):
         return False

@@ -261,7 +261,12 @@ def test_a_vortex_turns_a_rigid_body_as_a_torque_does(x64):
         scaling = SCALING.model_copy(update={"opposition": opposed})
         forces, _ = compile_field(make_field(find_skill("vortex"), vector=RIGHT, magnitude=0.9), scaling)
         a = accelerate(
-            forces, jnp.asarray(rest), jnp.asarray(v), jnp.asarray(volume), jnp.asarray(0.2), jnp.asarray(0.01)
+            forces,
+            jnp.asarray(rest),
+            jnp.asarray(v),
+            jnp.asarray(volume),
+            jnp.asarray(0.2),
+            jnp.asarray(0.01),
         )
         turned = (volume * np.cross(arm, a)[:, 0]).sum() / (volume * (arm[:, 1:] ** 2).sum(1)).sum()
         np.testing.assert_allclose(turned, rate + more, rtol=1e-6)

@@ -116,7 +116,12 @@ def test_a_camera_that_must_not_follow_does_not():
     assert all(camera is cameras[0] for camera in cameras) and inside(BOX, cameras[0])
 
 
-SHAPES = {"flat": [1.0, 0.8, 0.15], "long": [1.0, 0.1, 0.1], "tall": [0.15, 0.15, 1.0], "cube": [1.0, 1.0, 1.0]}
+SHAPES = {
+    "flat": [1.0, 0.8, 0.15],
+    "long": [1.0, 0.1, 0.1],
+    "tall": [0.15, 0.15, 1.0],
+    "cube": [1.0, 1.0, 1.0],
+}
 RISE = np.linspace(0, 1, 40)[:, None] ** 2 * [0, 0, 1.0]
 SIDE, ARC = RISE[:, [2, 0, 1]], RISE + np.linspace(0, 1, 40)[:, None] * [1.0, 0, 0] - RISE**0.5 * 0.5
 
