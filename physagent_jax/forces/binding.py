@@ -7,6 +7,7 @@ differentiates. What is known is computed on the host in double precision, trace
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable
 
 import jax
@@ -16,7 +17,7 @@ from jax.core import Tracer
 
 from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
-from physagent_jax.forces.opposition import find_friction, find_righting
+from physagent_jax.forces.opposition import find_balance, find_friction, find_righting
 from physagent_jax.forces.parameters import ActionParameters, Array
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.forces.schema import Action, CellsRegion, Opposition, SkillScaling, VelocityConstraint
@@ -31,6 +32,8 @@ PLATE_FRICTION = (
 AFTER = (
     1e-3  # [frames] by which a `particle_impulse` comes after what ends then, whatever the clock's round-off
 )
+PAST = math.radians(5)  # beyond the balance up to which what tips over is driven
+_LEVEL = 0.7  # vertical component of an axis below which a turn tips
 _TINY = float(np.finfo(np.float32).tiny)
 
 
@@ -162,7 +165,8 @@ class Binding:
         self._held_until = None if hold_end is None else self.leaf(hold_end * frame_dt)
         self._rigid = isinstance(timed.region, CellsRegion) and timed.region.rigid
         self.whole = timed.region is None
-        self.upwards = float(np.copysign(timed.vector[2], timed.vector[2] * timed.magnitude))
+        self._way = np.copysign(1.0, timed.magnitude) * np.asarray(timed.vector)
+        self.upwards = float(self._way[2])
         self.weight = None if self.whole else self.leaf(self._mask)
 
     def leaf(self, value) -> jax.Array:
@@ -229,9 +233,11 @@ class Binding:
             return []
         size, way = self._split()
         friction, turn = self.leaf(find_righting(opposition, way)), self.leaf(k * self.share * size)
-        return [
-            TurnCompensation(self.leaf(way), friction, turn, self.leaf(opposition.damping_rate), *self.window)
-        ]
+        drag, limits = self.leaf(opposition.damping_rate), {}
+        if opposition.tipping and abs(self._way[2]) < _LEVEL:
+            balance = find_balance(self._rest.astype(float), self._volume.astype(float), self._way)
+            limits = dict(balance=self.leaf(balance + PAST), rest=self.leaf(self._rest))
+        return [TurnCompensation(self.leaf(way), friction, turn, drag, *self.window, **limits)]
 
     @property
     def share(self) -> float:

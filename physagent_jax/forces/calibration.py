@@ -34,9 +34,9 @@ opposed ends then part by one such extent in T."""
 TURN = math.pi / 2
 """[rad] that a ``torque`` turns the object in a clip: a quarter turn, the most that leaves no doubt about its sense."""
 
-TIPPED, TIPPING_TIME = math.radians(60), 1.4
-"""[rad], [s] that what stands is turned to tip over with a strength of 1: most things are past their balance by then,
-and their weight turns them faster than that."""
+TIPPED, TIPPING_TIME = math.radians(90), 1.7
+"""[rad], [s] that what stands is turned to tip over with a strength of 1, at most: past its balance nothing more is
+made up for, and its weight turns it faster than that."""
 
 SWING = 0.16
 """[L] to either side that a free object goes with M = 1 where pushes to and fro follow each other (`forces.swinging`):

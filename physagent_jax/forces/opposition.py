@@ -18,6 +18,10 @@ from jax.core import Tracer
 from physagent_jax.forces.schema import Opposition
 
 RISES = 0.3  # vertical share of a direction from which on the object leaves the ground: nothing rubs then
+_FARTHEST, _FALLEN = (
+    np.radians(120),
+    0.01,
+)  # turn that is looked at; [L] by which the mass centre has sunk again
 _TINY = 1e-12
 
 
@@ -68,6 +72,24 @@ def oppose_blow(opposition: Opposition | None, k, magnitude, direction):
 def find_righting(opposition: Opposition, axis):
     """Angular deceleration of what turns about ``axis``, unit vector, shape (3,): by friction, by weight [rad/s^2]."""
     return opposition.turning * axis[2] ** 2 + opposition.tipping * (1 - axis[2] ** 2)
+
+
+def find_balance(x: np.ndarray, mass: np.ndarray, axis: np.ndarray) -> float:
+    """The turn about ``axis`` at which the mass centre of what stands is highest over what it rests on then [rad].
+
+    Args:
+        x: Its particles [m], shape (n, 3).
+        mass: Their masses, of any scale, shape (n,).
+        axis: Unit vector.
+    """
+    r = x - np.average(x, axis=0, weights=mass)
+    side, along = np.cross(axis, r)[:, 2], axis[2] * (r @ axis)
+    angles = np.linspace(0, _FARTHEST, 61)
+    heights = np.array(
+        [-(c * r[:, 2] + s * side + (1 - c) * along).min() for c, s in zip(np.cos(angles), np.sin(angles))]
+    )
+    falls = heights < np.maximum.accumulate(heights) - _FALLEN * np.ptp(x, axis=0).max()
+    return float(angles[heights[: np.argmax(falls) if falls.any() else None].argmax()])
 
 
 def describe_opposition(opposition: Opposition) -> str:

@@ -120,7 +120,7 @@ def _find_shift(local: np.ndarray, distance: float, half: np.ndarray) -> np.ndar
 
 
 def _find_distance_of_share(local: np.ndarray, share: float, half: np.ndarray) -> float:
-    """From how far points (across, ..., forward) span ``share`` of the picture in the direction that they fill most [m].
+    """From how far points (across, ..., forward) span ``share`` of the picture, across or upwards [m].
 
     Args:
         local: The points [m], shape (m, k + 1).

@@ -13,7 +13,13 @@ from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ForceField, Opposition
 
 G, AXIS, FRAME_DT, FRAMES, DT = calibration.GRAVITY, np.array([0.0, 1.0, 0.0]), 0.04, 51, 4e-3
-SHAPES = {"tower": (0.25, 1.0), "block": (0.5, 1.0), "cube": (1.0, 1.0), "low": (1.0, 0.7)}
+SHAPES = {
+    "tower": (0.25, 1.0),
+    "block": (0.5, 1.0),
+    "cube": (1.0, 1.0),
+    "low": (1.0, 0.7),
+    "flat": (1.0, 0.45),
+}
 
 
 def tip(width, height, strength=1.0):
@@ -57,6 +63,11 @@ def tip(width, height, strength=1.0):
         speeds.append(speed)
         if angle >= np.pi / 2:
             break
+    lying = arm @ np.array([[0.0, 0, -1], [0, 1, 0], [1, 0, 0]])
+    for later in (time, 1.6):  # it lies where it has fallen
+        state = (jnp.asarray(each, jnp.float32) for each in (lying, 0 * lying, mass, later, DT))
+        moment = np.cross(lying, np.asarray(push(*state), float))[:, 1].sum()
+        assert moment <= 1.01 * scaling.torque * calibration.MAGNITUDE_MAX * len(rest) * flat
     return np.array(angles), np.array(speeds), time
 
 

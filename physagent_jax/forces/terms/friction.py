@@ -17,7 +17,7 @@ therefore gives back its moment too, and holds the object upright by feedback of
 twice that moment: again a field of a rigid body, which strains nothing. Not what rolls or is to turn meanwhile.
 
 A turn about a level axis has its weight to overcome where it stands, in the same way: until the mass centre is over the
-edge of its foot. Then weight turns it faster than was asked, and the feedback gives nothing more.
+edge of its foot. Then weight turns it faster than was asked, and where it comes to lie nothing is overcome any more.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ import jax.numpy as jnp
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.terms.rigid import mass_centre
 from physagent_jax.mpm.edges import window_fraction
-from physagent_jax.mpm.fields import EDGE, END, START
+from physagent_jax.mpm.fields import EDGE, END, PER_PARTICLE, START
 from physagent_jax.mpm.linalg import cofactor, cross, determinant, matvec
 from physagent_jax.mpm.reductions import sum_particles
 
@@ -115,6 +115,8 @@ class TurnCompensation:
         damping_rate: Damping rate of velocities [1/s], scalar.
         start, end: Window [s], scalars.
         edge: Width of the window's smooth edges [s], scalar; None = hard.
+        balance: Turn from ``rest`` beyond which nothing is overcome [rad], scalar; None = there is none.
+        rest: Positions of what stands [m], shape (n, 3); with ``balance``.
     """
 
     axis: jax.Array
@@ -124,6 +126,8 @@ class TurnCompensation:
     start: jax.Array = dataclasses.field(metadata=START)
     end: jax.Array = dataclasses.field(metadata=END)
     edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
+    balance: jax.Array | None = None
+    rest: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)
 
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
@@ -133,6 +137,10 @@ class TurnCompensation:
         spin = sum_particles((mass * (arm * v).sum(1)).sum()) / jnp.maximum(inertia, jnp.finfo(x.dtype).tiny)
         wanted = _find_velocity(self.turn, self.damping_rate, time - self.start)
         size = _compensate(self.friction, wanted - spin, dt)
+        if self.balance is not None and self.rest is not None:
+            first = cross(jnp.broadcast_to(self.axis, x.shape), self.rest - mass_centre(self.rest, mass))
+            turned = [sum_particles((mass * (first * each).sum(1)).sum()) for each in (x, arm)]
+            size = jnp.where(jnp.arctan2(*turned) < self.balance, size, 0.0)
         return size * window_fraction(time, dt, self.start, self.end, self.edge) * arm
 
     def gradient(self, x, time, dt):
