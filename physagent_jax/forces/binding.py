@@ -235,7 +235,8 @@ class Binding:
         friction, turn = self.leaf(find_righting(opposition, way)), self.leaf(k * self.share * size)
         drag, limits = self.leaf(opposition.damping_rate), {}
         if opposition.tipping and abs(self._way[2]) < _LEVEL:
-            balance = find_balance(self._rest.astype(float), self._volume.astype(float), self._way)
+            balance, arm = find_balance(self._rest.astype(float), self._volume.astype(float), self._way)
+            friction = jnp.maximum(friction, self.leaf(opposition.weight * arm))
             limits = dict(balance=self.leaf(balance + PAST), rest=self.leaf(self._rest))
         return [TurnCompensation(self.leaf(way), friction, turn, drag, *self.window, **limits)]
 

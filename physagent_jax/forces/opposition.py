@@ -22,6 +22,7 @@ _FARTHEST, _FALLEN = (
     np.radians(120),
     0.01,
 )  # turn that is looked at; [L] by which the mass centre has sunk again
+_FIRST = 6  # of the turns that are looked at tell the edge that it is turned over
 _TINY = 1e-12
 
 
@@ -74,22 +75,28 @@ def find_righting(opposition: Opposition, axis):
     return opposition.turning * axis[2] ** 2 + opposition.tipping * (1 - axis[2] ** 2)
 
 
-def find_balance(x: np.ndarray, mass: np.ndarray, axis: np.ndarray) -> float:
-    """The turn about ``axis`` at which the mass centre of what stands is highest over what it rests on then [rad].
+def find_balance(x: np.ndarray, mass: np.ndarray, axis: np.ndarray) -> tuple[float, float]:
+    """The balance of what stands and is turned over an edge of its foot, as weight holds it upright until then.
 
     Args:
         x: Its particles [m], shape (n, 3).
         mass: Their masses, of any scale, shape (n,).
         axis: Unit vector.
+
+    Returns:
+        The turn at which the mass centre is highest over what it rests on [rad], and b / R^2: how far inside its foot
+        the mass centre is, over the squared radius of gyration about the axis [1/m].
     """
     r = x - np.average(x, axis=0, weights=mass)
     side, along = np.cross(axis, r)[:, 2], axis[2] * (r @ axis)
     angles = np.linspace(0, _FARTHEST, 61)
-    heights = np.array(
-        [-(c * r[:, 2] + s * side + (1 - c) * along).min() for c, s in zip(np.cos(angles), np.sin(angles))]
-    )
+    c, s = np.cos(angles), np.sin(angles)
+    heights = np.array([-(u * r[:, 2] + v * side + (1 - u) * along).min() for u, v in zip(c, s)])
     falls = heights < np.maximum.accumulate(heights) - _FALLEN * np.ptp(x, axis=0).max()
-    return float(angles[heights[: np.argmax(falls) if falls.any() else None].argmax()])
+    balance = angles[heights[: np.argmax(falls) if falls.any() else None].argmax()]
+    inside = ((heights - heights[0] * c)[1:_FIRST] / s[1:_FIRST]).max()
+    squared = np.average((r**2).sum(1) - (r @ axis) ** 2, weights=mass)
+    return float(balance), float(inside / max(squared, _TINY))
 
 
 def describe_opposition(opposition: Opposition) -> str:

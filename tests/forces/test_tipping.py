@@ -19,17 +19,19 @@ SHAPES = {
     "cube": (1.0, 1.0),
     "low": (1.0, 0.7),
     "flat": (1.0, 0.45),
+    "long": (0.4, 0.8, 3.0),
 }
 
 
-def tip(width, height, strength=1.0):
+def tip(width, height, depth=0.5, strength=1.0):
     """Angles [rad] and speeds [rad/s] until it lies, and the time [s], of a box that is tipped to the right."""
     grid = [np.linspace(-0.5, 0.5, 7)] * 3
-    rest = np.array(list(itertools.product(*grid))) * [width, 0.5, height]
+    rest = np.array(list(itertools.product(*grid))) * [width, depth, height]
     edge = np.array([width / 2, 0.0, -height / 2])
     arm, mass = rest - edge, np.full(len(rest), 1.0)
     flat = (rest[:, [0, 2]] ** 2).sum(1).mean()
-    opposition = Opposition(weight=G, tipping=G * width / 2 / flat, turning=1.0, travel=1.0, time=2.0)
+    usual = (rest**2).sum(1).mean() - 0.5 * (rest[:, :2] ** 2).sum(1).mean()  # as about any level axis
+    opposition = Opposition(weight=G, tipping=G * width / 2 / usual, turning=1.0, travel=1.0, time=2.0)
     scaling = make_closed_form_scaling(
         extent=1.0, youngs_modulus=1e5, density=1.0, duration=2.0, opposition=opposition
     )
@@ -74,8 +76,8 @@ def tip(width, height, strength=1.0):
 @pytest.mark.parametrize("strength", [0.6, 1.0, 1.6])
 @pytest.mark.parametrize("shape", SHAPES)
 def test_weight_does_the_rest_once_it_is_past_its_balance(shape, strength):
-    width, height = SHAPES[shape]
-    angles, speeds, time = tip(width, height, strength)
+    width, height, *_ = SHAPES[shape]
+    angles, speeds, time = tip(*SHAPES[shape], strength=strength)
     assert angles[-1] >= np.pi / 2 and time < 3.0, "it lies in good time"
     balance, reach = np.arctan2(width, height), 0.5 * np.hypot(width, height)
     inertia = (width**2 + height**2) / 12 + reach**2
