@@ -1,4 +1,4 @@
-"""What stands is tipped past its balance and no further: a rigid box that turns about its edge, step by step."""
+"""Tipping over of a rigid box about its edge, step by step: past its balance, and no further."""
 
 import itertools
 
