@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import functools
 import gc
 import os
 import shutil
@@ -15,6 +17,8 @@ from jax._src import compiler
 from jax._src.lib.mlir import ir
 
 from physagent_jax.kernels import programs
+from physagent_jax.scene import burden
+from physagent_jax.scene.presets import PRESETS, PresetName
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 ROBOT = REPOSITORY / "examples" / "assets" / "robot.ply"
@@ -35,7 +39,7 @@ RARELY = (100_000, 20, 50)
 def compile_quickly() -> None:
     """Has LLVM spend less on optimising, and not in parts, and XLA make its loops in the older of its two ways.
 
-    For this process only: what tests start (the command line, the README's code) is compiled as users have it.
+    For this process only: what tests start is compiled as users have it, unless its variables say otherwise.
     XLA reads its flags once, and ends the program at one that it does not know.
     """
     given = os.environ.get("XLA_FLAGS")
@@ -78,15 +82,21 @@ def compile_what_runs_once_least() -> None:
     compiler.compile_or_get_cached = compile_or_get_cached
 
 
+def share_programs() -> None:
+    """Compile quickly, and share what is compiled with the test run; do nothing outside of one."""
+    if _SHARED in os.environ:
+        compile_quickly()
+        compile_what_runs_once_least()
+        programs.keep_on_disk(Path(os.environ[_SHARED]))
+
+
 def pytest_configure(config):
     """Share compiled programs between processes: most of the suite's time goes into compiling."""
-    compile_quickly()
-    compile_what_runs_once_least()
     gc.set_threshold(*RARELY)
     if _SHARED not in os.environ:
         os.environ[_SHARED] = folder = tempfile.mkdtemp(prefix="physagent-tests-")
         config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
-    programs.keep_on_disk(Path(os.environ[_SHARED]))
+    share_programs()
 
 
 def pytest_collection_finish():
@@ -110,6 +120,22 @@ def least_optimised():
     config.update("jax_disable_most_optimizations", True)
     yield
     config.update("jax_disable_most_optimizations", before)
+
+
+@pytest.fixture
+def quick_plans(monkeypatch):
+    """Half the cells along a side in the preset `fast` and an eighth of the particles; weighing on a coarse grid.
+
+    A command reads its object several times: here a mesh is sampled once.
+    """
+    from physagent_jax.scene import mesh  # trimesh takes long to import
+
+    fast = PRESETS[PresetName.FAST]
+    filling = fast.filling.model_copy(update=dict(max_particles=2500))
+    domain = fast.domain.model_copy(update=dict(cells=48))
+    monkeypatch.setitem(PRESETS, PresetName.FAST, dataclasses.replace(fast, filling=filling, domain=domain))
+    monkeypatch.setattr(burden, "MOST_CELLS", 60)
+    monkeypatch.setattr(mesh, "sample_mesh", functools.cache(mesh.sample_mesh))
 
 
 @pytest.fixture
