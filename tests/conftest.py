@@ -82,12 +82,11 @@ def compile_what_runs_once_least() -> None:
     compiler.compile_or_get_cached = compile_or_get_cached
 
 
-def share_programs() -> None:
-    """Compile quickly, and share what is compiled with the test run; do nothing outside of one."""
+def compile_as_tests_do() -> None:
+    """Compile quickly in a process that a test run has started; do nothing in others."""
     if _SHARED in os.environ:
         compile_quickly()
         compile_what_runs_once_least()
-        programs.keep_on_disk(Path(os.environ[_SHARED]))
 
 
 def pytest_configure(config):
@@ -96,7 +95,8 @@ def pytest_configure(config):
     if _SHARED not in os.environ:
         os.environ[_SHARED] = folder = tempfile.mkdtemp(prefix="physagent-tests-")
         config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
-    share_programs()
+    compile_as_tests_do()
+    programs.keep_on_disk(Path(os.environ[_SHARED]))
 
 
 def pytest_collection_finish():
@@ -124,16 +124,18 @@ def least_optimised():
 
 @pytest.fixture
 def quick_plans(monkeypatch):
-    """Half the cells along a side in the preset `fast` and an eighth of the particles; weighing on a coarse grid.
+    """The preset `fast` with few particles in large cells and small pictures; weighing on a coarse grid.
 
     A command reads its object several times: here a mesh is sampled once.
     """
     from physagent_jax.scene import mesh  # trimesh takes long to import
 
     fast = PRESETS[PresetName.FAST]
-    filling = fast.filling.model_copy(update=dict(max_particles=2500))
-    domain = fast.domain.model_copy(update=dict(cells=48))
-    monkeypatch.setitem(PRESETS, PresetName.FAST, dataclasses.replace(fast, filling=filling, domain=domain))
+    changes = dict(
+        domain=dict(cells=48), filling=dict(max_particles=2500), rendering=dict(width=120, height=90)
+    )
+    parts = {name: getattr(fast, name).model_copy(update=change) for name, change in changes.items()}
+    monkeypatch.setitem(PRESETS, PresetName.FAST, dataclasses.replace(fast, **parts))
     monkeypatch.setattr(burden, "MOST_CELLS", 60)
     monkeypatch.setattr(mesh, "sample_mesh", functools.cache(mesh.sample_mesh))
 
