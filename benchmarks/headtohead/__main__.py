@@ -38,7 +38,7 @@ from benchmarks.headtohead.jobs import (
 from benchmarks.headtohead.markdown import PAGE
 from benchmarks.headtohead.plot import plot
 from physagent_jax.core.errors import UserError
-from physagent_jax.metrics.clip_similarity import TransformersClip
+from physagent_jax.metrics.clip_similarity import load_clip
 
 MARKS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 ROUNDS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
@@ -150,7 +150,7 @@ def find_clip(folder: Path | None) -> Path:
     """
     if folder is None:
         raise UserError("`clipsim` needs a CLIP model", do="Give its folder with --clip")
-    TransformersClip.load(folder)
+    load_clip(folder)
     return folder
 
 

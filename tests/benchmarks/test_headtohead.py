@@ -18,7 +18,6 @@ from benchmarks.headtohead.measuring import judge_marks, measure
 from benchmarks.headtohead.neighbourhood import STRONGER, TURNED, perturb
 from physagent_jax.core.errors import MissingPackageError, UserError
 from physagent_jax.forces.schema import Action, ActionType, BoxRegion, ForceField
-from physagent_jax.metrics.clip_similarity import TransformersClip
 from physagent_jax.metrics.task_judge import ClauseJudgement, TaskJudgement
 
 
@@ -100,7 +99,7 @@ def write_page(result):
 
 def test_pictures_of_stored_fields_and_of_nothing_are_compared_with_the_sentence(tmp_path, monkeypatch):
     """A still clip scores as its first frame; one that stretches the object does not; one that cannot run says so."""
-    monkeypatch.setattr(TransformersClip, "load", lambda folder: Reddish())
+    monkeypatch.setattr("benchmarks.headtohead.jobs.load_clip", lambda folder: Reddish())
     (spec,) = [spec for spec in load_tasks(TASKS) if spec.name == "stretch-jelly-wide"]
     stretch = Action(action_type=ActionType.SCALE, vector=(1, 0, 0), magnitude=1.6)
     row = dict(run=0, job="j", label="adam", task=spec.name, oracle=True, seed=0)
