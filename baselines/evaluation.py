@@ -9,9 +9,10 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 
+import jax
 import numpy as np
 
 from baselines.misses import FAILED, Score
@@ -153,20 +154,15 @@ class Evaluator:
         """
         self._need_oracle("gradient")
         parameters = self._numbers(force_field)
-        for near in (self._find_near(force_field), None):
-            rollout = near or self._simulate_for_steps(force_field)
-            if rollout is None:
-                break
+        sharper = dict(power=self._power) if self._power > 1 else {}
+        for rollout in self._list_rollouts(force_field):
             self._charge(GRADIENT_COST)
-            sharper = dict(power=self._power) if self._power > 1 else {}
             residuals, gradient = self._simulation.differentiate(rollout, parameters, **sharper)
             score = self._rate(residuals)
             if not score.failed and _is_finite(gradient):
                 gradient = self._add_sides(force_field, rollout, parameters, score, gradient)
                 self._record(force_field, score, note)
                 return score, gradient
-            if near is None:
-                break
         self._record(force_field, FAILED, note)
         return FAILED, _make_zeros(parameters)
 
@@ -263,6 +259,36 @@ class Evaluator:
         pixels = np.asarray(pixels, np.float32)
         return self._simulation.pull_back(rollout, self._numbers(force_field), pixels, truncation, others)
 
+    def differentiate_pictures(
+        self,
+        force_field: ForceField,
+        loss: Callable[[jax.Array], jax.Array],
+        frames: Sequence[int],
+        note: str = "",
+    ) -> tuple[float, ForceFieldParameters]:
+        """A loss of the pictures, less is better, and its gradient by a force field's numbers.
+
+        Charged and tried as `gradient`; infinite and zero where the simulation fails.
+
+        Args:
+            force_field: Where.
+            loss: A function of JAX of colours in [0, 1], shape (frames, height, width, 3).
+            frames: Frames that it is shown.
+            note: For the record.
+
+        Raises:
+            BudgetSpent: There is nothing left.
+        """
+        parameters = self._numbers(force_field)
+        for rollout in self._list_rollouts(force_field):
+            self._charge(GRADIENT_COST)
+            value, gradient = self._simulation.differentiate_pictures(rollout, parameters, loss, frames)
+            if np.isfinite(value) and _is_finite(gradient):
+                self._record(force_field, value, note)
+                return value, gradient
+        self._record(force_field, FAILED, note)
+        return float("inf"), _make_zeros(parameters)
+
     def rate(self, objective: float, note: str | None = None) -> None:
         """Give the latest evaluation the method's own objective, less is better.
 
@@ -291,8 +317,8 @@ class Evaluator:
     def _rate(self, residuals: np.ndarray) -> Score:
         return Score.of(residuals, self._power)
 
-    def _record(self, force_field: ForceField, score: Score | None, note: str) -> None:
-        objective = None if score is None else score.find_objective(self._power)
+    def _record(self, force_field: ForceField, score: Score | float | None, note: str) -> None:
+        objective = score.find_objective(self._power) if isinstance(score, Score) else score
         self.evaluations.append(Evaluation(force_field, self.spent, self.seconds, objective, note))
         self._on_evaluation(self.evaluations[-1])
 
@@ -314,6 +340,15 @@ class Evaluator:
             return None
         self._keep(force_field, rollout)
         return rollout
+
+    def _list_rollouts(self, force_field: ForceField) -> Iterator[Rollout]:
+        """The last simulation if its steps serve, then, if it is asked for, a simulation of the force field's own."""
+        near = self._find_near(force_field)
+        if near is not None:
+            yield near
+        own = self._simulate_for_steps(force_field)
+        if own is not None:
+            yield own
 
     def _add_sides(
         self,

@@ -9,6 +9,7 @@ has to be compiled anew for other numbers.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import jax
@@ -121,6 +122,27 @@ class Simulation:
         (gradient,) = pull(slope)
         return np.asarray(residuals), jax.tree.map(np.asarray, gradient)
 
+    def draw(self, rollout: Rollout, parameters: ForceFieldParameters, frames: Sequence[int]) -> jax.Array:
+        """Pictures with other numbers, by the steps of ``rollout``: a differentiable function of these.
+
+        Colours in [0, 1], shape (frames, height, width, 3).
+        """
+        played = pa.trajectory(rollout.scene, _to_device(parameters, rollout), rollout.schedule)
+        return jnp.stack([_draw(rollout.scene, played.x[at], played.F[at]) for at in frames])
+
+    def differentiate_pictures(
+        self,
+        rollout: Rollout,
+        parameters: ForceFieldParameters,
+        loss: Callable[[jax.Array], jax.Array],
+        frames: Sequence[int],
+    ) -> tuple[float, ForceFieldParameters]:
+        """A number that is a function of the pictures of `draw`, and its gradient through renderer and simulator."""
+        value, gradient = jax.value_and_grad(lambda numbers: loss(self.draw(rollout, numbers, frames)))(
+            _to_device(parameters, rollout)
+        )
+        return float(value), jax.tree.map(np.asarray, gradient)
+
     def pull_back(
         self,
         rollout: Rollout,
@@ -171,20 +193,18 @@ def _show(recording: Recording) -> Pictures:
     return Pictures(recording.rgb, recording.depth, scene.camera, scene.config.timing.frame_dt)
 
 
-def _pull_frame(scene: CompiledScene, x, F, by_pixel) -> tuple[np.ndarray, np.ndarray]:
-    """Derivatives by positions and deformation gradients from one by a picture's colours.
-
-    Colours are clipped to [0, 1], as in the pictures: what is clipped has no derivative.
-    """
+def _draw(scene: CompiledScene, x: jax.Array, F: jax.Array) -> jax.Array:
+    """A picture with its derivatives; colours are clipped to [0, 1], and what is clipped has none."""
     cloud, binding = scene.gaussians
     rotation, background = scene.body.placement.rotation, np.asarray(scene.config.rendering.background)
-    capacity = choose_pair_capacity(deform(cloud, binding, x, F, rotation), scene.camera)
+    splats = deform(cloud, binding, x, F, rotation)
+    capacity = choose_pair_capacity(jax.lax.stop_gradient(splats), scene.camera)
+    image, _ = rasterize(splats, scene.camera, background, capacity=capacity, kernels=scene.model.kernels)
+    return jnp.clip(image.rgb, 0.0, 1.0)
 
-    def draw(x, F):
-        splats = deform(cloud, binding, x, F, rotation)
-        image, _ = rasterize(splats, scene.camera, background, capacity=capacity, kernels=scene.model.kernels)
-        return jnp.clip(image.rgb, 0.0, 1.0)
 
-    _, pull = jax.vjp(draw, x, F)
+def _pull_frame(scene: CompiledScene, x, F, by_pixel) -> tuple[np.ndarray, np.ndarray]:
+    """Derivatives by positions and deformation gradients from one by a picture's colours."""
+    _, pull = jax.vjp(partial(_draw, scene), x, F)
     by_x, by_F = pull(jnp.asarray(by_pixel, x.dtype))
     return np.asarray(by_x), np.asarray(by_F)

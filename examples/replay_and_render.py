@@ -23,6 +23,7 @@ def make_run(folder):
             prompt="drop the robot",
             overrides=dict(frame_count=12, max_particles=800, width=96, height=96),
             rounds=1,
+            save=dict(video_size=None),
         )
     )
     return pa.synthesize(spec, Path(folder) / "run")

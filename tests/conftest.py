@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import functools
 import gc
 import os
 import shutil
@@ -15,6 +17,8 @@ from jax._src import compiler
 from jax._src.lib.mlir import ir
 
 from physagent_jax.kernels import programs
+from physagent_jax.scene import burden
+from physagent_jax.scene.presets import PRESETS, PresetName
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 ROBOT = REPOSITORY / "examples" / "assets" / "robot.ply"
@@ -35,7 +39,7 @@ RARELY = (100_000, 20, 50)
 def compile_quickly() -> None:
     """Has LLVM spend less on optimising, and not in parts, and XLA make its loops in the older of its two ways.
 
-    For this process only: what tests start (the command line, the README's code) is compiled as users have it.
+    For this process only: what tests start is compiled as users have it, unless its variables say otherwise.
     XLA reads its flags once, and ends the program at one that it does not know.
     """
     given = os.environ.get("XLA_FLAGS")
@@ -78,14 +82,20 @@ def compile_what_runs_once_least() -> None:
     compiler.compile_or_get_cached = compile_or_get_cached
 
 
+def compile_as_tests_do() -> None:
+    """Compile quickly in a process that a test run has started; do nothing in others."""
+    if _SHARED in os.environ:
+        compile_quickly()
+        compile_what_runs_once_least()
+
+
 def pytest_configure(config):
     """Share compiled programs between processes: most of the suite's time goes into compiling."""
-    compile_quickly()
-    compile_what_runs_once_least()
     gc.set_threshold(*RARELY)
     if _SHARED not in os.environ:
         os.environ[_SHARED] = folder = tempfile.mkdtemp(prefix="physagent-tests-")
         config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+    compile_as_tests_do()
     programs.keep_on_disk(Path(os.environ[_SHARED]))
 
 
@@ -110,6 +120,24 @@ def least_optimised():
     config.update("jax_disable_most_optimizations", True)
     yield
     config.update("jax_disable_most_optimizations", before)
+
+
+@pytest.fixture
+def quick_plans(monkeypatch):
+    """The preset `fast` with few particles in large cells and small pictures; weighing on a coarse grid.
+
+    A command reads its object several times: here a mesh is sampled once.
+    """
+    from physagent_jax.scene import mesh  # trimesh takes long to import
+
+    fast = PRESETS[PresetName.FAST]
+    changes = dict(
+        domain=dict(cells=48), filling=dict(max_particles=2500), rendering=dict(width=120, height=90)
+    )
+    parts = {name: getattr(fast, name).model_copy(update=change) for name, change in changes.items()}
+    monkeypatch.setitem(PRESETS, PresetName.FAST, dataclasses.replace(fast, **parts))
+    monkeypatch.setattr(burden, "MOST_CELLS", 60)
+    monkeypatch.setattr(mesh, "sample_mesh", functools.cache(mesh.sample_mesh))
 
 
 @pytest.fixture

@@ -19,6 +19,7 @@ from physagent_jax.run.preview import HEIGHT, WIDTH, is_preview
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene.procedural import PROCEDURAL
 
+quickly = pytest.mark.usefixtures("quick_plans")
 FIELDS = set(
     "path format encoding content count kept low high extent origin up kind pieces parts degenerate notes run refusal "
     "command preview".split()
@@ -57,6 +58,7 @@ def find_facts(path, **options):
     return json.loads(pa.inspect_object(path, **options).model_dump_json())
 
 
+@quickly
 def test_the_json_object(robot_path, tmp_path, capsys):
     """The command prints what `inspect_object` returns, and writes the picture that it names."""
     said = json.loads(inspect(capsys, robot_path, "--json"))
@@ -82,6 +84,7 @@ def test_a_mesh(cone):
     assert run["substeps"] > 100 and run["seconds"] > 1 and run["memory"] > 1e8
 
 
+@quickly
 def test_the_command_line_begins_a_run(robot_path, tmp_path, capsys, monkeypatch):
     """The suggested command is accepted by `physagent run`, and says the same of the object."""
     spaced = tmp_path / "a robot's copy.ply"
@@ -115,6 +118,7 @@ def test_gaussians_in_words(robot_path, tmp_path, capsys):
     assert "12," in lines["run"] and "particles" in lines["run"] and "a round" in lines["run"]
 
 
+@quickly
 def test_what_is_not_known_is_said(robot_path, tmp_path, capsys):
     """A floating object without a card: the usual axis is tried, and called a try."""
     (tmp_path / "thing.ply").write_bytes(robot_path.read_bytes())
@@ -125,6 +129,7 @@ def test_what_is_not_known_is_said(robot_path, tmp_path, capsys):
     assert "up        not known: " in inspect(capsys, "thing.ply")
 
 
+@quickly
 def test_options_go_first(cone):
     """The user's axis is not guessed; a shape that contradicts it is mentioned."""
     said = find_facts(cone, up="+z", kind="ficus")
@@ -132,6 +137,7 @@ def test_options_go_first(cone):
     assert "though the shape says +y" in said["up"]["reason"] and "--up +z --kind plant" in said["command"]
 
 
+@quickly
 def test_a_gltf_is_y_up(tmp_path):
     """As glTF 2.0 prescribes, whatever the shape."""
     trimesh.creation.icosphere().export(tmp_path / "ball.glb")
@@ -150,6 +156,7 @@ def test_loose_pieces(tmp_path):
     assert not any("joined to the rest" in note for note in said["notes"])
 
 
+@quickly
 def test_gaussians_that_are_out_of_the_ordinary(tmp_path):
     """A cloud that is one blob, and one of Gaussians as large as itself, which a run refuses."""
     jelly = PROCEDURAL["jelly"](0)
@@ -163,6 +170,7 @@ def test_gaussians_that_are_out_of_the_ordinary(tmp_path):
         assert (said["run"] is None) == (said["refusal"] is not None) == refused
 
 
+@quickly
 def test_far_from_the_origin(tmp_path, capsys):
     """Positions in double precision at map coordinates: the origin is told, and the corners are those of the file."""
     from plyfile import PlyData, PlyElement
@@ -183,6 +191,7 @@ def test_far_from_the_origin(tmp_path, capsys):
     assert f"({low[0]:.3f}, {low[1]:.3f}, {low[2]:.3f})" in out and "was taken off" in out
 
 
+@quickly
 def test_the_picture(tmp_path, capsys):
     """Four views in which the red jelly, which is broader at its foot, stands upright; on its head it is not."""
     write_ply(tmp_path / "jelly.ply", PROCEDURAL["jelly"](0))
@@ -195,6 +204,7 @@ def test_the_picture(tmp_path, capsys):
         assert 0.5 < compare_ends(upright[view]) < 1 < 1.1 < compare_ends(turned[view])
 
 
+@quickly
 def test_light_comes_from_above(tmp_path, capsys):
     """A grey ball that is y-up is brighter above than below, whatever axis the reader assumes at first."""
     trimesh.creation.icosphere(subdivisions=4).export(tmp_path / "ball.glb")
@@ -230,6 +240,7 @@ def test_the_picture_is_a_valid_png_with_its_mark(robot_path, capsys):
     assert kinds[:2] == [b"IHDR", b"tEXt"] and kinds[-1] == b"IEND"
 
 
+@quickly
 def test_a_preview_is_replaced_and_nothing_else(robot_path, tmp_path, capsys):
     """Another picture of that name stays, unless told otherwise; an earlier preview makes way."""
     mine = io.BytesIO()

@@ -7,6 +7,8 @@ import trimesh
 
 from physagent_jax.cli import main
 
+quickly = pytest.mark.usefixtures("quick_plans")
+
 
 @pytest.fixture(autouse=True)
 def no_cache(monkeypatch):
@@ -18,6 +20,7 @@ def plan(capsys, robot_path, *arguments):
     return capsys.readouterr().out
 
 
+@quickly
 def test_a_plan_in_json(robot_path, capsys):
     """Targets, actions, world, clip and what was not understood, in one line."""
     sentence = (
@@ -37,6 +40,7 @@ def test_a_plan_in_json(robot_path, capsys):
     assert said["not_understood"] == ["melodiously"] and said["unsure"]
 
 
+@quickly
 def test_the_sentence_stands_alone_or_behind_its_option(robot_path, capsys):
     """Both commands take both; two sentences that differ are refused."""
     alone = plan(capsys, robot_path, "push it left", "--json")
@@ -51,6 +55,7 @@ def test_the_sentence_stands_alone_or_behind_its_option(robot_path, capsys):
     assert "'be'" in capsys.readouterr().err  # it was read as the sentence
 
 
+@quickly
 def test_a_plan_says_where_the_object_will_be(robot_path, tmp_path, capsys):
     """On the ground if it stands there; the robot would fall over, so that it is held in the air, as in a run."""
     cube = tmp_path / "cube.obj"
@@ -62,6 +67,7 @@ def test_a_plan_says_where_the_object_will_be(robot_path, tmp_path, capsys):
     assert any("held in the air" in each for each in said["assumptions"])
 
 
+@quickly
 def test_a_plan_in_words(robot_path, capsys):
     """The same for people; a fixed clip keeps its length."""
     out = plan(
@@ -73,6 +79,7 @@ def test_a_plan_in_words(robot_path, capsys):
     assert "clip: 30 frames, 1.16 s" in out
 
 
+@quickly
 def test_a_plan_of_what_falls_has_gravity(robot_path, capsys):
     """Wherever it would be otherwise."""
     assert "surroundings: gravity acts, the ground is below it\n" in plan(
@@ -83,11 +90,13 @@ def test_a_plan_of_what_falls_has_gravity(robot_path, capsys):
     )
 
 
+@quickly
 def test_a_plan_tells_what_grips_and_turns(robot_path, capsys):
     out = plan(capsys, robot_path, "twist the robot by 90 degrees")
     assert out.count("keeps turning") == 2 and "then held until frame" in out
 
 
+@quickly
 @pytest.mark.parametrize("sentence", ["Schieb den Roboter nach links", "", "asdf qwer zxcv"])
 def test_what_a_run_refuses_a_plan_refuses(sentence, robot_path, capsys):
     """Exit code 2 and one line."""
@@ -127,6 +136,7 @@ def pot(tmp_path):
     return path
 
 
+@quickly
 def test_a_hold_of_the_kind_gives_way_to_a_fall(pot, capsys):
     """And the plan says so; what bends keeps it."""
     lines = plan(capsys, pot, "drop it", "--kind", "plant", "--up", "+z").splitlines()
@@ -136,6 +146,7 @@ def test_a_hold_of_the_kind_gives_way_to_a_fall(pot, capsys):
     assert "rooted" in said["anchor"]["held"] and not any("free" in each for each in said["assumptions"])
 
 
+@quickly
 @pytest.mark.parametrize("words", [["drop it", "--anchor", "base"], ["hold the base and throw it"]])
 def test_a_motion_that_its_hold_makes_impossible_is_refused(words, pot, capsys):
     """With both ways out, by the command that only plans."""

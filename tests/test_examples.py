@@ -1,5 +1,6 @@
 """Every example runs as its first lines say, and finds what it says; its own assertions are the test."""
 
+import importlib
 import re
 import runpy
 import sys
@@ -12,6 +13,7 @@ import physagent_jax as pa
 from tests.conftest import REPOSITORY
 
 EXAMPLES = sorted((REPOSITORY / "examples").glob("*.py"))
+PICTURES = REPOSITORY / "examples" / "make_pictures.py"
 
 
 def test_there_are_examples_and_each_is_short():
@@ -22,13 +24,26 @@ def test_there_are_examples_and_each_is_short():
         assert f"python examples/{path.name}" in "\n".join(lines[:6])
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [pytest.param(each, id=each.stem, marks=[pytest.mark.slow] * (each == PICTURES)) for each in EXAMPLES],
+)
 def test_an_example_finds_what_it_says(path, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "argv", [str(path)])
     monkeypatch.setattr(pa, "enable_compile_cache", lambda: None)  # this process has its own (conftest)
     runpy.run_path(str(path), run_name="__main__")
     assert capsys.readouterr().out.strip()
+
+
+def test_one_of_the_pictures_is_made(tmp_path, monkeypatch, capsys):
+    """All code of that example; the three other sentences are in the slow test."""
+    monkeypatch.syspath_prepend(str(PICTURES.parent))
+    example = importlib.import_module(PICTURES.stem)
+    monkeypatch.setattr(example, "SENTENCES", {"jelly": example.SENTENCES["jelly"]})
+    example.main(tmp_path, example.SMALL)
+    assert {path.name for path in tmp_path.iterdir()} == {"jelly.gif", "frames.png"}
+    assert "drop the jelly" in capsys.readouterr().out
 
 
 def test_readme_and_pages_show_pictures_that_the_example_makes():

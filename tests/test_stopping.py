@@ -19,7 +19,7 @@ def test_a_run_stops_at_the_next_frame_and_goes_on_as_if_never_stopped(
     number, code, tmp_path, robot_path, monkeypatch, capfd
 ):
     arguments = ["run", "--object", robot_path, "--prompt", "push the robot to the left", "--frames", 8]
-    arguments += ["--particles", 300, "--resolution", 64, "--max-iterations", 1]
+    arguments += ["--particles", 300, "--resolution", 64, "--max-iterations", 1, "--video-size", "64x48"]
     arguments = [str(argument) for argument in arguments]
     out, other = tmp_path / "run", tmp_path / "other"
     handler = signal.getsignal(number)

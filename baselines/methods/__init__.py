@@ -24,6 +24,7 @@ METHODS = Registry(
         "physagent": "baselines.methods.physagent:PhysAgent",
         "dreamphysics_f": "baselines.methods.dreamphysics_f:DreamPhysicsF",
         "omniphysgs_f": "baselines.methods.omniphysgs_f:OmniPhysGSF",
+        "clip_guided": "baselines.methods.clip_guided:ClipGuided",
         "hybrid": "baselines.methods.hybrid:Hybrid",
     },
 )

@@ -26,22 +26,44 @@ from physagent_jax.forces.schema import ForceField
 
 
 @dataclasses.dataclass(frozen=True)
-class SdsMethod(Method):
-    """Score distillation with a prior.
+class GuidedMethod(Method):
+    """A descent that a model leads by what it says of the pictures, from one start.
+
+    Attributes:
+        types: Who says what the actions of the start are.
+        numbers: Who says where they begin.
+    """
+
+    types: Types = "task"
+    numbers: Numbers = "task"
+
+    def choose_start(self, evaluator: Evaluator) -> ForceField:
+        """Choose the start of the descent.
+
+        Raises:
+            UserError: There is no action to be improved.
+        """
+        templates = choose_templates(evaluator, self.types)[:1]
+        draw = partial(draw_numbers, evaluator.rng)
+        (start,) = choose_numbers(evaluator, templates, self.types, self.numbers, draw)
+        if not (start.actions or start.constraints):
+            raise UserError("the start has no action that a gradient could change", do="Take types='agent'")
+        return start
+
+
+@dataclasses.dataclass(frozen=True)
+class SdsMethod(GuidedMethod):
+    """Score distillation with a prior. Options are those of `GuidedMethod`, and these.
 
     Attributes:
         prior: A name of `scores.PRIORS`, or a prior.
         weights: With a name, the folder or hub id of its weights.
         prior_options: With a name, options of its `load`.
-        types: Who says what the actions of the start are.
-        numbers: Who says where they begin.
     """
 
     prior: str | ScorePrior = PRIORS[0]
     weights: str = ""
     prior_options: Mapping[str, Any] = dataclasses.field(default_factory=dict)
-    types: Types = "task"
-    numbers: Numbers = "task"
 
     def __post_init__(self):
         if self.types == "enumerated":
@@ -65,19 +87,6 @@ class SdsMethod(Method):
         if not self.weights:
             raise UserError(f"method `{self.name}` needs the weights of its prior", do="Give `weights`")
         return Glance(evaluator, open_prior(self.prior, self.weights, **self.prior_options))
-
-    def choose_start(self, evaluator: Evaluator) -> ForceField:
-        """Choose the start of the descent.
-
-        Raises:
-            UserError: There is no action to be improved.
-        """
-        templates = choose_templates(evaluator, self.types)[:1]
-        draw = partial(draw_numbers, evaluator.rng)
-        (start,) = choose_numbers(evaluator, templates, self.types, self.numbers, draw)
-        if not (start.actions or start.constraints):
-            raise UserError("the start has no action that a gradient could change", do="Take types='agent'")
-        return start
 
 
 class Glance:

@@ -25,7 +25,15 @@ from baselines.tasks import TaskSpec, load_tasks, split_available
 from benchmarks import harness
 from benchmarks.harness import RAW, Job
 from benchmarks.headtohead import leaderboard
-from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, MATERIALS, METHODS, list_distillers
+from benchmarks.headtohead.entrants import (
+    ABLATION,
+    ITERATIONS,
+    MATERIALS,
+    METHODS,
+    Entrant,
+    list_distillers,
+    list_guided,
+)
 from benchmarks.headtohead.jobs import (
     USUAL,
     list_checks,
@@ -38,7 +46,7 @@ from benchmarks.headtohead.jobs import (
 from benchmarks.headtohead.markdown import PAGE
 from benchmarks.headtohead.plot import plot
 from physagent_jax.core.errors import UserError
-from physagent_jax.metrics.clip_similarity import TransformersClip
+from physagent_jax.metrics.clip_similarity import load_clip
 
 MARKS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
 ROUNDS = (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)
@@ -95,7 +103,7 @@ class Command(harness.Command):
     weights: str = "runs/toy_prior/prior"
     """Weights of the prior."""
     clip: Path | None = None
-    """Folder of a CLIP model, for `clipsim`."""
+    """Folder of a CLIP model, for `clipsim`, and for `clip_guided` among the methods, which needs one."""
     leaderboard: Path | None = None
     """File of JSON lines, one per fit: those of this result are added; `verify` then checks all of its lines."""
     plots: Path | None = None
@@ -117,7 +125,7 @@ def main() -> int:
     marks = (*(mark for mark in MARKS if mark < budget), budget)
     fits = partial(list_fits, specs, seeds=command.seeds, data=command.data)
     parts: dict[str, Callable[[], list[Job]]] = {
-        "methods": lambda: fits(METHODS, marks, budget),
+        "methods": lambda: fits((*METHODS, *find_guided(command.clip)), marks, budget),
         "ablation": lambda: fits(ABLATION, marks, budget),
         "iterations": lambda: fits(ITERATIONS, ROUNDS, ROUNDS[-1]),
         "distillation": lambda: fits(list_distillers(command.prior, command.weights), marks, budget),
@@ -150,8 +158,20 @@ def find_clip(folder: Path | None) -> Path:
     """
     if folder is None:
         raise UserError("`clipsim` needs a CLIP model", do="Give its folder with --clip")
-    TransformersClip.load(folder)
+    load_clip(folder)
     return folder
+
+
+def find_guided(folder: Path | None) -> tuple[Entrant, ...]:
+    """The methods that CLIP leads, if there is a model; else a line says that they are left out.
+
+    Raises:
+        UserError: The model cannot be read.
+    """
+    if folder is not None:
+        return list_guided(find_clip(folder))
+    harness.say("`clip_guided` is left out: it needs a CLIP model. Give its folder with --clip.")
+    return ()
 
 
 def list_tasks(command: Command) -> tuple[tuple[TaskSpec, ...], list[str]]:

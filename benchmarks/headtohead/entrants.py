@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 from baselines.methods import make_method
@@ -108,6 +109,12 @@ def list_distillers(prior: str, weights: str) -> tuple[Entrant, ...]:
         ),
         Entrant(f"omniphysgs_f ({prior} prior)", "omniphysgs_f", led, "skills chosen too"),
     )
+
+
+def list_guided(clip: Path) -> tuple[Entrant, ...]:
+    """The methods that the CLIP model of a folder leads; their rows name it."""
+    question = "CLIP similarity by its gradient"
+    return (Entrant(f"clip_guided ({clip.resolve().name})", "clip_guided", dict(clip=str(clip)), question),)
 
 
 ITERATIONS = (Entrant("physagent", "physagent", dict(rounds=6), "rounds after the first guess"),)

@@ -21,7 +21,7 @@ from benchmarks.headtohead.measuring import judge_field, measure, measure_gradie
 from benchmarks.headtohead.neighbourhood import list_begins, list_entrants, move
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.metrics.clip_similarity import TransformersClip, measure_clip_similarity
+from physagent_jax.metrics.clip_similarity import PictureEncoder, load_clip, measure_clip_similarity
 
 USUAL = 30.0  # forward-equivalents; fits with others say so in their names
 NOTHING = "nothing is done"
@@ -225,8 +225,8 @@ def _name_budget(budget: float) -> str:
 
 
 @cache
-def _load_clip(folder: Path) -> TransformersClip:
-    return TransformersClip.load(folder)
+def _load_clip(folder: Path) -> PictureEncoder:
+    return load_clip(folder)
 
 
 @cache

@@ -20,6 +20,8 @@ from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.metrics.effort import measure_effort
 
+_FOLDERS = ("weights", "clip")  # options that say where a model lies on this machine: rows do not
+
 
 def measure(entrant: Entrant, task: Task, marks: Sequence[float], seed: int, budget: float) -> list[Row]:
     """Fits with ``budget`` forward-equivalents and judges the incumbents at ``marks`` by true particles."""
@@ -28,7 +30,7 @@ def measure(entrant: Entrant, task: Task, marks: Sequence[float], seed: int, bud
     row: Row = {
         "label": entrant.label,
         "method": entrant.method,
-        "options": {name: value for name, value in entrant.options.items() if name != "weights"},
+        "options": {name: value for name, value in entrant.options.items() if name not in _FOLDERS},
         "task": task.spec.name,
         "family": task.spec.family,
         "split": task.spec.split,

@@ -17,7 +17,6 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from physagent_jax.agents.stacking import find_room, fits, has_room
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces import schema as forces
 from physagent_jax.forces.calibration import GAIN_MAX, GAIN_MIN, MAGNITUDE_MAX, MAGNITUDE_MIN
@@ -33,6 +32,7 @@ from physagent_jax.motion.matching import (
     redirect,
 )
 from physagent_jax.motion.schema import DirectionTable, ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.stacking import find_room, fits, has_room
 from physagent_jax.motion.vectors import add, clamp, cosine, norm, normalise, scale
 
 LONGEST_IMPULSE = 2.0  # frames
@@ -234,8 +234,10 @@ def directional_rigidity(item: Entry, _group: str, context: Context) -> Iterator
     """Base vectors are immutable; composites are their normalised sums.
 
     World axes and the directions that the sentence names are allowed too; anything else is moved to the
-    nearest of these.
+    nearest of these. The axis of a turn about a joint follows from how the part points.
     """
+    if item.get("pivot"):
+        return
     given = tuple(item["vector"])
     nearest = max(context.allowed, key=lambda v: cosine(v, given))
     if cosine(nearest, given) < _SAME_VECTOR:

@@ -7,6 +7,7 @@ differentiates. What is known is computed on the host in double precision, trace
 from __future__ import annotations
 
 import dataclasses
+import math
 from collections.abc import Callable
 
 import jax
@@ -16,9 +17,9 @@ from jax.core import Tracer
 
 from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
-from physagent_jax.forces.opposition import find_friction, find_rubbing
+from physagent_jax.forces.opposition import find_balance, find_friction, find_righting
 from physagent_jax.forces.parameters import ActionParameters, Array
-from physagent_jax.forces.regions import make_region_mask
+from physagent_jax.forces.regions import grade_part, make_region_mask
 from physagent_jax.forces.schema import Action, CellsRegion, Opposition, SkillScaling, VelocityConstraint
 from physagent_jax.forces.sections import find_stress_concentration
 from physagent_jax.forces.terms import PushCompensation, TurnCompensation
@@ -28,9 +29,16 @@ from physagent_jax.mpm.constraints import GradedRotation, GradedTranslation, Mov
 PLATE_FRICTION = (
     0.4  # Coulomb's coefficient of a `moving_plate`: the material may spread under it, but not slip away
 )
+PLATE_DEPTH = 0.1  # [body lengths] that a plate on a part is thick: deeper than it is sunk in a step, by far
+PLATE_SIZE = 1.15  # sides of such a plate over those of the part
+_THINNEST = 0.02  # half of such a plate's side [body lengths], at least
 AFTER = (
     1e-3  # [frames] by which a `particle_impulse` comes after what ends then, whatever the clock's round-off
 )
+_FEET = 0.05  # of the height, over which the feet fade out
+_UPRIGHT = 0.7  # cosine to the vertical
+PAST = math.radians(5)  # beyond the balance up to which what tips over is driven
+_LEVEL = 0.7  # vertical component of an axis below which a turn tips
 _TINY = float(np.finfo(np.float32).tiny)
 
 
@@ -158,11 +166,17 @@ class Binding:
         self.instant = self.leaf((first + AFTER) * frame_dt)
         pivot = getattr(timed, "pivot", None)
         self._pivot = None if pivot is None else rest.min(0) + np.asarray(pivot) * np.ptp(rest, axis=0)
+        self._led, self._share = np.flatnonzero(self._mask), None
+        if (bend := getattr(timed, "bend", None)) is not None:
+            part, share, middle = grade_part(bend, rest)
+            self._led, self._share = np.flatnonzero(part), self.leaf(share)
+            self._pivot = None if pivot is None else middle
         hold_end = getattr(timed, "held_until", None)
         self._held_until = None if hold_end is None else self.leaf(hold_end * frame_dt)
         self._rigid = isinstance(timed.region, CellsRegion) and timed.region.rigid
         self.whole = timed.region is None
-        self.upwards = float(np.copysign(timed.vector[2], timed.vector[2] * timed.magnitude))
+        self._way = np.copysign(1.0, timed.magnitude) * np.asarray(timed.vector)
+        self.upwards = float(self._way[2])
         self.weight = None if self.whole else self.leaf(self._mask)
 
     def leaf(self, value) -> jax.Array:
@@ -218,25 +232,39 @@ class Binding:
         friction = self.leaf(find_friction(opposition, way))
         lever = self.leaf(0.0 if self._turned else opposition.lever)
         drag = self.leaf(opposition.damping_rate)
-        return [
-            PushCompensation(self.leaf(way), friction, push, start, lever, drag, *self.window, pulse=pulse)
-        ]
+        feet = None if self._turned or not opposition.lever else self._find_feet()
+        numbers = (self.leaf(way), friction, push, start, lever, drag)
+        return [PushCompensation(*numbers, *self.window, feet=feet, pulse=pulse)]
 
-    def overcome_rubbing(self, k: float | Array) -> list:
-        """The force that overcomes the friction of a turn of the whole object with k."""
+    def _find_feet(self) -> jax.Array:
+        """Weights of the particles that fade with their height over the lowest, with a mean of 1 by mass."""
+        height = self._rest[:, 2].astype(float) - float(self._rest[:, 2].min())
+        weights = np.exp(-height / max(_FEET * height.max(), _TINY))
+        return self.leaf(weights / np.average(weights, weights=self._volume))
+
+    def overcome_righting(self, k: float | Array) -> list:
+        """The force that overcomes what opposes a turn of the whole object with k."""
         opposition = self.opposition
-        if opposition is None or not opposition.turning:
+        if opposition is None or not (opposition.turning or opposition.tipping):
             return []
         size, way = self._split()
-        friction, turn = self.leaf(find_rubbing(opposition, way)), self.leaf(k * self.share * size)
-        return [
-            TurnCompensation(self.leaf(way), friction, turn, self.leaf(opposition.damping_rate), *self.window)
-        ]
+        friction, turn = self.leaf(find_righting(opposition, way)), self.leaf(k * self.share * size)
+        drag, limits = self.leaf(opposition.damping_rate), {}
+        if opposition.tipping and abs(self._way[2]) < _LEVEL:
+            balance, arm = find_balance(self._rest.astype(float), self._volume.astype(float), self._way)
+            friction = jnp.maximum(friction, self.leaf(opposition.weight * arm))
+            limits = dict(balance=self.leaf(balance + PAST), rest=self.leaf(self._rest))
+        return [TurnCompensation(self.leaf(way), friction, turn, drag, *self.window, **limits)]
 
     @property
     def share(self) -> float:
         """Share of the entry's acceleration that the whole object gains."""
         return 1.0 if self.scaling.share is None else self.scaling.share
+
+    @property
+    def _stands(self) -> bool:
+        """Return whether the object is on the ground."""
+        return self.scaling.opposition is not None and self.scaling.opposition.friction > 0
 
     def _split(self) -> tuple[Array, Array]:
         """abs(M), and the vector with its sign."""
@@ -295,19 +323,23 @@ class Binding:
         whole = xp.maximum(total, _TINY)
         return xp.where(total > _TINY, (inertia * profile(squared)).sum() / whole, 1.0)
 
-    def width(self) -> Array:
-        """The object's extent along the vector, over its longest [1]."""
+    def width(self, *, chosen: bool = False) -> Array:
+        """The extent along the vector of the object, or of the chosen matter, over the object's longest [1]."""
         axis = self.values.vector
         xp = jnp if _is_traced(axis) else np
         extent = np.ptp(self._rest, axis=0).max()
         if extent == 0:  # all particles in one place
             return np.asarray(1.0)
-        return xp.ptp(self._rest.astype(xp.result_type(float)) @ (axis / xp.linalg.norm(axis))) / extent
+        places = self._rest[self._mask] if chosen else self._rest
+        return xp.ptp(places.astype(xp.result_type(float)) @ (axis / xp.linalg.norm(axis))) / extent
 
     def hold(self, velocity: jax.Array, angular_velocity: jax.Array) -> list[PrescribedMotion]:
-        """The particles move so during the window, about pivot or own centre, and then stay if they are to be held."""
+        """The particles move so during the window, about pivot or own centre, and then stay if they are to be held.
+
+        Those of a part that bends beside its joint go with their share of it.
+        """
         with jax.ensure_compile_time_eval():  # places are known, also where numbers are traced
-            particles = to_device(np.flatnonzero(self._mask), np.int32)
+            particles = to_device(self._led, np.int32)
         still = self.leaf(np.zeros(3))
         pivot = None if self._pivot is None else self.leaf(self._pivot)
         windows = [self.window]
@@ -316,30 +348,45 @@ class Binding:
             windows.append((self.window[1], self._held_until))
             fields.append((still, still, still))
         motions = [
-            PrescribedMotion(particles, *field, *window, rigid=self._rigid)
+            PrescribedMotion(particles, *field, *window, share=self._share, rigid=self._rigid)
             for field, window in zip(fields, windows)
         ]
         return motions
 
     def press(self, k: float | Array) -> list[MovingPlate]:
-        """A plate that starts at the object's side, moves with k M v, and then stays if it is to be held."""
+        """A plate that starts at the object's side, moves with k M v, and then stays if it is to be held.
+
+        On a region it is no larger than that.
+        """
         velocity, (start, end) = self.vector(k), self.window
         normal = velocity / jnp.linalg.norm(velocity)
-        behind = (self.leaf(self._rest) @ normal).min()
-        middle = self.leaf(self._rest.mean(0))
+        chosen = self.leaf(self._rest[self._mask])
+        behind = (chosen @ normal).min()
+        middle = self.leaf(self._rest[self._mask].mean(0))
         point = middle + (behind - middle @ normal) * normal
+        edges = depth = None
+        if not self.whole:
+            aside = jnp.cross(normal, jnp.where(jnp.abs(normal[2]) < 0.9, *self.leaf(np.eye(3)[[2, 0]])))
+            aside = aside / jnp.linalg.norm(aside)
+            axes = jnp.stack([aside, jnp.cross(normal, aside)])
+            across = chosen @ axes.T
+            low, high = across.min(0), across.max(0)
+            point = point + (0.5 * (low + high) - point @ axes.T) @ axes
+            half = jnp.maximum(0.5 * PLATE_SIZE * (high - low), _THINNEST * self.extent)
+            edges, depth = axes / half[:, None], self.leaf(PLATE_DEPTH * self.extent)
         friction = self.leaf(PLATE_FRICTION)
-        plates = [MovingPlate(HalfSpace(point, normal, friction, start, end, velocity=velocity))]
+        moving = HalfSpace(point, normal, friction, start, end, velocity=velocity)
+        plates = [MovingPlate(moving, edges, depth)]
         if self._held_until is not None:
             stop = point + velocity * (end - start)
-            plates.append(MovingPlate(HalfSpace(stop, normal, friction, end, self._held_until)))
+            plates.append(MovingPlate(HalfSpace(stop, normal, friction, end, self._held_until), edges, depth))
         return plates
 
     def change_length(self, other: Binding | None, k: float | Array, sign: float) -> list[GradedTranslation]:
         """The object gets longer or shorter evenly along the vector, as its two ends say, and then stays if held.
 
         Args:
-            other: The other end; None = it rests on the ground or is held.
+            other: The other end; None = it rests on the ground or is held. What stands gets longer upwards.
             k: Speed of both ends [m/s].
             sign: 1 if the vector points out of the object at this end, -1 if into it.
         """
@@ -352,6 +399,8 @@ class Binding:
         if other is None:  # the far end, towards which the plate moves
             middle = self.leaf(self._rest.mean(0))
             point = middle + (along.max() - middle @ axis) * axis
+        elif self._stands and abs(self.upwards) > _UPRIGHT:  # the ground bears the lower end, which stays
+            point = self.leaf(self._rest[self._rest[:, 2].argmin()])
         start, end = self.window
         motions = [
             GradedTranslation(axis=axis, speed=speed, length=length, point=point, start=start, end=end)

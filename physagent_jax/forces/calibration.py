@@ -34,6 +34,10 @@ opposed ends then part by one such extent in T."""
 TURN = math.pi / 2
 """[rad] that a ``torque`` turns the object in a clip: a quarter turn, the most that leaves no doubt about its sense."""
 
+TIPPED, TIPPING_TIME = math.radians(90), 1.7
+"""[rad], [s] that what stands is turned to tip over with a strength of 1, at most: past its balance nothing more is
+made up for, and its weight turns it faster than that."""
+
 SWING = 0.16
 """[L] to either side that a free object goes with M = 1 where pushes to and fro follow each other (`forces.swinging`):
 M = 0.4 and 1.6 are then just what viewers call slight and strong."""
@@ -140,3 +144,15 @@ def find_magnitude(effort: float, seconds: float, duration: float, *, braked: bo
     """
     reference = find_reference_time(False, duration)
     return (2.0 if braked else 1.0) * effort * (reference / seconds) ** 2
+
+
+def find_tipping(strength: float, longest: float, duration: float) -> tuple[float, float]:
+    """M and time [s] of a torque that tips over what stands; the strength says how soon.
+
+    Args:
+        strength: 1 is plain.
+        longest: Time that there is [s].
+        duration: Duration of the clip [s].
+    """
+    seconds = max(min(TIPPING_TIME / math.sqrt(strength), longest), 1e-3)
+    return find_magnitude(TIPPED / TURN, seconds, duration, braked=False), seconds

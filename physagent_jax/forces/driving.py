@@ -57,6 +57,10 @@ class PartDriver:
             ConstraintType.PARTICLE_TRANSLATION, way, length / PRESCRIBED_TRAVEL, window, stop, None
         )
 
+    def press(self, way: Vector, depth: float, window: tuple[float, float], stop: float | None):
+        """The plate of the part's size that presses it along a unit vector by a share of its extent; else as `turn`."""
+        return self._make(ConstraintType.MOVING_PLATE, way, depth / PRESCRIBED_TRAVEL, window, stop, None)
+
     def _make(self, kind, vector: Vector, share: float, window, stop, pivot) -> VelocityConstraint:
         """The constraint that does ``share`` in its window of what M = 1 does in the reference time."""
         seconds, duration = (

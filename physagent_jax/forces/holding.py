@@ -21,7 +21,7 @@ def find_push_scale(holding: Holding | None, k: float, direction):
     if holding is None:
         return k
     xp = jnp if isinstance(direction, Tracer) else np
-    wanted = holding.shift / (OVERSHOOT * _find_way(holding, direction, xp))
+    wanted = holding.shift / (OVERSHOOT * find_way(holding, direction))
     return xp.clip(wanted, holding.least, holding.most)
 
 
@@ -30,14 +30,24 @@ def find_blow_scale(holding: Holding | None, k: float, direction):
     if holding is None:
         return k
     xp = jnp if isinstance(direction, Tracer) else np
-    way = _find_way(holding, direction, xp)
+    way = find_way(holding, direction)
     limited = xp.clip(
         holding.shift / way, holding.least, holding.most
     )  # [m/s^2], as of a push that is no longer sudden
     return xp.sqrt(holding.shift * limited)
 
 
-def _find_way(holding: Holding, direction, xp):
-    """v.C v [s^2]."""
+def find_way(holding: Holding, direction):
+    """The way per steady acceleration along a direction, v.C v [s^2]; unit vector, shape (3,)."""
+    xp = jnp if isinstance(direction, Tracer) else np
     matrix, v = xp.asarray(holding.compliance), xp.asarray(direction)
     return xp.maximum(v @ matrix @ v, 1e-9)  # what is stiffer than that is at the limit anyway
+
+
+def find_frequency(holding: Holding, direction):
+    """The angular frequency with which it swings along a direction [1/s], by Rayleigh's quotient; 0 = not known."""
+    if holding.square is None:
+        return 0.0
+    xp = jnp if isinstance(direction, Tracer) else np
+    matrix, v = xp.asarray(holding.square), xp.asarray(direction)
+    return xp.sqrt(find_way(holding, direction) / xp.maximum(v @ matrix @ v, 1e-30))

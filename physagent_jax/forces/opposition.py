@@ -1,8 +1,9 @@
 """Compensation for pushes, blows and turns against which friction and weight work.
 
 The way s that M asks for is what counts: M = 1 means the same visible motion on the ground as in empty space. A push
-overcomes what opposes it and moves the object by what is left; when it ends, friction stops it. Weight is made up for
-here, friction while it acts (`forces.terms.friction`), because what it takes is seen only then. A blow gives the speed
+overcomes what opposes it and moves the object by what is left; when it ends, friction stops it. Weight that is lifted
+is made up for here. Friction, and the weight that holds the object upright, are made up for while they act
+(`forces.terms.friction`), because what it takes is seen only then. A blow gives the speed
 whose way is M s: with a deceleration c, v = sqrt(2 c M s), or v = M s / T + c T / 2 if it is still moving after T. So a
 throw rises by M s and comes down. Closed forms; what a part alone is given is not changed, since it moves against the
 rest of the object rather than over the ground.
@@ -17,6 +18,11 @@ from jax.core import Tracer
 from physagent_jax.forces.schema import Opposition
 
 RISES = 0.3  # vertical share of a direction from which on the object leaves the ground: nothing rubs then
+_FARTHEST, _FALLEN = (
+    np.radians(120),
+    0.01,
+)  # turn that is looked at; [L] by which the mass centre has sunk again
+_FIRST = 6  # of the turns that are looked at tell the edge that it is turned over
 _TINY = 1e-12
 
 
@@ -64,17 +70,33 @@ def oppose_blow(opposition: Opposition | None, k, magnitude, direction):
     return sign * xp.where(way < 0.5 * c * time**2, stopped, passing)
 
 
-def oppose_turn(opposition: Opposition | None, k, magnitude, axis):
-    """Angular acceleration about ``axis`` of a turn of ``magnitude`` but for friction [rad/s^2]."""
-    if opposition is None:
-        return k * magnitude
-    xp = _to_numpy(magnitude)
-    return k * magnitude + xp.sign(magnitude) * opposition.tipping * (1 - axis[2] ** 2)
+def find_righting(opposition: Opposition, axis):
+    """Angular deceleration of what turns about ``axis``, unit vector, shape (3,): by friction, by weight [rad/s^2]."""
+    return opposition.turning * axis[2] ** 2 + opposition.tipping * (1 - axis[2] ** 2)
 
 
-def find_rubbing(opposition: Opposition, axis):
-    """Angular deceleration by friction of what spins about ``axis``, unit vector, shape (3,) [rad/s^2]."""
-    return opposition.turning * axis[2] ** 2
+def find_balance(x: np.ndarray, mass: np.ndarray, axis: np.ndarray) -> tuple[float, float]:
+    """The balance of what stands and is turned over an edge of its foot, as weight holds it upright until then.
+
+    Args:
+        x: Its particles [m], shape (n, 3).
+        mass: Their masses, of any scale, shape (n,).
+        axis: Unit vector.
+
+    Returns:
+        The turn at which the mass centre is highest over what it rests on [rad], and b / R^2: how far inside its foot
+        the mass centre is, over the squared radius of gyration about the axis [1/m].
+    """
+    r = x - np.average(x, axis=0, weights=mass)
+    side, along = np.cross(axis, r)[:, 2], axis[2] * (r @ axis)
+    angles = np.linspace(0, _FARTHEST, 61)
+    c, s = np.cos(angles), np.sin(angles)
+    heights = np.array([-(u * r[:, 2] + v * side + (1 - u) * along).min() for u, v in zip(c, s)])
+    falls = heights < np.maximum.accumulate(heights) - _FALLEN * np.ptp(x, axis=0).max()
+    balance = angles[heights[: np.argmax(falls) if falls.any() else None].argmax()]
+    inside = ((heights - heights[0] * c)[1:_FIRST] / s[1:_FIRST]).max()
+    squared = np.average((r**2).sum(1) - (r @ axis) ** 2, weights=mass)
+    return float(balance), float(inside / max(squared, _TINY))
 
 
 def describe_opposition(opposition: Opposition) -> str:

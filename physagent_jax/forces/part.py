@@ -29,6 +29,23 @@ PartRole = Literal[
     "lid",
     "knob",
     "back",
+    "finger",
+    "thumb",
+    "forefinger",
+    "middlefinger",
+    "ringfinger",
+    "littlefinger",
+    "toe",
+    "heel",
+    "tip",
+    "nose",
+    "bow",
+    "stern",
+    "blade",
+    "grip",
+    "stem",
+    "crown",
+    "neck",
     "top",
     "bottom",
     "side",
@@ -85,14 +102,18 @@ class Part(Strict):
             as a whole, and about its own middle. Others turn about their joint.
         roles: What it may be, surest first: "ear" and "horn" come in pairs on a head, "arm" in pairs elsewhere, "wing"
             is a flat one; "leg" stands on the ground with another, "back" on legs; "handle" is a loop, "spout" is
-            across from it; "tail" is across from the head; "lid" and "knob" are on top. "top", "bottom" and "side"
-            tell its place alone.
+            across from it; "tail" is across from the head; "lid" and "knob" are on top. "finger" and "thumb" are on a
+            hand. "toe" to "neck" are ends and sections, told by how broad the object is along its axis; a "grip" is the
+            end of a handle. "top", "bottom" and "side" tell its place alone.
         moved: Particles that move with it: all but those next to its joint.
         rest: Particles of the rest of the object.
         joint: Where it joins the rest (bounding-box fractions).
         arm: From there to its tip [body lengths].
         side: Where it is, seen from the object's middle (unit world vector).
         share: Share of the object's volume.
+        neck: Spread of where it joins the rest along each world axis (standard deviations) [body lengths]; 0 = not
+            known, or nothing joins them.
+        confidence: Chance that its first role is right, by how clearly its shape tells.
     """
 
     name: Annotated[str, Field(max_length=MOST_LETTERS)] = ""
@@ -106,6 +127,8 @@ class Part(Strict):
     arm: Numbers
     side: Direction
     share: float = Field(ge=0, le=1)
+    neck: Numbers = (0.0, 0.0, 0.0)
+    confidence: float = Field(default=1.0, ge=0, le=1)
 
 
 def split_name(name: str) -> tuple[str, ...]:

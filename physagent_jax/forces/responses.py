@@ -23,6 +23,7 @@ def scale_entry(scaling: SkillScaling, entry: Action | VelocityConstraint) -> Sk
     if response is None:
         return scaling
     changes = {response.quantity: response.k, "holding": None, "measured": True, "share": response.share}
+    changes["swing"] = None if response.answer is None else response.swing
     if response.share is not None and scaling.opposition is not None:
         opposition = scaling.opposition  # a part bears the weight of the whole
         more = {name: getattr(opposition, name) / response.share for name in ("weight", "tipping")}

@@ -19,7 +19,7 @@ import math
 from pydantic import ValidationError
 
 from physagent_jax.core.reading import format_validation_error
-from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL, STRAIN, SWING, TRAVEL, TURN
+from physagent_jax.forces.calibration import EXPECTED_SWAY, PRESCRIBED_TRAVEL, STRAIN, SWING, TRAVEL, TURN
 from physagent_jax.forces.opposition import describe_opposition
 from physagent_jax.forces.schema import Holding, Opposition, SkillScaling
 from physagent_jax.forces.swinging import describe_swing
@@ -61,9 +61,8 @@ def make_closed_form_scaling(
         reason += f", damping {damping_rate:.3g} /s"
     if opposition is not None:
         reason += f"; {describe_opposition(opposition)}"
-    swing = None if holding is not None else SWING * extent
-    if swing is not None:
-        reason += f"; {describe_swing(swing)}"
+    swing = (SWING if holding is None else EXPECTED_SWAY) * extent
+    reason += f"; {describe_swing(swing)}"
     if holding is not None:
         reason += (
             f"; held: a push or blow of 1 is to move its centre by {holding.shift:.3g} m, with {holding.least:.3g} to "

@@ -78,6 +78,22 @@ class CellsRegion(Strict):
     rigid: bool = False
 
 
+class Bend(Strict):
+    """The place beside a joint where a driven part bends, so that its skin does not crease.
+
+    Attributes:
+        joint: Where the part joins the rest (bounding-box fractions).
+        rest: Particles that stay; all others belong to the part.
+        reach: Distance from the joint within which the rest borders on the part [body lengths].
+        depth: Way into the part over which its motion grows from none to all of it [body lengths].
+    """
+
+    joint: _Place
+    rest: CellsRegion
+    reach: float = Field(gt=0, le=2)
+    depth: float = Field(gt=0, le=2)
+
+
 Region = Annotated[BoxRegion | HalfSpaceRegion | SphereRegion | CellsRegion, Field(discriminator="kind")]
 
 
@@ -146,12 +162,15 @@ class VelocityConstraint(_Timed):
             the window ends. A sudden skill has none.
         pivot: Point that particles turn about, for a rotation (bounding-box fractions): a joint; None = their own
             centre.
+        bend: Where the part bends beside its joint, whose own particles then move too; None = nowhere: those of
+            ``region`` move as a whole.
         vector, magnitude, gain, active_time, region, object: as for `Action`.
     """
 
     constraint_type: ConstraintType
     held_until: _Frame | None = None
     pivot: _Place | None = None
+    bend: Bend | None = None
 
     @model_validator(mode="after")
     def _check_held(self) -> VelocityConstraint:
@@ -205,6 +224,8 @@ class Opposition(Strict):
 # [s^2]; rho L^2 / E of the softest matter that can be given is near its bound.
 _Compliance = Annotated[float, Field(ge=-1e15, le=1e15)]
 _ComplianceRow = tuple[_Compliance, _Compliance, _Compliance]
+_Square = Annotated[float, Field(ge=-1e30, le=1e30)]
+_SquareRow = tuple[_Square, _Square, _Square]
 
 
 class Holding(Strict):
@@ -212,11 +233,13 @@ class Holding(Strict):
 
     Attributes:
         compliance: Mean displacement per uniform acceleration [s^2], rows answer the world's axes.
+        square: Mean product of these displacements [s^4]: how fast it swings; None = not known.
         shift: How far M = 1 is to move its centre [m].
         least, most: Limits of what a push's k may be [m/s^2].
     """
 
     compliance: tuple[_ComplianceRow, _ComplianceRow, _ComplianceRow]
+    square: tuple[_SquareRow, _SquareRow, _SquareRow] | None = None
     shift: Positive
     least: Positive
     most: Positive
@@ -232,6 +255,9 @@ class Response(Strict):
         k: The skill's k.
         share: Share of its acceleration that the whole gains, where it is too stiff to bend and the whole is led;
             None = it bends.
+        answer: Way per steady acceleration of what is held [s^2], for pushes to and fro; None = not known.
+        frequency: Angular frequency with which it swings by itself [1/s].
+        swing: Way to either side that pushes to and fro are to take it [m].
         note: What M = 1 cannot show, for people; empty where it shows.
     """
 
@@ -240,12 +266,15 @@ class Response(Strict):
     vector: Direction
     k: Positive
     share: Positive | None = None
+    answer: Positive | None = None
+    frequency: Positive = 1.0
+    swing: Positive = 1.0
     note: str = ""
 
     @property
     def key(self) -> str:
         """Everything that entries are told by."""
-        return self.model_dump_json(exclude={"k", "share", "note"})
+        return self.model_dump_json(exclude={"k", "share", "answer", "frequency", "swing", "note"})
 
 
 class SkillScaling(Strict):

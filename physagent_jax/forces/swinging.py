@@ -1,4 +1,4 @@
-"""Pushes to and fro of a free object: how far each goes is what M says, however short they are.
+"""Pushes to and fro: how far each goes is what M says, however short they are, of a free object and of a held one.
 
 How far a push goes grows with the square of its time: one that carries the object visibly in two seconds shows nothing
 in a tenth of one. A train of pushes that follow each other, each against the one before, and that in all give back what
@@ -8,6 +8,10 @@ they took, swings the object about one place. With half a period h, M = 1 is to 
 
 t the time in which a push stops what the one before has set going: the steady state of a square wave. Each push also
 knows the speed that it begins with, which a brake has too: friction is made up for on the way from there.
+
+What is held, and a part of it, is an oscillator: pushes in time with it swing it far, quick ones hardly. With u its way
+per steady acceleration, and p u how far to either side the pushes of a train with k = 1 swing it, damped as
+`forces.holding.OVERSHOOT` says, k = s / (p u).
 """
 
 from __future__ import annotations
@@ -19,7 +23,9 @@ import numpy as np
 from jax.core import Tracer
 
 from physagent_jax.forces.binding import Stroke
+from physagent_jax.forces.holding import OVERSHOOT, find_frequency, find_way
 from physagent_jax.forces.parameters import ActionParameters
+from physagent_jax.forces.responses import find_response
 from physagent_jax.forces.schema import Action, ForceField, SkillScaling
 from physagent_jax.forces.skills import get_skill
 
@@ -27,6 +33,8 @@ LEAST_PUSHES = 3  # out, back and to rest; two are a push and its brake
 _PARALLEL = 0.99  # cosine
 _GAP = 1.0  # [frames] between pushes that follow each other
 _BALANCE = 0.25  # of the strongest push: what the others may leave of its velocity
+_DAMPING = -np.log(OVERSHOOT - 1) / np.hypot(np.pi, np.log(OVERSHOOT - 1))  # ratio with that overshoot
+_SAMPLES = 16  # of a push, at which the way is looked at
 
 
 def find_strokes(
@@ -37,15 +45,29 @@ def find_strokes(
     Args:
         field: The force field.
         values: Its numbers, traced or not.
-        scaling: What M = 1 means; what is held has no such pushes.
+        scaling: What M = 1 means; of what is held or bends, only trains to and fro are found, and no speeds.
         frame_dt: Seconds per frame [s].
     """
     strokes: dict[int, Stroke] = {}
-    for run in [] if scaling.holding is not None else _find_runs(field):
+    for run in find_runs(field):
         actions, numbers = [field.actions[i] for i in run], [values[i] for i in run]
         spans = [(each.window[1] - each.window[0]) * frame_dt for each in numbers]
         xp = jnp if any(isinstance(span, Tracer) for span in spans) else np
-        k, swings = scaling.translation, _swings(actions)
+        k, swings = scaling.translation, is_swing(actions)
+        response = find_response(scaling, actions[0])
+        if response is not None or scaling.holding is not None:
+            if not _alternate(actions):  # what is held goes back by itself: they need not balance
+                continue
+            held, way = scaling.holding, numbers[0].vector
+            if response is not None and response.answer is not None:
+                k = response.swing / (response.answer * _find_width(response.frequency, actions, spans))
+            elif response is None and held is not None and held.square is not None and scaling.swing:
+                peak = find_way(held, way) * _find_width(find_frequency(held, way), actions, spans)
+                k = xp.minimum(scaling.swing / peak, held.most)
+            else:
+                continue
+            strokes |= {index: Stroke(k, 0.0, True) for index in run}
+            continue
         if swings and scaling.swing is not None:
             half_period = xp.max(xp.stack([xp.asarray(span) for span in spans]))
             k = _find_scale(scaling.swing, scaling.damping_rate, half_period, xp)
@@ -57,7 +79,7 @@ def find_strokes(
     return strokes
 
 
-def _find_runs(field: ForceField) -> list[list[int]]:
+def find_runs(field: ForceField) -> list[list[int]]:
     """Places of pushes of the same particles along one line that follow each other, two at least."""
     pushes = [
         index
@@ -87,10 +109,15 @@ def _follows(before: Action, action: Action) -> bool:
     return same and abs(late) <= _GAP and abs(alike) > _PARALLEL
 
 
-def _swings(actions: Sequence[Action]) -> bool:
-    """Return whether each goes against the one before, and they give back what they took."""
+def _alternate(actions: Sequence[Action]) -> bool:
+    """Return whether each goes against the one before."""
     ways = [_find_way(action) for action in actions]
-    if len(actions) < LEAST_PUSHES or any(a @ b > 0 for a, b in zip(ways, ways[1:])):
+    return len(actions) >= LEAST_PUSHES and all(a @ b < 0 for a, b in zip(ways, ways[1:]))
+
+
+def is_swing(actions: Sequence[Action]) -> bool:
+    """Return whether each of successive pushes goes against the one before, and they give back what they took."""
+    if not _alternate(actions):
         return False
     given = [abs(a.magnitude) * (a.active_time[1] - a.active_time[0]) for a in actions if a.active_time]
     left = abs(sum(size if index % 2 else -size for index, size in enumerate(given)))
@@ -103,6 +130,23 @@ def _find_scale(amplitude: float, drag: float, half_period, xp):
         return 8 * amplitude / half_period**2
     turned = xp.log1p(xp.tanh(0.5 * drag * half_period)) / drag
     return 2 * amplitude * drag / (half_period - 2 * turned)
+
+
+def _find_width(frequency, actions: Sequence[Action], spans: Sequence):
+    """The width to either side of an oscillator's swing, from rest, over what each push alone would bend it [1]."""
+    xp = jnp if any(isinstance(each, Tracer) for each in (frequency, *spans)) else np
+    decay, turned = _DAMPING * frequency, np.sqrt(1 - _DAMPING**2) * frequency
+    place, speed, most, least = 0.0, 0.0, 0.0, 0.0
+    for action, span in zip(actions, spans):
+        rest = np.sign(_find_way(action) @ _find_way(actions[0]))
+        time = span * np.linspace(0, 1, _SAMPLES + 1)[1:]
+        fades, cos, sin = xp.exp(-decay * time), xp.cos(turned * time), xp.sin(turned * time) / turned
+        off = place - rest
+        places = rest + fades * (off * cos + (speed + decay * off) * sin)
+        speeds = fades * (speed * cos - (off * frequency**2 + decay * speed) * sin)
+        place, speed = places[-1], speeds[-1]
+        most, least = xp.maximum(most, places.max()), xp.minimum(least, places.min())
+    return 0.5 * (most - least)
 
 
 def _go_on(speed, acceleration, drag: float, time, xp):

@@ -8,15 +8,15 @@ methods differ by 0.001 to 0.02, and models by more: it means nothing without th
 from __future__ import annotations
 
 import dataclasses
-import importlib
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
 from physagent_jax.core.errors import MissingPackageError, UserError
 
-_BATCH = 16  # pictures at a time: a gigabyte with the largest of the published models
+if TYPE_CHECKING:
+    from physagent_jax.metrics.clip_encoder import ClipEncoder
 
 
 class PictureEncoder(Protocol):
@@ -63,61 +63,20 @@ def measure_clip_similarity(rgb: np.ndarray, sentence: str, encoder: PictureEnco
     return ClipSimilarity(float(cosines.mean()), float(cosines[0]), encoder.name)
 
 
-class TransformersClip:
-    """A CLIP model of `transformers`.
+def load_clip(folder: str | Path) -> ClipEncoder:
+    """The CLIP model of a folder; nothing is downloaded.
 
     Args:
-        model: `CLIPModel`.
-        processor: `CLIPProcessor`: the model's own resizing, cropping, normalisation and tokens.
-        name: Name of the weights.
+        folder: As Hugging Face keeps them: config.json, model.safetensors, the tokenizer's files, and
+            preprocessor_config.json where pictures are prepared otherwise than OpenAI's models do.
+
+    Raises:
+        UserError: The extra is not installed, or the folder does not hold a CLIP model.
     """
-
-    def __init__(self, model: Any, processor: Any, name: str):
-        if (kind := model.config.model_type) != "clip":
-            raise UserError("CLIPsim is of a CLIP model", got=kind, do="Give the folder of a CLIPModel")
-        self.name = name
-        self._model, self._processor = model.eval(), processor
-
-    @classmethod
-    def load(cls, folder: str | Path) -> TransformersClip:
-        """Read weights, tokens and picture sizes from a folder; nothing is downloaded.
-
-        Raises:
-            UserError: The extra is not installed, or the folder does not hold a CLIP model.
-        """
-        source = _import("transformers")
-        _import("torch")
-        try:
-            processor = source.CLIPProcessor.from_pretrained(str(folder), local_files_only=True)
-            model = source.AutoModel.from_pretrained(str(folder), local_files_only=True)
-        except (OSError, ValueError, TypeError) as error:
-            raise UserError(
-                f"this folder holds no CLIP model that can be read ({str(error).splitlines()[0][:150]})",
-                got=folder,
-                do="Give a folder with config.json, weights, tokenizer and preprocessor_config.json, "
-                "as of openai/clip-vit-base-patch32",
-            ) from None
-        return cls(model, processor, Path(folder).name)
-
-    def compare(self, rgb: np.ndarray, sentence: str) -> np.ndarray:
-        """As for `PictureEncoder`; sentences of more tokens than the model takes are cut."""
-        torch = _import("torch")
-        found = []
-        for first in range(0, len(rgb), _BATCH):
-            pictures = list(rgb[first : first + _BATCH])
-            inputs = self._processor(
-                text=[sentence], images=pictures, return_tensors="pt", padding=True, truncation=True
-            )
-            with torch.no_grad():
-                answer = self._model(**inputs)
-            pictures = torch.nn.functional.normalize(answer.image_embeds.double(), dim=-1)
-            words = torch.nn.functional.normalize(answer.text_embeds.double(), dim=-1)
-            found.append((pictures @ words[0]).cpu().numpy())
-        return np.concatenate(found)
-
-
-def _import(name: str) -> Any:
     try:
-        return importlib.import_module(name)
+        from physagent_jax.metrics.clip_encoder import ClipEncoder
     except ImportError as error:
-        raise MissingPackageError(f"CLIPsim needs `{name}` ({error})", "clip") from None
+        raise MissingPackageError(
+            f"CLIPsim needs a package that is not installed ({error})", "clip"
+        ) from None
+    return ClipEncoder.load(folder)

@@ -1,32 +1,23 @@
-"""The motion of a part that sticks out: which part is meant, and how it turns about its joint.
-
-A limb is moved by what is prescribed: it turns about its joint so that its tip goes where it is to go, or moves along
-itself where the way leads along it.
-"""
+"""The part that a word means, of those that stick out."""
 
 from __future__ import annotations
 
-import dataclasses
+import itertools
 import math
 from collections.abc import Sequence
 
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.part import Part
-from physagent_jax.forces.schema import VelocityConstraint
-from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.motion.vectors import add, clamp, cosine, cross, dot, norm, normalise, scale, subtract
+from physagent_jax.motion.schema import SceneBrief
+from physagent_jax.motion.vectors import add, cosine, cross, norm, normalise, scale
 
-_PLAIN = 45.0  # [degrees] that a plain word turns a limb by
-_LEAST, _MOST = 15.0, 80.0  # [degrees]
-_ALONG = 0.85  # cosine to the limb from which on a way leads along it
-_REACH = 0.3  # of its length, by which a plain word moves a limb along itself
-_LIFTED = 1.0  # the same of a lid, which lies loose and comes off
+_LEVEL = 0.5  # cosine to the vertical below which a line is level
 _THERE = 0.2  # cosine to a side from which on a limb is on it
-Window = tuple[float, float]
 PLACES = ("top", "bottom", "side")
 """Roles that tell a part's place alone: a word for another part takes it where it is the only one there."""
-LOOSE = frozenset((*PLACES, "lid", "knob"))
+SEATED = frozenset(("crown", "lid", "knob", "top"))
+"""Roles of what sits on the rest with a broad face."""
+LOOSE = frozenset((*PLACES, "lid", "knob", "crown"))
 """Roles of what may sit loose on the rest."""
 
 
@@ -73,72 +64,25 @@ def find_front(parts: Sequence[Part]) -> Vector | None:
     return normalise((heads[0].side[0], heads[0].side[1], 0.0))
 
 
-def find_swing(part: Part, brief: SceneBrief) -> Vector:
-    """The level way across a limb; the viewer's right where it stands upright."""
-    return normalise(cross(brief.directions.up, part.arm)) or brief.directions.right
+def stands_on_legs(parts: Sequence[Part]) -> bool:
+    """Return whether an animal's legs are seen: its head and ears need not be what is highest, as a raised tail is."""
+    return any("leg" in each.roles[:1] for each in parts)
 
 
-def find_angle(motion: ExpectedMotion) -> float:
-    """Angle that a limb turns by [degrees]."""
-    if motion.amount is not None and motion.amount.unit == "degrees":
-        return motion.amount.value
-    return clamp(_PLAIN * motion.strength, _LEAST, _MOST)
+def find_level_line(brief: SceneBrief) -> Vector:
+    """The level line through something from end to end, about which it rolls over (unit vector).
 
-
-@dataclasses.dataclass(frozen=True)
-class Turning:
-    """The turning of one limb in a clip, as constraints.
-
-    Attributes:
-        part: The limb.
-        brief: The scene.
-        frame_count: Length of the clip [frames].
-        slides: Whether it sits loose on the rest, as a lid does, and is moved rather than turned.
+    It is longest along it, or looks along it, or has two like parts on either side of it (wings); else it points at the
+    viewer.
     """
-
-    part: Part
-    brief: SceneBrief
-    frame_count: int
-    slides: bool = False
-
-    def find_course(self, way: Vector, angle: float) -> Vector:
-        """The way that the tip goes: ``way``, but what hangs and is raised swings out, and cannot go into the body.
-
-        Args:
-            way: Unit world vector.
-            angle: The angle that it turns by [degrees].
-        """
-        arm, up, turn = normalise(self.part.arm), self.brief.directions.up, math.radians(angle)
-        if arm is None or dot(arm, way) > -_ALONG or abs(dot(way, up)) < _ALONG:
-            return way
-        aside = (self.part.side[0], self.part.side[1], 0.0)
-        out = find_front(self.brief.parts) or normalise(aside) or self.brief.directions.right
-        return normalise(add((scale(out, math.sin(turn)), scale(way, 1.0 - math.cos(turn))))) or way
-
-    def bring(
-        self, way: Vector, motion: ExpectedMotion, angle: float, window: Window, stop: float | None
-    ) -> VelocityConstraint:
-        """The limb turned by an angle [degrees] so that its tip goes ``way``, or moved along itself.
-
-        Args:
-            way: Unit world vector.
-            motion: For the length that the sentence tells.
-            angle: [degrees]; negative = the other way.
-            window: First and last frame.
-            stop: Frame until which it is held there; None = not.
-        """
-        arm = normalise(self.part.arm) or self.brief.directions.up
-        if abs(dot(arm, way)) < _ALONG and not self.slides:
-            axis = normalise(cross(arm, subtract(way, scale(arm, dot(arm, way))))) or self.brief.directions.up
-            return self.driver.turn(axis, angle, window, stop)
-        told = motion.amount if motion.kind is MotionKind.MOVE else None
-        if told is not None and told.unit in ("lengths", "metres"):
-            size = self.brief.size if told.unit == "metres" else 1.0
-            return self.driver.shift(way, told.value / size, window, stop)
-        reach = _LIFTED if "lid" in self.part.roles[:1] else _REACH
-        return self.driver.shift(way, reach * norm(self.part.arm) * angle / _PLAIN, window, stop)
-
-    @property
-    def driver(self) -> PartDriver:
-        """Makes the constraints."""
-        return PartDriver(self.part, self.brief.frame_dt, self.frame_count)
+    long = brief.long_axis
+    if long is not None and abs(long[2]) < _LEVEL:
+        return long
+    pairs = [
+        (math.dist(one.side, other.side), add([one.side, scale(other.side, -1.0)]))
+        for one, other in itertools.combinations(brief.parts, 2)
+        if one.roles[:1] == other.roles[:1] and "leg" not in one.roles[:1]
+    ]
+    across = max(pairs, default=(0.0, (0.0, 0.0, 0.0)))[1]
+    beside = normalise(cross(brief.directions.up, across))
+    return find_front(brief.parts) or (beside if abs(across[2]) < _LEVEL else None) or brief.directions.toward

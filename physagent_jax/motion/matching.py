@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -52,13 +53,26 @@ class Cause:
 
     @property
     def turns_limb(self) -> bool:
-        """Return whether it turns a part about its joint, whatever way that moves the part."""
-        return isinstance(self.item, VelocityConstraint) and self.item.pivot is not None
+        """Return whether it turns a part about its joint, or presses it alone, whatever way that moves the part."""
+        pressed = self.skill.deforms == "plates" and self.item.region is not None
+        return isinstance(self.item, VelocityConstraint) and (self.item.pivot is not None or pressed)
 
     @property
     def pushes(self) -> bool:
         """Return whether it is a force that lasts and moves the whole of its particles along a direction."""
         return self.group == "actions" and "move" in self.skill.causes and not self.skill.is_sudden
+
+    @property
+    def carries(self) -> bool:
+        """Return whether it leads or turns all of the object in a time of its own."""
+        whole = self.item.region is None and self.item.active_time is not None
+        return whole and self.skill.prescribes and self.skill.deforms != "plates"
+
+    @property
+    def lets_go(self) -> float:
+        """Frame at which a constraint leaves what it led to itself; infinity if it acts to the end."""
+        held = getattr(self.item, "held_until", None)
+        return held or (self.item.active_time or (0.0, math.inf))[1]
 
     def prescribe(self, **fields: Any) -> VelocityConstraint:
         """The velocity constraint that does its work, with these fields."""

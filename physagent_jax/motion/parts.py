@@ -13,7 +13,15 @@ from physagent_jax.motion.vectors import cosine, norm, subtract
 
 _SIDE = 0.5  # cosine to one of the viewer's directions from which a part lies there
 _SIDES = dict(left="left", right="right", toward="front", away="back", up="upper", down="lower")
-_PLAIN = {place: f"part at the {place}" for place in PLACES}
+_PLAIN = {place: f"part at the {place}" for place in PLACES} | {
+    "grip": "end of the handle",
+    "forefinger": "index finger",
+    "middlefinger": "middle finger",
+    "ringfinger": "ring finger",
+    "littlefinger": "little finger",
+}
+_SINGLE = ("head", "tail", "lid", "knob", "spout", "back")  # roles that an object has but one part of
+_CLEAR = 0.6  # confidence from which on a role is certain
 _MOST_SEEDS = 256  # of a region
 _RANK = {"option": 0, "file": 1, "shape": 2}
 
@@ -78,6 +86,39 @@ def explain_missing(text: str, parts: Sequence[Part]) -> str:
     known = ", ".join(dict.fromkeys(part.label or part.name or part.roles[0] for part in parts))
     told = f"the parts that are known are {known}" if known else "no part of the object is known"
     return f"Where '{text}' is, is not known: {told}; `--part` names others (`physagent inspect` shows them all)."
+
+
+def explain_guess(text: str, parts: Sequence[Part], chosen: Sequence[int], *, plural: bool) -> str | None:
+    """The doubt about parts that a word may mean, and nothing tells for certain; None if there is none.
+
+    What a person or the file names is certain. A shape tells a role; not so its place alone, a role of which it says
+    that it may as well be another one, one of a pair where all are meant, or one of several where there is but one.
+
+    Args:
+        text: The word in the sentence.
+        parts: The object's parts.
+        chosen: Places of those that it is taken to mean.
+        plural: Whether it means several.
+    """
+    guessed = [index for index in chosen if not parts[index].name]
+    if not guessed:
+        return None
+    part = parts[guessed[0]]
+    rivals = [each for each in parts if each.roles[:1] == part.roles[:1] and not each.name]
+    several = part.roles[0] in _SINGLE and len(rivals) > 1 and not plural
+    clear = part.roles[0] not in PLACES and part.confidence >= _CLEAR
+    if clear and not several and not (plural and len(chosen) == 1):
+        return None
+    label, number = part.label or part.roles[0], guessed[0] + 1
+    return (
+        f"Whether '{text}' is the {label} (part {number}) is not certain: `--part {_get_noun(text)}={number}` says so, "
+        "or names another one (`physagent inspect` shows them all)."
+    )
+
+
+def _get_noun(text: str) -> str:
+    words = split_name(text)
+    return words[-1] if words else text
 
 
 def list_names(brief: SceneBrief) -> frozenset[tuple[str, ...]]:

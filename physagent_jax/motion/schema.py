@@ -63,7 +63,7 @@ class SceneBrief(Strict):
         object_kind: Class with a physical prior: "plant", "food", "jelly", "robot", "instrument", "animal", "object".
         object_nouns: Nouns that may name it beside its name: those of its kind, or of all kinds if that is unknown.
         anchored: What is held fixed, in words; None if the object is free.
-        may_be_held: Whether a later round may hold what is free: the user has not chosen.
+        may_be_held: Whether what is free may be held, at once or in a later round: the user has not chosen.
         frame_count: Number of frames of the clip.
         frames_fixed: Whether the user fixed that number; else the semantic agent may ask for another
             (`SemanticReply.frame_count`).

@@ -65,3 +65,12 @@ def cosine(a: Vector, b: Vector) -> float:
 def clamp(value: float, low: float, high: float) -> float:
     """``value`` limited to [low, high]."""
     return min(max(value, low), high)
+
+
+def rotate(v: Vector, turn: Vector) -> Vector:
+    """A vector turned by a rotation vector [deg] (Rodrigues)."""
+    axis, angle = normalise(turn), math.radians(norm(turn))
+    if axis is None:
+        return v
+    c, s = math.cos(angle), math.sin(angle)
+    return add([scale(v, c), scale(cross(axis, v), s), scale(axis, dot(axis, v) * (1 - c))])

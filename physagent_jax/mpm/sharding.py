@@ -227,6 +227,7 @@ class ParticleLayout:
         split = {
             name: jnp.broadcast_to(getattr(constraint, name), particles.shape)[which]
             for name in find_fields(constraint, **PER_HELD)
+            if getattr(constraint, name) is not None
         }
         return dataclasses.replace(constraint, **split | {indices[0]: places})
 

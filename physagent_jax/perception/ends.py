@@ -20,6 +20,8 @@ DIRECTIONS = np.concatenate([s * np.eye(3)[[k]] for k in range(3) for s in (1, -
 """World axes, one per end, shape (6, 3)."""
 SHARE = 1 / 3
 """Share of the surface seen in frame 0 that makes an end."""
+KEPT_PART = 0.5
+"""Share of a part's points below which new ones are seeded: a limb turns far while the whole hardly moves."""
 FEWEST = 9
 """Pairs of points below which an end's motion is not fitted."""
 
@@ -85,17 +87,26 @@ class Ends:
             frame: Where they were seeded.
             points: World positions [m], nan where unknown, shape (N, 3).
         """
+        if frame == 0:
+            self.poses[0] = [Affine.identity()] * len(self.centers)
+        self._base, self._belongs = list(self.poses[frame]), self._divide(frame, points)
+
+    def find_parts(self, frame: int, points: np.ndarray) -> np.ndarray:
+        """Return which points on the surface of a frame belong to each of the parts, shape (n, p)."""
+        return self._divide(frame, points)[:, len(DIRECTIONS) :]
+
+    def _divide(self, frame: int, points: np.ndarray) -> np.ndarray:
+        """Return which points belong to each end and part, shape (n, 6 + p)."""
         known = np.isfinite(points[:, 0])
         belongs = np.zeros((len(points), len(self.centers)), bool)
         if frame == 0:
             belongs[known, : len(DIRECTIONS)] = points[known] @ DIRECTIONS.T >= self.limits
             for k, prompt in enumerate(self.prompts, len(DIRECTIONS)):
                 belongs[known, k] = prompt.holds(points[known])
-            self.poses[0] = [Affine.identity()] * len(self.centers)
         elif self._last is not None and known.any():
             places, whose = self._last
             belongs[known] = whose[KDTree(places).query(points[known])[1]]
-        self._base, self._belongs = list(self.poses[frame]), belongs
+        return belongs
 
     def fit(
         self, frame: int, before: np.ndarray, after: np.ndarray, trust: np.ndarray, pairs: np.ndarray
@@ -117,6 +128,17 @@ class Ends:
             step = fit_affine(before[own], after[own], trust[own], prior=0.05, iterations=4)
             self.poses[frame][k] = step.after(base)
         self._last = after, belongs
+
+    def loses_part(self, pairs: np.ndarray) -> bool:
+        """Return whether a part has lost half of the link's points that lie on it.
+
+        Args:
+            pairs: Which of the link's points are left, bool, shape (N,).
+        """
+        known = np.array([pose is not None for pose in self._base], bool) & (self._belongs.sum(0) >= FEWEST)
+        known[: len(DIRECTIONS)] = False
+        left = self._belongs[pairs].sum(0)
+        return bool((known & (left < np.maximum(KEPT_PART * self._belongs.sum(0), FEWEST))).any())
 
     def lose(self) -> None:
         """Forget which point belongs to which end: what is seeded later has no earlier neighbours."""

@@ -20,6 +20,9 @@ from physagent_jax.render.camera import Camera
 
 SEEDS = 300
 """Points seeded per link, about."""
+PART_SEEDS = 60
+"""The same on each part that is followed by itself, more densely: a thin one has few pixels."""
+NO_SEEDS = np.zeros((0, 2))
 FEWEST = 12
 """Pairs of points below which no motion is fitted."""
 KEPT_LINK = 0.6
@@ -98,7 +101,8 @@ def follow(
             path.kept[start] = path.kept[start] or 1.0
             path.links += 1
             span = slice(start, min(start + horizon, count))
-            reached = link(path, span, base, chain, seeds, clip, depths, camera)
+            more = _place_part_seeds(path.ends, start, frames[start], depths[start], camera)
+            reached = link(path, span, base, chain, seeds, clip, depths, camera, more)
         if reached > start:
             horizon = max(
                 4, 2 * (reached - start)
@@ -111,9 +115,14 @@ def follow(
     return path
 
 
-def link(path, span, base, chain, seeds, clip: EncodedClip, depths, camera) -> int:
-    """Follow one set of seeds, write what it finds into ``path``; return the last frame that it reached."""
+def link(path, span, base, chain, own, clip: EncodedClip, depths, camera, more=NO_SEEDS) -> int:
+    """Follow one set of seeds, write what it finds into ``path``; return the last frame that it reached.
+
+    The seeds ``more`` tell of parts alone: the whole would else be taken for the part that has most of them.
+    """
     start = reached = span.start
+    seeds = np.concatenate([own, more])
+    whole = np.arange(len(seeds)) < len(own)
     queries = np.concatenate([np.full((len(seeds), 1), start), seeds], 1)
     followed = _clean(clip.track(queries, until=span.stop))
     before = lift.unproject(seeds, lift.sample(depths[start], seeds), camera)
@@ -126,22 +135,27 @@ def link(path, span, base, chain, seeds, clip: EncodedClip, depths, camera) -> i
         at, on, sure = followed.xy[t], followed.visible[t], followed.confidence[t]
         after = lift.unproject(at, lift.sample(depths[t], at), camera)
         pairs = on & (sure > 0) & known & np.isfinite(after[:, 0])
-        kept = pairs.sum() / len(seeds)
-        if pairs.sum() < FEWEST or kept < KEPT_FIT:
+        kept = (pairs & whole).sum() / len(own)
+        if (pairs & whole).sum() < FEWEST or kept < KEPT_FIT:
             break
         # Where the surface is steep, a pixel off is far off in depth.
         trust = (np.minimum(face, lift.measure_facing(depths[t], at, camera))[pairs] + 0.05) * sure[pairs]
-        step = fit_affine(before[pairs], after[pairs], trust)
+        mine = whole[pairs]
+        step = fit_affine(before[pairs & whole], after[pairs & whole], trust[mine])
         path.poses[t], path.chain[t], path.kept[t] = step.after(base), chain, kept
         if path.ends is not None:
             path.ends.fit(t, before[pairs], after[pairs], trust, pairs)
         reached = t
         tilt = np.degrees(np.arccos(np.clip(forward @ step.rotation @ forward, -1, 1)))
-        if kept < KEPT_LINK or tilt > LARGEST_TILT:
+        loses = path.ends is not None and path.ends.loses_part(pairs)
+        if kept < KEPT_LINK or tilt > LARGEST_TILT or loses:
             break
-    full = np.zeros_like(followed.xy)
-    shown = np.zeros_like(followed.visible)
-    full[span], shown[start : reached + 1] = followed.xy[span], followed.visible[start : reached + 1]
+    full = np.zeros_like(followed.xy[:, whole])
+    shown = np.zeros_like(followed.visible[:, whole])
+    full[span], shown[start : reached + 1] = (
+        followed.xy[span, whole],
+        followed.visible[start : reached + 1, whole],
+    )
     path.tracks = np.concatenate([path.tracks, full], 1)
     path.visible = np.concatenate([path.visible, shown], 1)
     return reached
@@ -155,19 +169,39 @@ def _clean(tracks: Tracks) -> Tracks:
     return Tracks(xy, np.asarray(tracks.visible, bool) & finite, sure)
 
 
-def place_seeds(frame: np.ndarray, depth: np.ndarray, count: int = SEEDS) -> tuple[np.ndarray, np.ndarray]:
+def _place_part_seeds(
+    ends: Ends | None, start: int, frame: np.ndarray, depth: np.ndarray, camera: Camera
+) -> np.ndarray:
+    """More seeds on each part [px], shape (N, 2)."""
+    if ends is None or not ends.prompts:
+        return NO_SEEDS
+    y, x = np.nonzero(np.isfinite(depth))
+    belongs = ends.find_parts(start, lift.unproject(np.stack([x + 0.5, y + 0.5], 1), depth[y, x], camera))
+    found = [NO_SEEDS]
+    for mine in belongs.T:
+        within = np.full_like(depth, np.nan)
+        within[y[mine], x[mine]] = depth[y[mine], x[mine]]
+        found.append(place_seeds(frame, within, PART_SEEDS, least=2, rim=0)[0])
+    return np.concatenate(found)
+
+
+def place_seeds(
+    frame: np.ndarray, depth: np.ndarray, count: int = SEEDS, *, least: int = 3, rim: int = 1
+) -> tuple[np.ndarray, np.ndarray]:
     """The best-textured pixel of each cell of a grid over the trusted surface.
 
     Args:
         frame: Picture, uint8, shape (H, W, 3).
         depth: Trusted z-depth, nan elsewhere, shape (H, W).
         count: How many, about.
+        least: Side of a cell, at least [px].
+        rim: Width of the surface's rim that is left out [px].
 
     Returns:
         Points [px], shape (N, 2), and their corner strength, shape (N,).
     """
-    known = cv2.erode(np.isfinite(depth).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
-    cell = max(3, round(float(np.sqrt(known.sum() / count))))
+    known = cv2.erode(np.isfinite(depth).astype(np.uint8), np.ones((2 * rim + 1,) * 2, np.uint8)) > 0
+    cell = max(least, round(float(np.sqrt(known.sum() / count))))
     corner = cv2.cornerMinEigenVal(cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY), 5)
     score = np.where(known, corner, -1.0)
     h, w = (n // cell * cell for n in score.shape)

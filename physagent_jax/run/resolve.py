@@ -18,7 +18,7 @@ from physagent_jax.run.holding import check_hold, find_hold
 from physagent_jax.run.material import resolve_material
 from physagent_jax.run.prompt import read_mask
 from physagent_jax.run.provenance import hash_settings
-from physagent_jax.run.rigidity import RIGID_NOTE, is_hard, keeps_shape, make_rigid
+from physagent_jax.run.rigidity import RIGID_NOTE, STIFF_NOTE, is_hard, is_stiffened, keeps_shape, make_rigid
 from physagent_jax.run.sentence_material import SaidMaterial, choose_said_material
 from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
 from physagent_jax.run.up_axis import explain_up, find_up
@@ -104,15 +104,18 @@ class ResolvedRun:
         hold = self.find_hold(reply)
         held = () if hold is None else check_hold(hold, template.anchor, body, reply, self.base_dir)
         said = self.find_material(reply).preset
-        if hold is None and is_hard(self.spec.material, template.source.kind, said) and keeps_shape(reply):
+        keeps = hold is None and keeps_shape(reply)
+        if keeps and is_hard(self.spec.material, template.source.kind, said):
             template, told = make_rigid(template), (RIGID_NOTE,)  # a softer stand-in's looks are not seen
-        template, notes = make_stand(
-            template,
-            body,
-            keep_material=self.spec.material.says_stiffness,
-            keep_weight=reply.world.gravity is not None,
+        options = dict(
+            keep_material=self.spec.material.says_stiffness, keep_weight=reply.world.gravity is not None
         )
-        return template, (*told, *held, *notes)
+        standing, notes = make_stand(template, body, **options)
+        bearing = standing.bearing
+        if keeps and bearing is not None and is_stiffened(self.spec.material, said, bearing):
+            told = (*told, STIFF_NOTE.format(bearing.most))
+            standing, notes = make_stand(make_rigid(template), body, **options)
+        return standing, (*told, *held, *notes)
 
     def find_material(self, reply: SemanticReply) -> SaidMaterial:
         """The material that the sentence chooses, given its ``reply``."""

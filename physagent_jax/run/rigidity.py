@@ -15,10 +15,12 @@ from physagent_jax.forces.skills import get_skill
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind
 from physagent_jax.run.spec import MaterialChoice
 from physagent_jax.scene import materials, priors
-from physagent_jax.scene.config import MaterialModel
+from physagent_jax.scene.config import Bearing, MaterialModel
 from physagent_jax.scene.priors import PRIORS
 from physagent_jax.scene.template import SceneTemplate
 
+STIFFENED = 10.0
+"""Factor on the stiffness of parts beyond which a kind's matter is no softer to look at, and slow to simulate."""
 STEP = 4e-3
 """Longest substep of a rigid body [s]: at the speed of a fall from its own height it moves by less than half a cell."""
 RIGID_NOTE = (
@@ -26,6 +28,11 @@ RIGID_NOTE = (
     "deform"
 )
 """The note for the user."""
+STIFF_NOTE = (
+    "the object moves as a rigid body: parts of it would have to be {:.2g} times as stiff as its kind is to bear its "
+    "weight, and nothing asks it to deform; `material.youngs_modulus` makes it deform"
+)
+"""The same of what is not hard."""
 _AS_A_WHOLE = frozenset((MotionKind.MOVE, MotionKind.FALL, MotionKind.ROTATE, MotionKind.STILL))
 _UPRIGHT = 0.9  # component of an axis about which nothing tips over
 
@@ -33,14 +40,14 @@ _UPRIGHT = 0.9  # component of an axis about which nothing tips over
 def keeps_shape(reply: SemanticReply) -> bool:
     """Return whether a sentence moves the object as a whole, and nothing in it asks for another shape.
 
-    A force field without expectations says nothing of that: it may be one of many that are compared. What is tipped
-    over has to give a little before it goes, as sizes of forces are (`forces.scaling`).
+    A force field without expectations says nothing of that: it may be one of many that are compared. What leans and
+    does not fall has to give a little, as sizes of forces are (`forces.scaling`).
     """
-    field = reply.force_field
+    field, falls = reply.force_field, any(each.kind is MotionKind.FALL for each in reply.expectations)
     entries = (*field.actions, *field.constraints)
     return (
         bool(reply.expectations)
-        and all(_is_whole(each) for each in reply.expectations)
+        and all(_is_whole(each, falls) for each in reply.expectations)
         and not any(entry.region or _presses(entry) for entry in entries)
     )
 
@@ -50,14 +57,15 @@ def _presses(entry: Action | VelocityConstraint) -> bool:
     return skill.quantity == "scale" or skill.deforms == "plates"
 
 
-def _is_whole(motion: ExpectedMotion) -> bool:
-    tipped = (
+def _is_whole(motion: ExpectedMotion, falls: bool) -> bool:
+    leans = (
         motion.kind is MotionKind.ROTATE
         and motion.direction is not None
         and abs(motion.direction[2]) < _UPRIGHT
+        and not falls
     )
     named = motion.partial or motion.part is not None or motion.limb is not None
-    return motion.kind in _AS_A_WHOLE and motion.repeats == 1 and not (named or tipped)
+    return motion.kind in _AS_A_WHOLE and motion.repeats == 1 and not (named or leans)
 
 
 def is_hard(choice: MaterialChoice, kind: str, said: str | None) -> bool:
@@ -68,11 +76,26 @@ def is_hard(choice: MaterialChoice, kind: str, said: str | None) -> bool:
         kind: The object's kind.
         said: Kind or library entry that the sentence chooses; None = none.
     """
-    if choice.says_stiffness or choice.poissons_ratio is not None or choice.damping_ratio is not None:
+    if _is_chosen(choice):
         return False
     if said is None or said in PRIORS:
         return priors.is_hard(said or kind)
     return materials.is_hard(materials.find_material(said).material)
+
+
+def is_stiffened(choice: MaterialChoice, said: str | None, bearing: Bearing | None) -> bool:
+    """Return whether parts had to be made so stiff to bear the weight that the object is as good as hard.
+
+    Args:
+        choice: The user's choice.
+        said: As for `is_hard`.
+        bearing: What was made stiffer.
+    """
+    return said is None and not _is_chosen(choice) and bearing is not None and bearing.most > STIFFENED
+
+
+def _is_chosen(choice: MaterialChoice) -> bool:
+    return choice.says_stiffness or choice.poissons_ratio is not None or choice.damping_ratio is not None
 
 
 def make_rigid(template: SceneTemplate) -> SceneTemplate:

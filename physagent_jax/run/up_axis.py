@@ -13,7 +13,7 @@ from physagent_jax.run.spec import ObjectChoice
 from physagent_jax.scene.card import ObjectCard
 from physagent_jax.scene.config import SignedAxis, Source
 from physagent_jax.scene.load import load_object
-from physagent_jax.scene.up_axis import guess_up
+from physagent_jax.scene.up_axis import find_mirrored, guess_up
 
 USUAL_UP: dict[str, tuple[SignedAxis, str]] = {
     "splats": ("-y", "the axis of most captures (trained from COLMAP cameras, which are y-down)"),
@@ -75,6 +75,10 @@ def choose_up(choice: ObjectChoice, card: ObjectCard, loaded: LoadedSplats | Non
     path = base_dir / choice.path
     splats = find_format(read_head(path), path) is not None
     axis, usual = USUAL_UP.get("splats" if splats else path.suffix.lower(), ("+z", "the world's own"))
+    assert loaded is not None
+    if "xyz".find(axis[1]) == find_mirrored(np.asarray(loaded.cloud.means, np.float64)):
+        usual = f"as its left and right are along {axis[1]}"
+        axis = "+z" if axis[1] == "y" else "+y"
     return UpAxis(axis=axis, known=False, source="usual", reason=f"{seen.reason}; {axis} is tried, {usual}")
 
 

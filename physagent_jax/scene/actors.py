@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from physagent_jax.forces.schema import CellsRegion
+from physagent_jax.forces.skills import get_skill
 from physagent_jax.mpm.constraints import MovingPlate, PrescribedMotion
 from physagent_jax.render.blocks import Block
 from physagent_jax.scene.body import Body
@@ -63,7 +64,11 @@ def make_plate(point: np.ndarray, normal: np.ndarray, x: np.ndarray, size: float
 
 
 def _compile_grips(config: SceneConfig, body: Body) -> tuple:
-    drawn = tuple(each for each in config.force_field.constraints if not isinstance(each.region, CellsRegion))
+    drawn = tuple(
+        each
+        for each in config.force_field.constraints
+        if not isinstance(each.region, CellsRegion) or get_skill(each).deforms == "plates"
+    )
     if not drawn:
         return ()  # what turns about its joint moves by itself
     config = config.model_copy(
@@ -89,7 +94,13 @@ def _draw_grip(grip, time: float, x: np.ndarray, size: float) -> Block | None:
             return None
         moved = 0.0 if face.velocity is None else (time - start) * np.asarray(face.velocity, np.float64)
         point, normal = np.asarray(face.point, np.float64) + moved, np.asarray(face.normal, np.float64)
-        return make_plate(point, normal, x, size)
+        if grip.edges is None:
+            return make_plate(point, normal, x, size)
+        edges = np.asarray(grip.edges, np.float64)
+        lengths = np.linalg.norm(edges, axis=1)
+        axes = np.concatenate([normal[None], edges / lengths[:, None]])
+        half = np.array([THICKNESS * size, *(1 / lengths)])
+        return Block(point - half[0] * normal, axes, half)
     if not isinstance(grip, PrescribedMotion):
         return None
     held = np.asarray(grip.particles)

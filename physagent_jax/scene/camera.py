@@ -9,10 +9,8 @@ from physagent_jax.scene.config import CameraConfig, Domain, Rendering
 
 UP = np.array([0.0, 0.0, 1.0])
 MARGIN = 0.88  # share of the half picture that the framed points may fill
-LEAST_HEIGHT, MOST_HEIGHT = (
-    0.15,
-    0.60,
-)  # share of the picture's height that the object fills in the first frame
+LEAST_SHARE = 0.15  # of the picture's height or width that the object fills in the first frame
+MOST_HEIGHT = 0.60  # share of the picture's height that it fills then
 
 
 def make_reference_camera(config: CameraConfig, rendering: Rendering, domain: Domain) -> Camera:
@@ -53,19 +51,17 @@ def frame_camera(
     rendering: Rendering,
     *,
     start: np.ndarray | None = None,
-    least: float = LEAST_HEIGHT,
 ) -> CameraConfig:
     """Move ``camera`` (along its direction, and sideways) until it just shows ``points``.
 
     With ``start``, it goes no nearer than that the object fills `MOST_HEIGHT` of the picture's height at first, and no
-    farther than that it fills ``least``: what then does not fit is cut off, but never the object at first.
+    farther than that it fills `LEAST_SHARE`: what then does not fit is cut off, but never the object at first.
 
     Args:
         points: World points that should be visible [m], shape (m, 3).
         camera: Its direction and field of view are kept.
         rendering: For the aspect ratio.
         start: The object's points in the first frame [m], shape (k, 3); None = it may be of any size.
-        least: Share of the picture's height that they fill at least.
     """
     centre = 0.5 * (points.min(0) + points.max(0))
     axes, half = _find_axes(camera), _find_half_picture(camera, rendering)
@@ -73,8 +69,8 @@ def frame_camera(
     if start is not None:
         local = (start - centre) @ axes
         centred = local - 0.5 * (local.min(0) + local.max(0)) * [1, 1, 0]
-        distance = max(distance, _find_distance_of_height(centred, MOST_HEIGHT, half[1]))
-        farthest = _find_distance_of_height(centred, least, half[1])
+        distance = max(distance, _find_distance_of_share(centred[:, 1:], MOST_HEIGHT, half[1:]))
+        farthest = _find_distance_of_share(centred, LEAST_SHARE, half)
         distance = min(distance, max(farthest, _find_distance(centred, MARGIN * half)))
         centre = centre + axes[:, :2] @ _find_shift(local, distance, MARGIN * half)
     return camera.model_copy(
@@ -123,12 +119,19 @@ def _find_shift(local: np.ndarray, distance: float, half: np.ndarray) -> np.ndar
     return np.maximum((local[:, :2] - reach).max(0), 0) + np.minimum((local[:, :2] + reach).min(0), 0)
 
 
-def _find_distance_of_height(local: np.ndarray, share: float, half_height: float) -> float:
-    """From how far points (right, up, forward) span ``share`` of the picture's height [m]."""
-    near = 1e-6 - local[:, 2].min()
-    far = near + max(float(np.ptp(local[:, 1])), 1e-3) / (share * half_height) + np.ptp(local[:, 2])
+def _find_distance_of_share(local: np.ndarray, share: float, half: np.ndarray) -> float:
+    """From how far points (across, ..., forward) span ``share`` of the picture, across or upwards [m].
+
+    Args:
+        local: The points [m], shape (m, k + 1).
+        share: That share [1].
+        half: Half of the picture in each direction at depth 1, shape (k,).
+    """
+    depth = local[:, -1:]
+    near = 1e-6 - depth.min()
+    far = near + max(float((np.ptp(local[:, :-1], axis=0) / half).max()), 1e-3) / share + np.ptp(depth)
     for _ in range(50):
         middle = 0.5 * (near + far)
-        span = np.ptp(local[:, 1] / (middle + local[:, 2])) / (2 * half_height)
+        span = (np.ptp(local[:, :-1] / (middle + depth), axis=0) / (2 * half)).max()
         near, far = (middle, far) if span > share else (near, middle)
     return far

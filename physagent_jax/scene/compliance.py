@@ -7,6 +7,8 @@ of a second, without compiling or simulating anything.
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
 from physagent_jax.core.recent import Recent
@@ -24,12 +26,27 @@ ROUNDS = 400  # of conjugate gradients for a direction
 
 Matrix = tuple[Vector, Vector, Vector]
 
-_recent: Recent[Matrix | None] = Recent(4)  # rounds of a run differ in what acts only
+
+@dataclasses.dataclass(frozen=True)
+class Compliance:
+    """The displacements of what is not held, per uniform acceleration; rows answer the three axes.
+
+    Attributes:
+        mean: Their mean [s^2]; symmetric.
+        square: Mean product of those that answer two axes [s^4]; symmetric. With a along v, Rayleigh's quotient
+            v.mean v / v.square v is the square of the lowest mode's angular frequency.
+    """
+
+    mean: Matrix
+    square: Matrix
+
+
+_recent: Recent[Compliance | None] = Recent(4)  # rounds of a run differ in what acts only
 
 
 def find_compliance(
     body: Body, material: Material, anchor: Anchor, firmness: np.ndarray | None = None
-) -> Matrix | None:
+) -> Compliance | None:
     """`measure_compliance`, remembered from one round to the next."""
     firm = None if firmness is None else firmness.tobytes()
     key = material.model_dump_json(), anchor.model_dump_json(), firm
@@ -38,8 +55,8 @@ def find_compliance(
 
 def measure_compliance(
     body: Body, material: Material, anchor: Anchor, firmness: np.ndarray | None = None
-) -> Matrix | None:
-    """Mean displacement [m] of what is not held, per uniform acceleration [m/s^2]; rows answer the three axes.
+) -> Compliance | None:
+    """The displacements of what is not held, per uniform acceleration.
 
     Args:
         body: The object at rest.
@@ -48,7 +65,7 @@ def measure_compliance(
         firmness: Factors of Young's modulus, shape (n,); None = 1.
 
     Returns:
-        A symmetric matrix, or None where nothing is held, all is, or what is left hangs on nothing.
+        Their means, or None where nothing is held, all is, or what is left hangs on nothing.
     """
     particles = body.particles
     held = select_anchored(
@@ -65,13 +82,16 @@ def measure_compliance(
     free = np.repeat(moves[:, None], 3, axis=1)
     load = (grid.spread @ np.where(held, 0, mass))[:, None]
     share = np.where(held, 0, mass) / mass[~held].sum()
-    columns = []
-    for axis in np.eye(3):
-        u, _ = grid.solve(np.where(free, load * axis, 0.0), free, ROUNDS)
-        columns.append(share @ (grid.weight @ u))
-    compliance = np.array(columns)
-    compliance = 0.5 * (compliance + compliance.T)
-    return tuple(tuple(float(each) for each in row) for row in compliance)  # type: ignore[return-value]
+    answers = np.stack(
+        [grid.weight @ grid.solve(np.where(free, load * axis, 0.0), free, ROUNDS)[0] for axis in np.eye(3)]
+    )
+    mean = np.einsum("n,ank->ak", share, answers)
+    square = np.einsum("n,ank,bnk->ab", share, answers, answers)
+    return Compliance(_make_rows(0.5 * (mean + mean.T)), _make_rows(square))
+
+
+def _make_rows(matrix: np.ndarray) -> Matrix:
+    return tuple(tuple(float(each) for each in row) for row in matrix)  # type: ignore[return-value]
 
 
 def _make_grid(

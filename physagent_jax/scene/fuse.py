@@ -133,7 +133,8 @@ def find_holding(template: SceneTemplate, body: Body) -> Holding | None:
         return None
     k = 2 * calibration.TRAVEL * body.extent / calibration.HELD_TIME**2
     return Holding(
-        compliance=compliance,
+        compliance=compliance.mean,
+        square=compliance.square,
         shift=calibration.EXPECTED_HELD_SHIFT * body.extent,
         least=k / calibration.HELD_RANGE,
         most=k * calibration.HELD_MOST,

@@ -42,7 +42,7 @@ def load_object(source: Source, base_dir: str | Path) -> LoadedSplats:
             got=f"sha256 {found[:12]}..., expected {source.sha256[:12]}...",
             do="Restore the file, or remove `source.sha256` from the scene",
         )
-    if _holds_splats(path):
+    if holds_splats(path):
         loaded = read_splats(path, opacity_threshold=source.opacity_threshold, encoding=source.splat_encoding)
         for note in loaded.notes:
             warnings.warn(note, stacklevel=2)
@@ -57,7 +57,7 @@ def load_named_parts(source: Source, base_dir: str | Path) -> list[MeshPart]:
         UserError: The file cannot be read.
     """
     path = Path(base_dir) / source.path
-    if _holds_splats(path):
+    if holds_splats(path):
         return []
     from physagent_jax.scene.mesh_files import read_named_parts  # trimesh takes long to import
 
@@ -96,7 +96,7 @@ def _sample_mesh(path: Path, source: Source) -> LoadedSplats:
     return LoadedSplats(cloud, np.zeros(3), name, how, found.up, (), cloud.count, plain=plain)
 
 
-def _holds_splats(path: Path) -> bool:
+def holds_splats(path: Path) -> bool:
     """Return whether a file holds 3D Gaussians rather than a mesh, by its content.
 
     Raises:

@@ -47,20 +47,27 @@ def join_pieces(particles: Particles, dx: float) -> tuple[Particles, tuple[Loose
     if not labels.any():
         return particles, ()
     extent = np.ptp(x, axis=0).max()
-    body, joints, loose = labels == 0, [], []
-    waiting = [(piece, labels == piece) for piece in range(1, min(labels.max(), MOST_PIECES) + 1)]
-    waiting = [(piece, mine) for piece, mine in waiting if mine.sum() >= FEWEST]
-    while waiting:
-        tree = KDTree(x[body])
-        found = [tree.query(x[mine]) for _, mine in waiting]
-        nearest = int(np.argmin([distance.min() for distance, _ in found]))
-        (_, mine), (distance, index) = waiting.pop(nearest), found[nearest]
-        if distance.min() > NEAR * extent:
-            loose.append(LoosePiece(float(mine.mean()), float(distance.min() / extent)))
+    joints, loose = [], []
+    sizes = np.bincount(labels)[: MOST_PIECES + 1]
+    waiting = np.flatnonzero(np.isin(labels, np.flatnonzero(sizes[1:] >= FEWEST) + 1))
+    distance, nearest = np.full(len(x), np.inf), np.zeros(len(x), int)  # what of the rest lies nearest
+    new = np.flatnonzero(labels == 0)
+    while len(waiting):
+        if len(new):
+            found, index = KDTree(x[new]).query(x[waiting])
+            closer = found < distance[waiting]
+            distance[waiting[closer]], nearest[waiting[closer]] = found[closer], new[index[closer]]
+        least = distance[waiting].min()
+        piece = int(np.min(labels[waiting[distance[waiting] == least]]))
+        mine = np.flatnonzero(labels == piece)
+        waiting = waiting[labels[waiting] != piece]
+        if least > NEAR * extent:
+            loose.append(LoosePiece(len(mine) / len(x), float(least / extent)))
+            new = mine[:0]
             continue
-        facing = distance <= distance.min() + FACING * dx
-        joints.append(_bridge(x[mine][facing], x[body][np.asarray(index)[facing]], SPACING * dx))
-        body = body | mine
+        facing = mine[distance[mine] <= least + FACING * dx]
+        joints.append(_bridge(x[facing], x[nearest[facing]], SPACING * dx))
+        new = mine
     if not joints:
         return particles, tuple(loose)
     added = _thin_out(np.concatenate(joints), x, SPACING * dx)

@@ -22,12 +22,13 @@ from physagent_jax.scene.camera import (
 from physagent_jax.scene.config import Box, CameraConfig, HalfSpace, Rendering, SceneConfig
 
 MOST_POINTS = 2000  # of the object that are framed
-TRIMMED = 0.005  # share of the points on each side, in each frame, that need not be in the picture
+TRIMMED = 0.005  # share of the points on each side, in each frame, that may have flown off
+NEAR = 0.3  # [sizes of the rest in each direction] off the rest's box within which they have not
 LOWEST, CONTACT = 0.002, 1.0  # quantile that counts as its lowest point; [cells] off the ground in contact
 LEVEL = 0.999  # least upward part of the normal of what is a ground
 PANEL, PANEL_THICKNESS = 1.0, 0.06  # [sizes] half side of what is drawn of a wall; [half sides]
 SMOOTHING = 0.3  # [s] over which a camera that follows evens out its way
-LEAST_SHARE = 0.3  # of the picture's height or width that the object fills at least
+LARGE = 0.3  # share of the picture's height or width from which on the object is large enough
 FOLLOWED = (0.0, 0.2, 0.4, 0.6, 0.8)  # shares of its way that a camera goes along
 SEEN_WAY = 0.15  # [sizes] that it moves at least for the camera to stand aside
 NEITHER = 15.0  # [degrees] from the line of sight up to which a motion goes to neither side
@@ -94,8 +95,8 @@ def place_cameras(config: SceneConfig, x: np.ndarray, rendering: Rendering) -> l
     """Cameras of a video for people, one per frame: the scene's lens, framing what moved.
 
     A camera that stands still shows the whole motion. Where the object would be small in that picture, the camera goes
-    along with it, as little as is needed; `CameraConfig.follow` asks for all of its way, or for none. What moves along
-    the line of sight is seen from aside.
+    along with it, as little as is needed; `CameraConfig.follow` asks for all of its way, or for none. Nothing of the
+    object is cut off, unless it would be tiny otherwise. What moves along the line of sight is seen from aside.
 
     Args:
         config: The scene.
@@ -111,7 +112,7 @@ def place_cameras(config: SceneConfig, x: np.ndarray, rendering: Rendering) -> l
     if share is None:
         share = next((each for each in FOLLOWED if _is_large(each, camera, rendering, start, seen, way)), 1.0)
     relative = (seen - share * way[:, None]).reshape(-1, 3)
-    first = frame_camera(relative, camera, rendering, start=start, least=LEAST_SHARE)
+    first = frame_camera(relative, camera, rendering, start=start)
     if not share:
         return [make_reference_camera(first, rendering, config.domain)] * len(points)
     assert first.target is not None
@@ -146,7 +147,7 @@ def _is_large(
     placed = frame_camera((seen - share * way[:, None]).reshape(-1, 3), camera, rendering)
     away = (1 - share) * way @ find_view_direction(camera)
     moved = start + (1 - share) * way[away.argmax()]
-    return min(measure_share(each, placed, rendering) for each in (start, moved)) >= LEAST_SHARE
+    return min(measure_share(each, placed, rendering) for each in (start, moved)) >= LARGE
 
 
 def turn_aside(camera: CameraConfig, points: np.ndarray) -> CameraConfig:
@@ -196,6 +197,7 @@ def _choose_points(x: np.ndarray) -> np.ndarray:
 
 
 def _trim(points: np.ndarray) -> np.ndarray:
-    """Points (T, k, 3) with those that have flown off, in each frame, brought back to the rest's bounding box."""
+    """Points (T, k, 3) with those that have flown off, in each frame, brought back to near the rest's bounding box."""
     low, high = np.quantile(points, [TRIMMED, 1 - TRIMMED], axis=1, keepdims=True)
-    return np.clip(points, low, high)
+    room = NEAR * (high - low)
+    return np.clip(points, low - room, high + room)

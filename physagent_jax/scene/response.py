@@ -89,6 +89,7 @@ class Measured:
         rigid: Acceleration with which it follows as a rigid object, over the skill's; 0 where it is held.
         resisting: Deceleration that has to be overcome before it follows [m/s^2] or [rad/s^2].
         strain: Strain that a twentieth of the object, or of the part, exceeds.
+        frequency: Angular frequency of its swing, by Rayleigh's quotient [1/s].
     """
 
     answer: float
@@ -96,6 +97,7 @@ class Measured:
     rigid: float
     resisting: float
     strain: float
+    frequency: float
 
 
 def find_responses(setting: Setting, force_field: ForceField) -> tuple[Response, ...]:
@@ -146,7 +148,12 @@ def _find_response(setting: Setting, entry: Entry, quantity: str) -> Response | 
         if most < FAINT * k:
             note = f"it shows about {100 * most / k:.2g} % of what a magnitude of 1 is to show"
         k = most
-    return _make_response(entry, quantity, k, note=note)
+    swings = {}
+    if quantity == "translation" and not measured.rigid and measured.answer:
+        far = calibration.EXPECTED_SWAY / calibration.EXPECTED_HELD_SHIFT * target
+        most = MOST_STRAIN * measured.answer / max(measured.strain, 1e-12)  # [m], where it strains so
+        swings = dict(answer=measured.answer, frequency=measured.frequency, swing=min(far, most))
+    return _make_response(entry, quantity, k, note=note, **swings)
 
 
 def _make_response(entry: Entry, quantity: str, k: float, **more) -> Response:
@@ -272,6 +279,9 @@ def _measure(setting: Setting, entry: Entry, quantity: str) -> Measured | None:
         rigid=0.0 if held.any() else rigid,
         resisting=resisting,
         strain=softer * max(float(np.percentile(strain, 95)), float(np.percentile(strain[mask], 95))),
+        frequency=math.sqrt(
+            float((load * u).sum()) / softer / max(float((mass[:, None] * moved**2).sum()), 1e-30)
+        ),
     )
 
 

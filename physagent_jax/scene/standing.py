@@ -28,8 +28,8 @@ from physagent_jax.scene.damping import (
     find_lowest_mode,
     find_slowdown,
 )
-from physagent_jax.scene.level import find_tilt
-from physagent_jax.scene.load import load_object
+from physagent_jax.scene.level import LARGEST_LEAN, LARGEST_TILT, find_tilt
+from physagent_jax.scene.load import holds_splats, load_object
 from physagent_jax.scene.materials.cost import find_affordable_modulus
 from physagent_jax.scene.placement import place
 from physagent_jax.scene.priors import explain_damping_ratio
@@ -60,7 +60,8 @@ def level(source: Source, domain: Domain, anchor: Anchor, world: World) -> Sourc
         warnings.simplefilter("ignore", UserWarning)  # they are heeded when the object is loaded in earnest
         loaded = load_object(source, Path())
         cloud, _ = place(loaded.cloud, source, domain, loaded.origin)
-    tilt = find_tilt(np.asarray(cloud.means, np.float64))
+    largest = LARGEST_TILT if holds_splats(Path(source.path)) else LARGEST_LEAN
+    tilt = find_tilt(np.asarray(cloud.means, np.float64), largest)
     return source if tilt is None else source.model_copy(update=dict(tilt=tilt))
 
 

@@ -26,6 +26,8 @@ SKIN, SOLE, RISE = 0.015, 0.03, 0.06  # [L] of height: what is flat lies in the 
 LEAST_SCORE = 4e-3  # of what counts as a base; a cube scores 0.2, a pot with a tree 0.006
 CLEARLY = 5.0  # times the score of every other side
 FLAT, FIRM = 0.8, 5e-3  # from which flatness and work [L] on a second side is a base too
+MIRRORED, UNLIKE = 0.7, 0.15  # overlap with its mirror image from which on it is one, and less of the others
+MIRROR_CELLS = 24  # along the longest side, in which that is told
 GROUND = 0.97  # share of the outline seen from above that a base takes if it is a ground
 
 
@@ -93,6 +95,29 @@ def guess_up(points: np.ndarray) -> UpGuess:
         f"its {side} side {what} and it stands there until it is tipped by {best.angle:.0f} degrees; "
         "no other side is such a base",
     )
+
+
+def find_mirrored(points: np.ndarray) -> int | None:
+    """The axis (0 to 2) across which alone an object is its own mirror image: left and right, and so never up.
+
+    Args:
+        points: As of `guess_up`.
+    """
+    points = np.asarray(points, np.float64)
+    low, high = np.quantile(points, [STRAYS, 1 - STRAYS], axis=0)
+    extent = float((high - low).max())
+    if len(points) < FEWEST_POINTS or not extent > 0:
+        return None
+    middle = 0.5 * (low + high)
+    points = (points[((points >= low) & (points <= high)).all(axis=1)] - middle) * (MIRROR_CELLS / extent)
+    own = {*map(tuple, np.floor(points).astype(int))}
+    overlaps = []
+    for axis in range(3):
+        image = {*map(tuple, np.floor(points * np.where(np.arange(3) == axis, -1, 1)).astype(int))}
+        overlaps.append(len(own & image) / len(own | image))
+    best = int(np.argmax(overlaps))
+    others = max(overlaps[:best] + overlaps[best + 1 :])
+    return best if overlaps[best] > MIRRORED and others < overlaps[best] - UNLIKE else None
 
 
 def find_opposite(axis: SignedAxis) -> SignedAxis:

@@ -6,11 +6,16 @@ simulation goes on a little. Actions end with the planned frames, and what moves
 
 from __future__ import annotations
 
+import math
 import warnings
 
 import numpy as np
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.forces.opposition import RISES
+from physagent_jax.forces.schema import Action, ForceField, VelocityConstraint
+from physagent_jax.forces.skills import get_skill
+from physagent_jax.forces.swinging import find_runs, is_swing
 from physagent_jax.mpm import Frame, simulate
 from physagent_jax.scene.compile import CompiledScene
 from physagent_jax.scene.config import DomainBox
@@ -20,14 +25,16 @@ LONGEST = 1.0  # [s] beyond the planned frames
 STILL = 0.04  # [sizes / s]; what is slower looks still
 CRUMBS = 0.02  # share of the particles that may be faster: crumbs do not keep the clip going
 NEAR = 2.0  # cells from the domain's wall at which it is felt
+STEADY = 0.5  # [s] for which what was swung on the ground stands by itself at most
 RESTING = 0.2  # [s] for which it must look still: at the turning point of a swing it does for a moment
 
 
 def simulate_ending(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     """Positions [m], shape (T, n, 3), and deformation gradients of a clip's particles, its ending included.
 
-    The particles are the body's. What is held up to the last planned frame stays so: letting it go would undo what was
-    asked. An ending that cannot be simulated is cut short, with a warning: the planned frames are what counts.
+    The particles are the body's. What is held, carried or steadied up to the last planned frames is seen so at the end:
+    letting it go would undo what was asked. An ending that cannot be simulated is cut short, with a warning: the
+    planned frames are what counts.
     """
     scene, dt = recording.scene, recording.scene.config.timing.frame_dt
     x, F = recording.x[:, scene.back], recording.F[:, scene.back]
@@ -35,7 +42,7 @@ def simulate_ending(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     wanted = max(int(np.ceil(RESTING / dt)), 1)
     still = wanted if _is_still(speeds[0], scene) else 0  # planned frames are there for long enough
     more: list[Frame] = []
-    if not still and not _is_held(scene):
+    if not still and not _is_kept(scene):
         for frame in _simulate_on(scene, recording.last, int(np.ceil(LONGEST / dt))):
             more.append(frame)
             still = still + 1 if _is_still(np.linalg.norm(np.asarray(frame.state.v), axis=1), scene) else 0
@@ -83,10 +90,34 @@ def _measure_clearance(scene: CompiledScene, frame: Frame) -> np.ndarray:
     return np.concatenate([x.min(axis=0), size - x.max(axis=0)]) - inside * dx
 
 
-def _is_held(scene: CompiledScene) -> bool:
-    """Return whether a skill holds something where it was brought until the planned frames end."""
-    last = scene.config.timing.frame_count - 1
-    return any((each.held_until or 0) >= last for each in scene.config.force_field.constraints)
+def _is_kept(scene: CompiledScene) -> bool:
+    """Return whether a skill keeps the object as it was asked to be until the planned frames end.
+
+    It holds something where it was brought, carries the object, or swings it to and fro: what is pushed over the ground
+    is held upright, gives back what it was given, and is left where it stood.
+    """
+    timing, field = scene.config.timing, scene.config.force_field
+    last = timing.frame_count - 1
+    held = any((each.held_until or 0) >= last for each in field.constraints)
+    carrying = [each for each in (*field.actions, *field.constraints) if _carries(each)]
+    free = scene.config.anchor.kind == "none"
+    swung = [field.actions[run[-1]] for run in find_runs(field) if free and _swings(field, run)]
+    return held or any(
+        each.active_time is None or each.active_time[1] >= last - spare
+        for entries, spare in ((carrying, 0.0), (swung, STEADY / timing.frame_dt))
+        for each in entries
+    )
+
+
+def _swings(field: ForceField, run: list[int]) -> bool:
+    pushes = [field.actions[index] for index in run]
+    return pushes[0].region is None and is_swing(pushes)
+
+
+def _carries(entry: Action | VelocityConstraint) -> bool:
+    """Return whether a skill lifts all of the object for as long as it acts."""
+    skill, lift = get_skill(entry), entry.vector[2] * math.copysign(1.0, entry.magnitude)
+    return entry.region is None and "move" in skill.causes and not skill.is_sudden and lift > RISES
 
 
 def _is_still(speeds: np.ndarray, scene: CompiledScene) -> bool:

@@ -328,3 +328,11 @@ def test_every_rule_is_documented():
     """A rule's name and first sentence are what the report and a language model are told."""
     for name, rule in RULES.items():
         assert rule.__name__ == name and rule.__doc__
+
+
+def test_the_axis_of_a_joint_is_none_of_the_base_directions():
+    """It follows from how the part points: the nearest base direction would turn it in another plane."""
+    axis = (0.3, 0.954, 0.0)
+    turn = slab(axis, (1, 0, 0), constraint_type="enforce_particle_rotation", active_time=[0, 20])
+    field, repairs = mended(constraints=[turn | {"pivot": [0.5, 0.5, 0.5]}])
+    assert cosine(field.constraints[0].vector, axis) > 0.9999 and "directional_rigidity" not in repairs

@@ -113,11 +113,11 @@ def test_what_is_put_down_again_is_carried_as_far_as_it_was_raised(prompt):
 
 
 def test_what_moves_otherwise_in_between_is_let_go():
-    prompt = "it moves up, then to the left, then down"
+    prompt = "it moves up, then sways to the left, then moves down"
     reply = GrammarSemanticAgent().compile(asked(prompt, brief(world="ground", frames_fixed=False))).value
     (raised,) = reply.force_field.constraints
-    left = next(e for e in reply.expectations if e.direction == LEFT)
-    assert (raised.held_until or raised.active_time[1]) <= left.window[0]
+    sway = next(e for e in reply.expectations if e.kind is MotionKind.SWAY)
+    assert (raised.held_until or raised.active_time[1]) <= sway.window[0]
 
 
 def test_what_is_lifted_before_something_else_is_carried_until_then():
@@ -188,7 +188,7 @@ def test_a_part_of_what_stands_is_pressed_from_above(region, long_axis, low, hig
         ({"action_type": "translation", "vector": LEFT}, {"kind": "move", "direction": LEFT}, {}),
         ({"action_type": "torque", "vector": UP}, {"kind": "rotate", "direction": UP}, {}),
         ({"action_type": "impulse", "vector": LEFT}, {"kind": "move", "direction": LEFT, "sudden": True}, {}),
-        (scaled(UP, 1.0), {"kind": "stretch", "direction": UP}, {"world": "ground"}),  # its foot cannot be moved
+        (scaled(UP, 1.0), {"kind": "stretch", "direction": UP}, {"anchored": "its base"}),  # its foot cannot be moved
         (scaled(UP, 1.0), {"kind": "stretch"}, {}),  # in all directions
         (scaled(UP, 1.0, region=TOP), {"kind": "stretch", "direction": UP, "partial": True}, {}),
         (scaled(UP, -1.0), {"kind": "stretch", "direction": UP}, {}),  # misread: not this rule's affair
@@ -255,7 +255,9 @@ def test_the_semantic_agent_chooses_and_says_so():
     said = {item.field: item.value for item in turned.evidence if item.field.endswith("vector")}
     assert said == {"constraints[0].vector": "[0, 0, 1]", "constraints[1].vector": "[0, 0, -1]"}
     standing = brief(world="ground")
-    assert compiled("stretch it vertically", standing).force_field.constraints == ()
+    held = brief(world="ground", anchored="its base")
+    assert compiled("stretch it vertically", held).force_field.constraints == ()
+    assert len(compiled("stretch it vertically", standing).force_field.constraints) == 2
     assert len(compiled("stretch it vertically in zero gravity", standing).force_field.constraints) == 2
     assert compiled("push it left") == read("push it left")
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from physagent_jax.agents.compiler import compile_intent
 from physagent_jax.agents.grammar.semantic import read_intent
@@ -64,6 +65,15 @@ def test_a_limb_turns_about_its_joint_the_way_that_is_asked(sentence, limb, part
     assert (constraint.region, constraint.pivot) == (part.moved, part.joint)
     assert dot(tuple(find_way(constraint, part)), way) > 0.9 * np.linalg.norm(part.arm)
     assert [each.limb for each in reply.expectations] == [limb]
+
+
+@pytest.mark.parametrize("word", ["ears", "head"])
+def test_the_head_of_what_stands_on_legs_is_not_whatever_is_on_top(word):
+    """A cat's tail may be higher than its head: where the head is not found, nothing is moved in its place."""
+    legs = [make_part("leg", (0, 0, -0.2), (x, 0.0, -math.sqrt(1 - x * x))) for x in (0.5, -0.5)]
+    reply = read(f"pull the {word} up", *legs, TAIL)
+    assert any(f"'{word}'" in doubt and "leg, tail" in doubt for doubt in reply.unsure)
+    assert all(each.region is None for each in reply.force_field.actions)
 
 
 def test_a_leg_that_is_lifted_swings_forward_and_not_into_the_body():
@@ -197,3 +207,127 @@ def test_what_it_is_taken_by_is_no_part_that_is_moved(sentence):
     """The whole goes along with what is gripped."""
     (clause,) = read_intent(sentence, brief()).clauses
     assert clause.parts == ()
+
+
+def make_limb(role, arm, side, **fields):
+    """A part whose neck is known: a disc of 0.08 lengths."""
+    return make_part(role, arm, side).model_copy(update=dict(neck=(0.02, 0.02, 0.02)) | fields)
+
+
+def find_turn(constraint):
+    """The rotation vector of a constraint [degrees]."""
+    first, last = constraint.active_time
+    return (
+        constraint.magnitude
+        * constraint.gain
+        * 90
+        / 0.7
+        * (last - first)
+        * 0.04
+        * np.asarray(constraint.vector)
+    )
+
+
+HANGING = [make_limb("arm", (0.05 * s, 0.1, -0.3), (0.9 * s, 0.1, 0.42)) for s in (-1, 1)]
+"""Two arms that hang down, a little behind the body."""
+
+
+@pytest.mark.parametrize(("sentence", "limb"), [("raise the left arm", 0), ("pull the right arm up", 1)])
+def test_an_arm_that_hangs_is_raised_beside_the_body(sentence, limb):
+    """In the plane of the picture and away from the body, although it hangs a little backwards; and far enough."""
+    reply = read(sentence, *HANGING, HEAD)
+    (constraint,) = reply.force_field.constraints
+    turn, arm = find_turn(constraint), np.asarray(HANGING[limb].arm)
+    way = np.cross(turn, arm)
+    assert abs(way[1]) < 0.02 * np.linalg.norm(way) and way[0] * arm[0] > 0
+    assert np.linalg.norm(turn) > 60
+    assert constraint.bend is not None and 0.05 < constraint.bend.depth < 0.2
+
+
+def test_a_short_limb_turns_no_farther_than_its_skin_allows():
+    stub = make_limb("arm", (0.04, 0, -0.1), (1, 0, 0), neck=(0.04, 0.04, 0.04))
+    (constraint,) = read("raise the right arm", stub, HEAD).force_field.constraints
+    assert 14 < np.linalg.norm(find_turn(constraint)) < 40
+
+
+def test_an_arm_waves_above_and_beside_the_body():
+    """It is raised first, and then goes to and fro without hanging down again."""
+    reply = read("it waves its right arm", *HANGING, HEAD)
+    arm, heights, levels = np.asarray(HANGING[1].arm), [], []
+    turns = [find_turn(each) for each in reply.force_field.constraints]
+    for turn in np.cumsum(turns, axis=0):
+        turned = Rotation.from_rotvec(turn, degrees=True).apply(arm)
+        heights.append(turned[2])
+        levels.append(turned[0])
+    assert len(turns) >= 5 and min(levels) > 0.05 and min(heights) > arm[2] + 0.02
+    (motion,) = reply.expectations
+    assert motion.kind is MotionKind.SWAY and motion.repeats >= 2
+
+
+def test_a_head_that_nods_goes_forward_and_back():
+    """A word that tells its own way keeps it."""
+    (motion,) = read("the robot nods its head", HEAD).expectations
+    assert abs(motion.direction[1]) > 0.9
+
+
+def test_what_bends_is_brought_where_it_is_bent():
+    """A free thing that is bent turns over as a whole; an ear that points right goes towards who looks."""
+    ear = make_limb("ear", (0.3, 0, 0), (1, 0, 0))
+    reply = read("bend the right ear towards us", ear, HEAD)
+    (constraint,) = reply.force_field.constraints
+    assert np.cross(find_turn(constraint), ear.arm)[1] < -0.29 * 40
+    assert constraint.bend.depth == pytest.approx(0.3)
+
+
+def test_a_blow_swings_a_part_at_once_and_lets_it_go():
+    tail = make_limb("tail", (0, 0.3, 0), (0, 1, 0))
+    reply = read("hit the tail from the left", tail, HEAD)
+    (constraint,) = reply.force_field.constraints
+    first, last = constraint.active_time
+    assert (last - first) * 0.04 <= 0.25 and constraint.held_until is None
+    assert np.cross(find_turn(constraint), tail.arm)[0] > 0 and reply.anchor.kind == "rest"
+
+
+def test_a_twist_of_a_part_goes_about_its_own_line():
+    arm = make_limb("arm", (0.3, 0, 0), (1, 0, 0), neck=(0.002, 0.02, 0.02))
+    (constraint,) = read("twist the right arm", arm, HEAD).force_field.constraints
+    assert constraint.bend.depth > 0.09  # as wide as the neck, which is thin along the arm
+    assert abs(find_turn(constraint)[0]) > 20 and np.abs(find_turn(constraint)[1:]).max() < 1e-6
+
+
+KNOB = make_part("side", (0.3, 0, 0), (1, 0, 0))
+
+
+@pytest.mark.parametrize(
+    ("sentence", "parts", "certain"),
+    [
+        ("raise the right arm", [HANGING[0], HANGING[1], HEAD], True),
+        ("raise the right arm", [KNOB, HEAD], False),
+        ("raise the right arm", [HANGING[1].model_copy(update=dict(confidence=0.3)), HEAD], False),
+        ("it wags its tail", [TAIL, make_part("tail", (0, 0.1, 0.1), (0, 0.9, 0.4))], False),
+        ("raise the arms", [HANGING[1], HEAD], False),
+        ("raise the right arm", [KNOB.model_copy(update=dict(name="arm", origin="option")), HEAD], True),
+        ("lift the left wing", [HEAD, TAIL], False),
+        ("pull the ears up", [HEAD, TAIL], False),
+        ("push the head to the left", [TAIL], True),
+    ],
+)  # fmt: skip
+def test_a_part_that_nothing_tells_for_certain_is_a_doubt(sentence, parts, certain):
+    """A place alone, an unclear shape, one tail of two, one arm of a pair, or no such part."""
+    assert (read(sentence, *parts).unsure == ()) is certain
+
+
+def test_a_free_object_is_held_where_its_shape_does_not_show_the_part():
+    """A force on one side would take all of it along."""
+    scene = dict(world="ground", may_be_held=True)
+    assert read("lift the left wing", HEAD, TAIL, **scene).anchor.kind == "base"
+    assert read("pull the ears up", HEAD, TAIL, **scene).anchor.kind == "base"
+    assert read("lift the left wing", HEAD, TAIL, world="ground").anchor.kind is None
+    assert read("lift the robot", HEAD, TAIL, **scene).anchor.kind is None
+
+
+def test_a_blow_on_the_end_of_a_part_tips_it_over_its_joint():
+    """Along itself it could only be pushed into the body."""
+    (constraint,) = read("hit the right arm from the right", RIGHT_ARM, HEAD).force_field.constraints
+    assert constraint.constraint_type is ConstraintType.PARTICLE_ROTATION
+    assert find_way(constraint, RIGHT_ARM)[2] > 0.29

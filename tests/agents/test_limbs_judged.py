@@ -15,7 +15,7 @@ ARM = make_part("arm", (0.15, 0, 0), (1, 0, 0))
 SHOULDER = np.array([0.2, 0.0, 0.1])
 
 
-def judge(degrees, *, whole=0.0):
+def judge(degrees, *, whole=0.0, seen_until=49):
     """The verdict on an arm of 0.15 lengths that turns up evenly within a second, on a body that rises by ``whole``."""
     chance = np.random.default_rng(0)
     body = chance.uniform((-0.2, -0.1, -0.5), (0.2, 0.1, 0.5), (600, 3))
@@ -32,6 +32,13 @@ def judge(degrees, *, whole=0.0):
     report = report_true_motion(
         np.stack(frames), frame_dt=0.04, windows=windows, parts={0: np.arange(660) >= 600}
     )
+    parts = [
+        each.model_copy(update=dict(centroid=(*each.centroid[:seen_until], *[None] * (49 - seen_until))))
+        if each.limb is not None
+        else each
+        for each in report.parts
+    ]
+    report = report.model_copy(update=dict(parts=tuple(parts)))
     return RulePlanner().judge(context, Observation(reply.force_field, report, Unseen())).value
 
 
@@ -66,3 +73,17 @@ def test_a_piece_of_its_own_may_come_off(rigid, verdict):
     report = report.model_copy(update=dict(pieces=tuple(1 + (k > 5) for k in range(49))))
     judged = RulePlanner().judge(context, Observation(reply.force_field, report, Unseen())).value
     assert judged.verdict is Verdict(verdict), judged.checks
+
+
+def test_an_arm_that_hardly_moves_more_than_the_rest_is_no_raised_arm():
+    """45 degrees of the arm, but the whole is thrown up as far."""
+    judged = judge(45, whole=0.3)
+    assert judged.verdict is Verdict.FAIL
+    assert any(check.aspect == "part" and check.passed is False for check in judged.checks)
+
+
+def test_a_part_that_is_lost_from_sight_is_neither_still_nor_a_success():
+    judged = judge(45, seen_until=8)
+    assert judged.verdict is Verdict.FAIL
+    assert any(check.passed is None for check in judged.checks)
+    assert all(check.gain is None for check in judged.checks if check.passed is not True), judged.checks

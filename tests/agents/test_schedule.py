@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from physagent_jax.agents.windows import divide, divide_swings
 from physagent_jax.core.turning import find_turning_points
+from physagent_jax.motion.windows import divide, divide_swings
 
 FRAME_DT, LAST = 0.04, 49.0
 DRAG = 1.2  # [1/s]

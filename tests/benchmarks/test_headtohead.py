@@ -9,8 +9,8 @@ import pytest
 
 from baselines.protocol import Evaluation, FitResult
 from baselines.tasks import load_tasks, load_witnesses
-from benchmarks.headtohead import leaderboard, measuring
-from benchmarks.headtohead.__main__ import TASKS, main
+from benchmarks.headtohead import jobs, leaderboard, measuring
+from benchmarks.headtohead.__main__ import TASKS, find_guided, main
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS
 from benchmarks.headtohead.jobs import NOTHING, list_gradients, list_materials, list_similarities, verify
 from benchmarks.headtohead.markdown import choose_ablation, condense, write_tables
@@ -18,8 +18,8 @@ from benchmarks.headtohead.measuring import judge_marks, measure
 from benchmarks.headtohead.neighbourhood import STRONGER, TURNED, perturb
 from physagent_jax.core.errors import MissingPackageError, UserError
 from physagent_jax.forces.schema import Action, ActionType, BoxRegion, ForceField
-from physagent_jax.metrics.clip_similarity import TransformersClip
 from physagent_jax.metrics.task_judge import ClauseJudgement, TaskJudgement
+from tests.metrics.make_tiny_clip import FOLDER
 
 
 def push(magnitude):
@@ -100,7 +100,7 @@ def write_page(result):
 
 def test_pictures_of_stored_fields_and_of_nothing_are_compared_with_the_sentence(tmp_path, monkeypatch):
     """A still clip scores as its first frame; one that stretches the object does not; one that cannot run says so."""
-    monkeypatch.setattr(TransformersClip, "load", lambda folder: Reddish())
+    monkeypatch.setattr(jobs, "load_clip", lambda folder: Reddish())
     (spec,) = [spec for spec in load_tasks(TASKS) if spec.name == "stretch-jelly-wide"]
     stretch = Action(action_type=ActionType.SCALE, vector=(1, 0, 0), magnitude=1.6)
     row = dict(run=0, job="j", label="adam", task=spec.name, oracle=True, seed=0)
@@ -128,8 +128,8 @@ def test_what_was_found_with_one_material_is_judged_with_another(tmp_path):
     path, others = tmp_path / "rows.json", [row | {"job": row["job"][:-1] + end} for end in ("1", "0 / 100")]
     path.write_text(json.dumps({"methods": {"rows": [row, *others]}}))
     hard = '{"youngs_modulus": 2e5}'
-    jobs = list_materials((spec,), (), ("own", hard), path, (30.0,), 30.0, None)
-    (same,), (harder,) = (job.measure() for job in jobs)
+    fits = list_materials((spec,), (), ("own", hard), path, (30.0,), 30.0, None)
+    (same,), (harder,) = (job.measure() for job in fits)
     assert same["marks"][0]["success"] and same["brought"] and harder["material"] == hard
     assert harder["marks"][0]["error"] > same["marks"][0]["error"]
     path.write_text(json.dumps({"methods": {"rows": [row | {"marks": []}]}}))
@@ -165,6 +165,17 @@ def test_clipsim_without_a_model_is_refused(tmp_path, capsys, monkeypatch):
     line = ["headtohead", "--json", str(tmp_path / "x.json"), "--parts", "clipsim"]
     monkeypatch.setattr(sys, "argv", line)
     assert main() == 2 and "--clip" in capsys.readouterr().err
+
+
+def test_what_clip_leads_takes_part_where_there_is_a_model(capsys):
+    """Rows name the model, not the folder on this machine."""
+    assert find_guided(None) == () and "`clip_guided` is left out" in capsys.readouterr().err
+    for package in ("flax", "safetensors", "tokenizers"):
+        pytest.importorskip(package, reason="needs the extra `clip`")
+    (entrant,) = find_guided(FOLDER)
+    assert entrant.label == "clip_guided (tiny_clip)" and entrant.make().name == "clip_guided"
+    with pytest.raises(UserError, match="holds no CLIP model"):
+        find_guided(FOLDER.parent)
 
 
 def test_a_leaderboard_keeps_what_others_wrote_and_can_be_verified(tmp_path):

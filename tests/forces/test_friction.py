@@ -21,13 +21,18 @@ def block(x64):
     return x - np.average(x, axis=0, weights=mass), mass
 
 
-def act(block, v, *, speed=0.0, lever=LEVER, time=0.25):
+def find_field(block, v, *, speed=0.0, lever=LEVER, time=0.25, feet=None):
     x, mass = block
     numbers = [jnp.asarray(n) for n in (WAY, FRICTION, 2.0, speed, lever, 0.0, 0.0, 1.0)]
-    a = PushCompensation(*numbers).acceleration(
+    a = PushCompensation(*numbers, feet=feet).acceleration(
         jnp.asarray(x), jnp.asarray(v), jnp.asarray(mass), jnp.asarray(time), jnp.asarray(1e-4)
     )
-    a = np.asarray(a)
+    return np.asarray(a)
+
+
+def act(block, v, **more):
+    x, mass = block
+    a = find_field(block, v, **more)
     force, moment = (
         (mass[:, None] * a).sum(0) / mass.sum(),
         (mass[:, None] * np.cross(x, a)).sum(0) / mass.sum(),
@@ -43,6 +48,22 @@ def test_on_its_way_it_adds_friction_and_friction_s_moment(block):
     force, moment = act(block, carried(block, 0.5))  # 2 m/s^2 for 0.25 s
     assert force == pytest.approx(FRICTION * WAY)
     assert moment == pytest.approx(np.cross([0, 0, -LEVER], force), rel=1e-3, abs=1e-4)
+
+
+def test_at_the_feet_it_does_the_same_and_leaves_the_rest_in_peace(block):
+    x, mass = block
+    lever = float(-x[:, 2].min())
+    feet = np.exp(-(x[:, 2] + lever) / 0.02)
+    feet = jnp.asarray(feet / np.average(feet, weights=mass))
+    even, low = (act(block, carried(block, 0.5), lever=lever, feet=weights) for weights in (None, feet))
+    for one, other in zip(even, low):
+        np.testing.assert_allclose(other, one, rtol=1e-3, atol=1e-3)
+    wide, height = abs(x @ WAY) > 0.2, x[:, 2] + lever
+    even, low = (
+        find_field(block, carried(block, 0.5), lever=lever, feet=weights) for weights in (None, feet)
+    )
+    assert abs(even[wide & (height > 0.2), 2]).mean() > 0.5 * FRICTION
+    assert abs(low[wide & (height > 0.2), 2]).mean() < 0.1 * FRICTION
 
 
 def test_a_brake_lets_friction_help_no_more_than_it_says(block):

@@ -5,7 +5,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from physagent_jax.forces.opposition import oppose_blow, oppose_push, oppose_turn
+from physagent_jax.forces.opposition import find_righting, oppose_blow, oppose_push
 from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import Opposition
 
@@ -61,15 +61,15 @@ def test_damping_is_made_up_for(damping):
     assert slide(speed, 3.92, damping) == pytest.approx(L, rel=0.15)
 
 
-def test_a_push_is_left_with_what_it_says_and_a_turn_too():
+def test_a_push_is_left_with_what_it_says():
     scaling = scaled(friction=3.92, weight=9.8, turning=5.0, tipping=7.0)
     for magnitude in (0.4, 1.6, -1.0):
         push = oppose_push(scaling.opposition, scaling.translation, magnitude, LEFT)
         assert push == pytest.approx(magnitude * 2 * L / T**2)  # friction is overcome while it acts
-        turn = oppose_turn(scaling.opposition, scaling.torque, magnitude, UP)
-        assert turn == pytest.approx(magnitude * scaling.torque)
     lifted = oppose_push(scaling.opposition, scaling.translation, 1.0, UP)
     assert lifted - 9.8 == pytest.approx(2 * L / T**2)
+    for axis, righting in ((UP, 5.0), (LEFT, 7.0), (np.array([0, 0.6, 0.8]), 5 * 0.64 + 7 * 0.36)):
+        assert find_righting(scaling.opposition, axis) == pytest.approx(righting)
 
 
 def test_traced_numbers_give_the_same_with_derivatives():

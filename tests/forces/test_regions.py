@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from physagent_jax.forces.regions import make_region_mask
-from physagent_jax.forces.schema import CellsRegion, ForceField
+from physagent_jax.forces.regions import grade_part, make_region_mask
+from physagent_jax.forces.schema import Bend, CellsRegion, ForceField
 from tests.forces.test_skills import DURATION, FRAME_DT, SCALING, moved
 
 
@@ -41,3 +41,28 @@ def test_a_part_turns_about_its_joint(x64, sign):
     c, s = np.cos(angle), np.sin(angle)
     wanted = pivot + (rest[part] - pivot) @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
     np.testing.assert_allclose(now[part], wanted, atol=2e-3)
+
+
+def test_a_part_bends_beside_its_joint():
+    """A bar on a block: none of the motion where it begins, all of it beyond the depth, and no step in between."""
+    grid = np.stack(np.meshgrid(*[np.linspace(0, 1, 21)] * 3, indexing="ij"), -1).reshape(-1, 3)
+    bar = grid * (1.0, 0.2, 0.2) + (1.0, 0.4, 0.4)
+    rest = np.concatenate([grid, bar[bar[:, 0] > 1.01]])
+    region = CellsRegion(inside=((0.49, 0.5, 0.5),), outside=((0.53, 0.5, 0.5),))
+    bend = Bend(joint=(0.5, 0.5, 0.5), rest=region, reach=0.1, depth=0.2)
+    part, share, middle = grade_part(bend, rest)
+    along = rest[part, 0] - 1.0
+    assert (part == (rest[:, 0] > 1.02)).all()
+    assert share[along < 0.06].max() < 0.1 and share[along > 0.46].min() == 1.0
+    means = np.array([share[np.isclose(along, each)].mean() for each in np.unique(along.round(6))])
+    assert (np.diff(means) > -1e-9).all() and np.diff(means).max() < 0.2
+    np.testing.assert_allclose(middle, [1.2, 0.5, 0.5], atol=0.06)
+
+
+def test_a_flat_part_moves_too():
+    """A plate on the side of a block: its own thickness is far less than the way that its joint would bend over."""
+    grid = np.stack(np.meshgrid(*[np.linspace(0, 1, 21)] * 3, indexing="ij"), -1).reshape(-1, 3)
+    region = CellsRegion(inside=((0.42, 0.5, 0.5),), outside=((0.96, 0.5, 0.5),))
+    bend = Bend(joint=(0.7, 0.5, 0.5), rest=region, reach=1.0, depth=0.9)
+    part, share, _ = grade_part(bend, grid)
+    assert share[grid[part, 0] == 1].min() == 1.0

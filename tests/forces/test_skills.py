@@ -7,9 +7,10 @@ import pytest
 from pydantic import ValidationError
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL
 from physagent_jax.forces.compilation import compile_force_field
 from physagent_jax.forces.scaling import make_closed_form_scaling
-from physagent_jax.forces.schema import ForceField
+from physagent_jax.forces.schema import ForceField, Opposition
 from physagent_jax.mpm import step
 from physagent_jax.mpm.energy import angular_momentum, momentum
 from tests.mpm.blocks import block
@@ -25,7 +26,15 @@ def field(**action):
 
 
 def moved(
-    force_field, *, cells=(4, 4, 4), E=1e6, density=1000.0, per_frame=20, extent=LENGTH, seconds=DURATION
+    force_field,
+    *,
+    cells=(4, 4, 4),
+    E=1e6,
+    density=1000.0,
+    per_frame=20,
+    extent=LENGTH,
+    seconds=DURATION,
+    opposition=None,
 ):
     """Simulate a block of longest side 0.2 m under ``force_field``; return (model, start, end)."""
     model, state = block(
@@ -38,7 +47,9 @@ def moved(
         dt=FRAME_DT / per_frame,
         dtype=np.float64,
     )
-    scaling = make_closed_form_scaling(extent=extent, youngs_modulus=E, density=density, duration=DURATION)
+    scaling = make_closed_form_scaling(
+        extent=extent, youngs_modulus=E, density=density, duration=DURATION, opposition=opposition
+    )
     forces, constraints = compile_force_field(
         force_field,
         scaling,
@@ -55,6 +66,27 @@ def moved(
 def test_translation_moves_one_body_length_over_the_clip(x64):
     _, start, end = moved(field(action_type="translation"))
     np.testing.assert_allclose((end.x - start.x).mean(0), [LENGTH, 0, 0], rtol=0.01, atol=1e-9)
+
+
+@pytest.mark.parametrize("friction", [0.0, 4.0])
+def test_what_stands_gets_longer_upwards(x64, friction):
+    """Two ends that part by the same way make it as long; on the ground the lower one stays, else the middle does."""
+    ends = [
+        {
+            "constraint_type": "enforce_particle_translation",
+            "vector": [0, 0, sign],
+            "magnitude": 0.5,
+            "region": {"kind": "half_space", "point": [0.5, 0.5, 0.5 + 0.25 * sign], "normal": [0, 0, sign]},
+        }
+        for sign in (1.0, -1.0)
+    ]
+    stands = Opposition(friction=friction, travel=LENGTH, time=1.0)
+    _, start, end = moved(ForceField.model_validate({"constraints": ends}), opposition=stands)
+    height = np.asarray(start.x[:, 2])
+    strain, shift = np.polyfit(height, np.asarray(end.x[:, 2]) - height, 1)
+    # The outermost of so few particles lie well inside.
+    assert strain == pytest.approx(2 * 0.5 * PRESCRIBED_TRAVEL, rel=0.15)
+    assert -shift / strain == pytest.approx(height.min() if friction else height.mean(), abs=0.02 * LENGTH)
 
 
 def test_motion_does_not_depend_on_density_or_stiffness(x64):
@@ -341,6 +373,26 @@ def test_plates_press_what_lies_between_them(x64):
     # Contact is felt up to a cell and a half before the plate: 0.2 asked for, a little more is had.
     assert -0.45 < length[1] / length[0] - 1 < -0.15
     np.testing.assert_allclose(end.x[:, 0].mean(), start.x[:, 0].mean(), atol=0.005)
+
+
+def test_plates_on_a_region_press_that_alone(x64):
+    region = dict(kind="half_space", point=[0.7, 0.5, 0.5], normal=[1, 0, 0])
+    told = dict(constraint_type="moving_plate", magnitude=1.0, active_time=[0, 10], region=region)
+    squeeze = ForceField.model_validate(
+        {"constraints": [told | dict(vector=[0, 0, side]) for side in (1, -1)]}
+    )
+    _, start, end = moved(squeeze, cells=(12, 4, 4), E=1e5, seconds=0.5 * DURATION, extent=0.6)
+    x, y = np.asarray(start.x), np.asarray(end.x)
+    share = (x[:, 0] - x[:, 0].min()) / np.ptp(x[:, 0])
+    outer = (x[:, 2] == x[:, 2].min(), x[:, 2] == x[:, 2].max())
+    low, high = (
+        [(y - x)[face & side, 2].mean() / np.ptp(x[:, 2]) for side in (share > 0.75, share < 0.5)]
+        for face in outer
+    )
+    assert (
+        0.08 < low[0] < 0.3 and -0.3 < high[0] < -0.08
+    )  # half of its height is asked for, less is had in contact
+    assert max(abs(low[1]), abs(high[1])) < 0.01
 
 
 @pytest.mark.parametrize(

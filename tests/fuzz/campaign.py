@@ -19,6 +19,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
+from tests.conftest import compile_as_tests_do
 from tests.fuzz.classes import named, shares
 from tests.fuzz.contract import STARVED, Fault, Outcome, Result, check
 
@@ -242,6 +243,7 @@ class _Worker:
 def _serve(pipe: Connection) -> None:
     os.environ.setdefault("JAX_PLATFORMS", "cpu")
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    compile_as_tests_do()
     while True:
         try:
             name, seed, index = pipe.recv()

@@ -4,8 +4,13 @@ import os
 import subprocess
 import sys
 
-from tests.conftest import REPOSITORY
+from tests.conftest import QUICK_TO_COMPILE, REPOSITORY
 
+QUICKLY = {
+    "XLA_FLAGS": f"{os.environ.get('XLA_FLAGS', '')} {QUICK_TO_COMPILE}".strip(),
+    "JAX_DISABLE_MOST_OPTIMIZATIONS": "1",
+}
+"""Variables of a process in which compiling takes longer than running."""
 LIMIT = 240  # [s]; what hangs would do so for ever
 
 

@@ -8,7 +8,7 @@ import pytest
 from physagent_jax.cli import main
 from physagent_jax.core.errors import UserError
 from physagent_jax.kernels.threads import thread_count
-from tests.kernels.processes import begun, ended
+from tests.kernels.processes import QUICKLY, begun, ended
 
 MAIN = "import sys; from physagent_jax.cli import main; sys.exit(main({}))"
 BAD = {
@@ -96,7 +96,8 @@ def test_one_core_and_no_numba_are_enough():
     """A body falls by g t^2 / 2 either way."""
     without = "import sys; sys.modules['numba'] = None\n" + TINY
     lone = "import os; os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})\n" + TINY
-    processes = [begun(without), begun(lone if sys.platform == "linux" else TINY)]
+    scripts = (without, lone if sys.platform == "linux" else TINY)
+    processes = [begun(script, **QUICKLY) for script in scripts]
     results = [ended(process) for process in processes]
     assert results[0][1].startswith("reference ")
     for code, out, err in results:

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from tests.conftest import REPOSITORY
-from tests.kernels.processes import begun, ended, ran
+from tests.kernels.processes import QUICKLY, begun, ended, ran
 
 IN_FLIGHT = """
 import os, signal, sys
@@ -28,7 +28,7 @@ ENDINGS = {
 @pytest.fixture(scope="module")
 def endings():
     """Exit codes of processes that end while a rollout is in flight, all at once."""
-    processes = {ending: begun(IN_FLIGHT + ending) for ending in ENDINGS}
+    processes = {ending: begun(IN_FLIGHT + ending, **QUICKLY) for ending in ENDINGS}
     return {ending: ended(process) for ending, process in processes.items()}
 
 
@@ -43,7 +43,8 @@ def test_a_program_ends_while_a_rollout_is_in_flight(endings, ending):
 def test_all_code_of_the_pages_as_one_file_runs_and_ends():
     """The last line leaves a rollout in flight, too; the fall after 0.1 s is g t^2 / 2, to the order of the method."""
     pages = "\n".join((REPOSITORY / name).read_text() for name in ("README.md", "docs/library.md"))
-    code, out, err = ran("\n".join(re.findall(r"```python\n(.*?)```", pages, re.DOTALL)))
+    flags = QUICKLY["XLA_FLAGS"]  # its second gradient runs for long: that needs optimised code
+    code, out, err = ran("\n".join(re.findall(r"```python\n(.*?)```", pages, re.DOTALL)), XLA_FLAGS=flags)
     assert code == 0, err
     value, gradient = out.split("Array(")[1:3]
     height, slope = float(value.split(",")[0]), float(gradient.split("]")[0].split(",")[-1])

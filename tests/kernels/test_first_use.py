@@ -8,9 +8,8 @@ import pytest
 
 pytest.importorskip("numba")
 
-from tests.conftest import QUICK_TO_COMPILE  # noqa: E402  (after the check for Numba)
-from tests.kernels.first_use import compute_gradient  # noqa: E402
-from tests.kernels.processes import ran  # noqa: E402
+from tests.kernels.first_use import compute_gradient  # noqa: E402  (after the check for Numba)
+from tests.kernels.processes import QUICKLY, ran  # noqa: E402
 
 needs_fork = pytest.mark.skipif(not hasattr(os, "fork"), reason="the system has no fork")
 PROGRAM = """
@@ -24,8 +23,7 @@ if __name__ == "__main__":
 
 def run_program(call, **environment):
     """The output of a call of `tests.kernels.first_use`, in its own interpreter and compiled quickly."""
-    flags = f"{os.environ.get('XLA_FLAGS', '')} {QUICK_TO_COMPILE}"
-    code, out, err = ran(PROGRAM.format(call), XLA_FLAGS=flags, **environment)
+    code, out, err = ran(PROGRAM.format(call), **QUICKLY, **environment)
     assert code == 0, err
     return np.array(out.strip("[]\n").split(","), float)
 
@@ -77,7 +75,7 @@ sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 
 @needs_fork
 def test_a_forked_process_computes_if_nothing_was_computed_before(answers):
-    code, out, err = ran(FORKING.format(before=""))
+    code, out, err = ran(FORKING.format(before=""), **QUICKLY)
     assert code == 0, err
     assert float(out) == pytest.approx(answers[0], rel=1e-4)
 
@@ -85,7 +83,7 @@ def test_a_forked_process_computes_if_nothing_was_computed_before(answers):
 @needs_fork
 def test_a_process_forked_from_one_that_computes_is_refused_in_one_line():
     """Before, it hung: a forked process has none of the threads to which XLA gives the work."""
-    code, out, err = ran(FORKING.format(before="print(first_use.compute_gradient(), flush=True)"))
+    code, out, err = ran(FORKING.format(before="print(first_use.compute_gradient(), flush=True)"), **QUICKLY)
     assert code == 0, err
     gradient, line = out.splitlines()
     assert float(gradient) and "forked" in line and 'get_context("spawn")' in line

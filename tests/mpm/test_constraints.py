@@ -199,3 +199,16 @@ def test_what_is_rigid_is_not_strained_by_what_it_leaves_behind(x64):
         if rigid:
             wanted = Rotation.from_rotvec(turned * 0.1).as_matrix()
             np.testing.assert_allclose(end.F[upper], np.broadcast_to(wanted, end.F[upper].shape), atol=1e-12)
+
+
+def test_particles_go_with_their_share(x64):
+    """Each turns about the centre by its share of the angle, exactly; what has none of it is held."""
+    model, state = block((8, 2, 2), low=(0.3, 0.45, 0.45), dtype=np.float64, dt=1e-3)
+    share = np.linspace(0.0, 1.0, len(state.x))
+    turn = motion(np.arange(len(state.x)), angular=(0, 0, 4.0))
+    moved = run(model.replace(constraints=(dataclasses.replace(turn, share=jnp.asarray(share)),)), state, 100)
+    expected = [
+        Rotation.from_rotvec([0, 0, 0.4 * s]).apply(x - 0.5) + 0.5 for s, x in zip(share, np.asarray(state.x))
+    ]
+    np.testing.assert_allclose(moved.x, expected, atol=1e-9)
+    np.testing.assert_array_equal(moved.x[0], state.x[0])

@@ -146,6 +146,7 @@ def test_a_prompt_without_a_point_on_the_object_is_refused(ball):
         check_first_picture(*ball, prompt)
 
 
+@pytest.mark.usefixtures("quick_plans")
 def test_run_and_plan_refuse_before_anything_is_simulated(tmp_path, capsys):
     write_ply(tmp_path / "blob.ply", cloud_of(BALL, scale=0.42))
     line = [

@@ -364,7 +364,7 @@ def test_a_loose_piece_is_told_before_anything_is_simulated(tmp_path):
         def frame(self, done, total):
             assert told
 
-    store = made(small(tmp_path / "pair.obj", rounds=1), tmp_path / "run", observer=Watch())
+    store = made(small(tmp_path / "pair.obj", rounds=1, cells=48), tmp_path / "run", observer=Watch())
     (loose,) = [text for text in told if "joined to the rest by nothing" in text]
     assert loose in store.manifest.warnings
     assert "joined to the rest by nothing" in write_report(store.path).read_text()

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from physagent_jax.forces import calibration
-from physagent_jax.forces.holding import OVERSHOOT, find_blow_scale, find_push_scale
+from physagent_jax.forces.holding import OVERSHOOT, find_blow_scale, find_frequency, find_push_scale
 from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ForceField, Holding
 from physagent_jax.report.force_cards import make_force_cards, read_setting
@@ -29,12 +29,17 @@ def bar(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def compliance(bar):
+def found(bar):
     _, body, _ = template_of(bar, overrides={"max_particles": 8000, "cells": 96})
     material = Material(youngs_modulus=E, poissons_ratio=0.0, density=RHO)
     found = measure_compliance(body, material, BASE)
     assert found is not None
-    return np.array(found)
+    return found
+
+
+@pytest.fixture(scope="module")
+def compliance(found):
+    return np.array(found.mean)
 
 
 def test_along_its_axis_it_gives_way_as_a_bar_does(compliance):
@@ -51,11 +56,24 @@ def test_across_its_axis_it_bends_as_a_beam_does(compliance):
     assert np.abs(compliance - np.diag(np.diag(compliance))).max() < 0.05 * compliance[0, 0]
 
 
+def test_it_swings_at_the_pace_of_a_beam(found):
+    """The lowest mode of a cantilever, 3.516 / L^2 sqrt(E I / rho A); along itself pi / 2 L sqrt(E / rho)."""
+    free = 0.9
+    beam = 3.516 / free**2 * np.sqrt(E * WIDTH**2 / 12 / RHO)
+    bar = np.pi / (2 * free) * np.sqrt(E / RHO)
+    holding = Holding(compliance=found.mean, square=found.square, shift=0.17, least=0.5, most=33.0)
+    x, _, z = np.eye(3)
+    assert find_frequency(holding, x) == pytest.approx(beam, rel=0.15)  # of a thick beam it is lower
+    assert find_frequency(holding, z) == pytest.approx(bar, rel=0.15)
+
+
 def test_the_softest_matter_that_can_be_given_has_a_compliance_that_can_be_written(bar):
     """Linear elasticity: the compliance goes with rho / E."""
     _, body, _ = template_of(bar, overrides={"max_particles": 500, "cells": 16})
     soft, firm = (
-        np.array(measure_compliance(body, Material(youngs_modulus=e, poissons_ratio=0.0, density=rho), BASE))
+        np.array(
+            measure_compliance(body, Material(youngs_modulus=e, poissons_ratio=0.0, density=rho), BASE).mean
+        )
         for e, rho in ((1e-3, 1e6), (1e5, 1e3))
     )
     np.testing.assert_allclose(soft, firm * 1e11, rtol=1e-6, atol=1e-3 * np.abs(soft).max())
@@ -122,3 +140,26 @@ def test_soft_and_stiff_bars_are_bent_alike(bar, kind, youngs_modulus):
     way = max(-(np.asarray(frame.state.x) - rest)[:, 0].mean() for frame in simulate_frames(scene))
     # A blow of two frames is as long as a stiff bar takes to swing: it does less than one in an instant.
     assert 0.55 < way / calibration.EXPECTED_HELD_SHIFT < 1.35
+
+
+@pytest.mark.parametrize("youngs_modulus, half", [(6e4, 3), (6e5, 3), (6e5, 6), (6e5, 12)])
+def test_soft_and_stiff_bars_sway_alike_at_every_pace(bar, youngs_modulus, half):
+    """Far below, near and far above their own pace: an oscillator answers each push otherwise."""
+    edges = [0, *(half / 2 + half * i for i in range(5))]
+    pushes = [
+        {"action_type": "translation", "vector": [(-1) ** i, 0, 0], "magnitude": 1.0, "active_time": span}
+        for i, span in enumerate(zip(edges, edges[1:]))
+    ]
+    field = ForceField.model_validate({"actions": pushes})
+    scene, _ = scene_of(
+        bar,
+        frames=int(edges[-1]) + 1,
+        cells=64,
+        field=field,
+        world="free",
+        anchor={"kind": "base"},
+        material={"youngs_modulus": youngs_modulus, "density": RHO},
+    )
+    rest = np.asarray(scene.state.x)
+    way = np.ptp([(np.asarray(frame.state.x) - rest)[:, 0].mean() for frame in simulate_frames(scene)]) / 2
+    assert 0.7 < way / calibration.EXPECTED_SWAY < 1.8

@@ -99,7 +99,8 @@ def test_the_command_refuses_before_it_begins_and_runs_when_told_to(
     frames, next_frame = [], simulate.next_frame
     monkeypatch.setattr(simulate, "next_frame", lambda *given: frames.append(0) or next_frame(*given))
     arguments = ["run", "--object", robot_path, "--prompt", "push the robot to the left", "--frames", 4]
-    arguments += ["--particles", 300, "--resolution", 64, "--max-iterations", 1, "--out", tmp_path / "run"]
+    arguments += ["--particles", 300, "--resolution", 64, "--max-iterations", 1, "--video-size", "off"]
+    arguments += ["--out", tmp_path / "run"]
     arguments = [str(argument) for argument in arguments]
     assert main([*arguments, "--max-memory", "0.1"]) == 2
     assert not frames and not (tmp_path / "run").exists()

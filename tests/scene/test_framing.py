@@ -5,7 +5,7 @@ import pytest
 
 from physagent_jax.render.stage import Stage
 from physagent_jax.scene import config as c
-from physagent_jax.scene.camera import LEAST_HEIGHT, MOST_HEIGHT, frame_camera, make_reference_camera
+from physagent_jax.scene.camera import LEAST_SHARE, MOST_HEIGHT, frame_camera, make_reference_camera
 from physagent_jax.scene.presentation import find_stage, place_cameras
 
 WIDE = c.Rendering(width=1280, height=720)
@@ -46,7 +46,7 @@ def test_a_usual_motion_stays_inside_and_the_object_is_of_a_good_size(shift):
     points = np.concatenate([BOX, BOX + shift])
     camera = framed(points)
     assert inside(points, camera)
-    assert LEAST_HEIGHT - 0.01 <= height(BOX, camera) <= MOST_HEIGHT + 0.01
+    assert LEAST_SHARE - 0.01 <= height(BOX, camera) <= MOST_HEIGHT + 0.01
 
 
 @pytest.mark.parametrize("shift", [(-20, 0, 0), (0, 0, 30.0), (9, 0, 9)])
@@ -54,7 +54,7 @@ def test_of_a_very_long_way_the_start_is_shown(shift):
     points = np.concatenate([BOX, BOX + shift])
     camera = framed(points)
     assert inside(BOX, camera)
-    assert height(BOX, camera) == pytest.approx(LEAST_HEIGHT, abs=0.02)  # at the rim a view is wider
+    assert height(BOX, camera) == pytest.approx(LEAST_SHARE, abs=0.02)  # at the rim a view is wider
     ends = to_screen(np.array([[2, 2, 1.0], np.add([2, 2, 1.0], np.multiply(shift, 0.03))]), camera)
     free = np.array([0.5, 0.5]) - ends[0]  # the room is left on the side that it goes to
     assert free @ (ends[1] - ends[0]) > 0
@@ -86,7 +86,7 @@ def test_peoples_camera_stands_still_and_shows_all_of_the_motion(velocity):
     cameras = place_cameras(scene(), x, WIDE)
     assert len(cameras) == len(x) and all(camera is cameras[0] for camera in cameras)
     assert all(inside(points, camera) for points, camera in zip(x, cameras))
-    assert LEAST_HEIGHT - 0.01 <= height(x[0], cameras[0]) <= MOST_HEIGHT + 0.01
+    assert LEAST_SHARE - 0.01 <= height(x[0], cameras[0]) <= MOST_HEIGHT + 0.01
 
 
 @pytest.mark.parametrize(
@@ -96,7 +96,7 @@ def test_a_camera_follows_if_asked_to_or_if_the_object_would_be_too_small(veloci
     x = moving(velocity)
     cameras = place_cameras(scene(follow=follow), x, WIDE)
     assert all(inside(points, camera) for points, camera in zip(x, cameras))
-    assert LEAST_HEIGHT - 0.01 <= height(x[0], cameras[0]) <= MOST_HEIGHT + 0.01
+    assert LEAST_SHARE - 0.01 <= height(x[0], cameras[0]) <= MOST_HEIGHT + 0.01
     eyes = np.array([camera.center for camera in cameras])
     way = eyes[-1] - eyes[0]
     assert way @ np.asarray(velocity) > 0.5 * np.linalg.norm(velocity) ** 2 * 25 * 0.04
@@ -114,6 +114,35 @@ def test_a_camera_that_follows_does_not_jerk():
 def test_a_camera_that_must_not_follow_does_not():
     cameras = place_cameras(scene(follow=False), moving((-40, 0, 0)), WIDE)
     assert all(camera is cameras[0] for camera in cameras) and inside(BOX, cameras[0])
+
+
+SHAPES = {
+    "flat": [1.0, 0.8, 0.15],
+    "long": [1.0, 0.1, 0.1],
+    "tall": [0.15, 0.15, 1.0],
+    "cube": [1.0, 1.0, 1.0],
+}
+RISE = np.linspace(0, 1, 40)[:, None] ** 2 * [0, 0, 1.0]
+SIDE, ARC = RISE[:, [2, 0, 1]], RISE + np.linspace(0, 1, 40)[:, None] * [1.0, 0, 0] - RISE**0.5 * 0.5
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("way", [SIDE, RISE, ARC], ids=["side", "rise", "arc"])
+@pytest.mark.parametrize("far", [1.0, 2.5, 6.0])
+def test_all_of_a_way_is_in_the_picture_with_a_margin(shape, way, far):
+    """Of an object of any shape, its tips as well; and it is large enough to be seen."""
+    size = np.array(SHAPES[shape])
+    inner = np.random.default_rng(0).uniform(-0.5, 0.5, (3000, 3))
+    tip = np.array([[0.55, 0, 0], [0, 0, -0.55], [0, 0, 0.55]])  # fewer than might have flown off
+    rest = np.concatenate([CORNERS, inner, tip]) * size
+    x = rest + [2, 2, 1.0] + far * way[:, None]
+    cameras = place_cameras(scene(), x, WIDE)
+    seen = np.stack([to_screen(points, camera) for points, camera in zip(x, cameras)])
+    assert seen.min() > 0.02 and seen.max() < 0.98
+    assert np.ptp(seen, axis=1).max(axis=1).min() > 0.25
+    steps = np.diff([camera.center for camera in cameras], axis=0)
+    jerk = np.linalg.norm(np.diff(steps, axis=0), axis=1).max()
+    assert jerk <= np.linalg.norm(np.diff(far * way, n=2, axis=0), axis=1).max() + 1e-6, "no faster than it"
 
 
 def test_what_flies_off_or_breaks_does_not_make_the_rest_small():

@@ -5,10 +5,12 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from physagent_jax.gaussians import write_ply
 from physagent_jax.run.resolve import resolve
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.level import LARGEST_TILT, find_tilt
+from physagent_jax.scene.mesh import sample_mesh
 from physagent_jax.scene.placement import find_tilt_rotation
 from physagent_jax.scene.world import find_overhang
 
@@ -66,6 +68,16 @@ def test_a_run_on_the_ground_sets_it_upright_and_says_so(tmp_path):
         run, body = load(path, **parts)
         assert run.template.source.tilt == (0.0, 0.0) and find_overhang(body) > 0
         assert not any("turned by" in text for text in run.warnings)
+
+
+def test_a_mesh_that_leans_far_is_set_on_the_ground_and_a_capture_is_not(tmp_path):
+    """A mesh is drawn without a ground; a capture stood as it was captured."""
+    path = export(tmp_path / "box.obj", 42.0)
+    run, body = load(path)
+    assert find_overhang(body) < 0 and run.template.world.ground
+    assert any("turned by 42" in text or "turned by 41.9" in text for text in run.warnings)
+    write_ply(tmp_path / "box.ply", sample_mesh(path, count=4000, seed=0)[0])
+    assert load(tmp_path / "box.ply")[0].template.source.tilt == (0.0, 0.0)
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,9 @@ FIGURE = {  # centre and half sizes, z up
 }
 
 
+COARSE = dict(cells=48, max_particles=1500)
+
+
 def make_box(centre, half):
     return trimesh.creation.box(extents=2 * np.array(half)).apply_translation(centre)
 
@@ -53,9 +56,21 @@ def make_pot():
 
 def find(path, **options):
     """The body, its particles in the file's frame, and its parts by name."""
-    body = load_object(path, preset="fast", max_particles=6000, **options).body
+    body = load_object(path, **{"preset": "fast", "max_particles": 6000, **options}).body
     source = body.placement.to_source(body.particles.x)
     return body, source, {part.name or part.roles[0]: part for part in body.parts}
+
+
+@pytest.fixture(scope="module")
+def figure(tmp_path_factory):
+    """The file of the figure, and what is found in it."""
+    path = write_obj(tmp_path_factory.mktemp("figure") / "figure.obj")
+    return path, find(path, up="+z")
+
+
+@pytest.fixture(scope="module")
+def pot(tmp_path_factory):
+    return find(write_glb(tmp_path_factory.mktemp("pot") / "pot.glb", make_pot()))
 
 
 @pytest.mark.parametrize(
@@ -79,8 +94,9 @@ def test_names_that_a_person_gave_are_told_from_machine_made_ones(raw, name):
 
 
 @pytest.mark.parametrize("keyword", ["g", "o"])
-def test_groups_of_an_obj_are_parts(tmp_path, keyword):
-    body, source, parts = find(write_obj(tmp_path / "figure.obj", keyword=keyword), up="+z")
+def test_groups_of_an_obj_are_parts(tmp_path, keyword, figure):
+    path = tmp_path / "figure.obj"
+    body, source, parts = figure[1] if keyword == "g" else find(write_obj(path, keyword=keyword), up="+z")
     named = {name: part for name, part in parts.items() if part.origin == "file"}
     assert list(named) == ["body", "left arm", "right arm", "head"]
     for name, (centre, half) in zip(named, FIGURE.values()):
@@ -90,18 +106,18 @@ def test_groups_of_an_obj_are_parts(tmp_path, keyword):
         assert (held & within).sum() > 0.99 * within.sum() > 0, name
 
 
-def test_what_hangs_on_a_neck_turns_and_what_sits_on_the_rest_moves(tmp_path):
-    _, _, parts = find(write_obj(tmp_path / "figure.obj"), up="+z")
+def test_what_hangs_on_a_neck_turns_and_what_sits_on_the_rest_moves(figure, pot):
+    _, _, parts = figure[1]
     arm = parts["left arm"]
     assert not arm.seated and arm.arm[0] < -0.25 and abs(arm.arm[0]) > 3 * np.abs(arm.arm[1:]).max()
-    _, _, parts = find(write_glb(tmp_path / "pot.glb", make_pot()))
+    _, _, parts = pot
     lid = parts["lid"]
     assert lid.seated and lid.arm[2] > 0.9 * np.linalg.norm(lid.arm) and lid.side[2] > 0.9
     np.testing.assert_allclose(lid.joint[:2], 0.5, atol=0.03)  # it turns about its own middle
 
 
-def test_the_lid_of_a_glb_is_the_lid_alone(tmp_path):
-    body, source, parts = find(write_glb(tmp_path / "pot.glb", make_pot()))
+def test_the_lid_of_a_glb_is_the_lid_alone(pot):
+    body, source, parts = pot
     assert parts["lid"].origin == "file"
     x = np.asarray(body.particles.x, float)
     moved, rest = (make_region_mask(region, x) for region in (parts["lid"].moved, parts["lid"].rest))
@@ -126,7 +142,7 @@ def test_a_node_holds_those_below_it(tmp_path):
 @pytest.mark.parametrize("name", ["default", "Object.001", "mesh_0"])
 def test_machine_made_names_are_no_parts(tmp_path, name):
     boxes = {f"{name}{k}": box for k, box in enumerate(FIGURE.values())}
-    body = find(write_obj(tmp_path / "figure.obj", boxes), up="+z")[0]
+    body = find(write_obj(tmp_path / "figure.obj", boxes), up="+z", **COARSE)[0]
     assert all(part.origin == "shape" for part in body.parts)
 
 
@@ -134,7 +150,7 @@ def test_one_group_for_all_is_no_part(tmp_path):
     path = tmp_path / "figure.obj"
     write_obj(path)
     path.write_text("g figure\n" + "\n".join(l for l in path.read_text().splitlines() if l[0] != "g"))
-    assert all(part.origin == "shape" for part in find(path, up="+z")[0].parts)
+    assert all(part.origin == "shape" for part in find(path, up="+z", **COARSE)[0].parts)
 
 
 def test_a_group_of_one_skin_bends_beside_its_joint(tmp_path):
@@ -164,11 +180,11 @@ def test_a_box_in_the_files_units_is_a_part(tmp_path):
     assert (held == (source[:, 2] >= 0.9)).mean() > 0.98
 
 
-def test_a_point_and_a_number_name_parts_that_are_there(tmp_path):
-    path = write_obj(tmp_path / "figure.obj")
+def test_a_point_and_a_number_name_parts_that_are_there(figure):
+    path, (body, _, _) = figure
     point = dict(name="pump handle", point=(0.6, 0, 0.85))
     number = dict(name="torso", number=1)
-    before = find(path, up="+z")[0].parts
+    before = body.parts
     after = find(path, up="+z", parts=[point, number])[0].parts
     assert [part.moved for part in before] == [part.moved for part in after]
     assert [part.name for part in before][:3] == ["body", "left arm", "right arm"]
@@ -184,11 +200,8 @@ def test_a_point_and_a_number_name_parts_that_are_there(tmp_path):
         (dict(name="x", number=77), ("77", "1 body, 2 left arm")),
     ],
 )
-def test_what_is_no_part_is_refused(tmp_path, choice, words):
-    body = (
-        find(write_obj(tmp_path / "figure.obj"), up="+z", parts=[])
-        and load_object(write_obj(tmp_path / "figure.obj"), up="+z", max_particles=3000, parts=[choice]).body
-    )
+def test_what_is_no_part_is_refused(figure, choice, words):
+    body = load_object(figure[0], up="+z", parts=[choice], **COARSE).body
     with pytest.raises(UserError) as error:
         _ = body.parts
     assert all(word in str(error.value) for word in words)

@@ -147,7 +147,10 @@ def test_parts_are_told_by_what_is_around_them(solids, roles):
         (JAR, ["top"]),
         ([("tube", (0, 0, 0), (0.3, 0.3, 0.06)), ("box", (0.5, 0, 0), (0.25, 0.04, 0.03))], ["side"]),
         ([POT, RING, ("ring", (-0.45, 0, 0), (0.2, 0.05, 0.2))], ["side", "side"]),
-        ([("ball", (0, 0, 0.2), (0.4, 0.4, 0.2)), ("tube", (0, 0, -0.25), (0.08, 0.08, 0.3))], ["bottom"]),
+        (
+            [("ball", (0, 0, 0.2), (0.4, 0.4, 0.2)), ("tube", (0, 0, -0.25), (0.08, 0.08, 0.3))],
+            ["bottom", "top"],
+        ),
     ],
     ids=["jar", "pan", "two handles", "mushroom"],
 )

@@ -11,7 +11,7 @@ from trimesh.transformations import rotation_matrix
 from physagent_jax.scene.config import Source
 from physagent_jax.scene.load import load_object
 from physagent_jax.scene.procedural import PROCEDURAL
-from physagent_jax.scene.up_axis import AXES, find_opposite, guess_up, measure_sides
+from physagent_jax.scene.up_axis import AXES, find_mirrored, find_opposite, guess_up, measure_sides
 
 CAPTURES = {
     "playbot_31k_sh2.ply": "-y", "playbot_8k_sh3_inria_layout.ply": "-y", "guitar_sh0.ply": "-y",
@@ -135,3 +135,20 @@ def test_opposites():
     for axis in AXES:
         assert find_opposite(axis)[1] == axis[1] and find_opposite(find_opposite(axis)) == axis
         assert find_opposite(axis) != axis
+
+
+def test_left_and_right_are_told_by_the_mirror():
+    """Wings on either side of a body: it is its own image across the axis that they lie along, and that alone."""
+    boxes = [((1.0, 0.1, 0.1), 0.0), ((0.2, 1.0, 0.04), 0.2), ((0.12, 0.3, 0.04), -0.45)]
+    parts = [trimesh.creation.box(size) for size, _ in boxes]
+    for part, (_, place) in zip(parts, boxes):
+        part.apply_translation((place, 0, 0))
+    fin = trimesh.creation.box((0.12, 0.02, 0.3))
+    fin.apply_translation((-0.45, 0, 0.15))
+    plane = trimesh.util.concatenate([*parts, fin])
+    points = np.asarray(trimesh.sample.sample_surface(plane, 20_000, seed=0)[0])
+    assert find_mirrored(points) == 1
+    assert find_mirrored(points[:, [1, 2, 0]]) == 0
+    assert find_mirrored(points[:, [0, 2, 1]] * 7 + 3) == 2
+    box = np.asarray(trimesh.sample.sample_surface(trimesh.creation.box((1, 0.5, 0.3)), 20_000, seed=0)[0])
+    assert find_mirrored(box) is None

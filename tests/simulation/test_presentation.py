@@ -108,6 +108,48 @@ def test_a_clip_goes_on_until_rest_and_no_longer(dropped):
     )
 
 
+@pytest.mark.parametrize("group", ["actions", "constraints"])
+def test_what_is_carried_to_the_end_is_seen_there(dropped, group):
+    """Not how it falls when it is let go: nobody asked for that."""
+    kind = dict(action_type="translation", constraint_type="enforce_particle_translation")
+    name = group.removesuffix("s") + "_type"
+
+    def ends_with_the_plan(**entry):
+        field = ForceField.model_validate({group: [{name: kind[name], "vector": (0, 0.2, 1), **entry}]})
+        config = dropped.scene.config.model_copy(update=dict(force_field=field))
+        scene = dataclasses.replace(dropped.scene, config=config)
+        return len(simulate_ending(dataclasses.replace(dropped, scene=scene))[0]) == len(dropped.x)
+
+    upper = dict(kind="half_space", point=(0.5, 0.5, 0.5), normal=(0, 0, 1))
+    assert ends_with_the_plan(active_time=(2, 7)) and ends_with_the_plan()
+    assert not ends_with_the_plan(active_time=(2, 5))
+    assert not ends_with_the_plan(vector=(1, 0, 0.1)) and not ends_with_the_plan(region=upper)
+
+
+def test_what_is_swung_over_the_ground_is_seen_standing(dropped):
+    """The pushes hold it upright; what stands on small feet would fall over after them."""
+
+    def ends_with_the_plan(windows, anchor="none", **more):
+        pushes = [
+            dict(action_type="translation", vector=(1, 0, 0), magnitude=(-1) ** k, active_time=each, **more)
+            for k, each in enumerate(windows)
+        ]
+        config = dropped.scene.config
+        changes = dict(
+            force_field=ForceField.model_validate(dict(actions=pushes)),
+            anchor=config.anchor.model_copy(update=dict(kind=anchor)),
+        )
+        scene = dataclasses.replace(dropped.scene, config=config.model_copy(update=changes))
+        return len(simulate_ending(dataclasses.replace(dropped, scene=scene))[0]) == len(dropped.x)
+
+    swing = [(0, 1.5), (1.5, 4.5), (4.5, 6)]
+    assert ends_with_the_plan(swing)
+    assert not ends_with_the_plan(swing[:2]), "a push and its brake"
+    assert not ends_with_the_plan(swing, anchor="base"), "what is held swings out"
+    upper = dict(kind="half_space", point=(0.5, 0.5, 0.5), normal=(0, 0, 1))
+    assert not ends_with_the_plan(swing, region=upper)
+
+
 def test_a_clip_ends_before_the_object_meets_the_domains_wall(robot_path):
     """Nobody sees that wall: what flies past it in the picture must not be turned or stopped by it."""
     with pytest.warns(UserWarning, match="thinly filled"):

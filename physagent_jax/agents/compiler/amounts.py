@@ -101,13 +101,15 @@ def find_word_effort(strength: float, effect: Effect) -> float | None:
     return None
 
 
-def find_span(effort: float, usual: float, brief: SceneBrief) -> float:
+def find_span(effort: float, usual: float, brief: SceneBrief, led: bool = False) -> float:
     """The time for which an object is pushed and then braked, so that a magnitude in range brings it there [s].
 
-    Half of the time it is pushed, half braked: it gets M (t / T)^2 / 2 of what M = 1 does in T.
+    Half of the time it is pushed, half braked: it gets M (t / T)^2 / 2 of what M = 1 does in T. If it is led instead,
+    it gets M t / T.
     """
     reference = calibration.REFERENCE_TIME
     shortest, longest = (reference * math.sqrt(2.0 * effort / m) for m in (MAGNITUDE_MAX, MAGNITUDE_MIN))
+    shortest = max(shortest, reference * effort / MAGNITUDE_MAX) if led else shortest
     return clamp(usual, shortest, max(longest, 4.0 * brief.frame_dt))
 
 

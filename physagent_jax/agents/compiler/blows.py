@@ -16,15 +16,24 @@ from physagent_jax.agents.compiler.steady import (
     make_impulse_window,
 )
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.windows import divide
-from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY, MAGNITUDE_MAX, find_reference_time
+from physagent_jax.forces.calibration import (
+    DROP_HEIGHT,
+    GRAVITY,
+    MAGNITUDE_MAX,
+    find_reference_time,
+    find_tipping,
+)
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import add, dot, normalise, scale
+from physagent_jax.motion.windows import divide
 
 _RAISING = (Effect.STRIKE, Effect.JUMP)
 _UPRIGHT = 0.7  # cosine
-_TIPPING = 1.0  # [s] in which what stands is tipped past its balance
+_LEVEL = 0.5  # cosine to the vertical below which a way is level
+_THROWN = (
+    0.45  # of a blow, with which what flies an arc comes down about as far aside as one along the ground goes
+)
 
 
 def compile_strike(task: Task) -> None:
@@ -37,8 +46,11 @@ def compile_strike(task: Task) -> None:
     falls_back = builder.default_drop or (builder.grounded and not builder.anchored)
     rises = falls_back and dot(way, task.brief.directions.up) > 0.5
     strength = _find_blow(task, count, rises)
+    up, flown = task.brief.directions.up, way
+    if event.motion.gravity and builder.grounded and not builder.anchored and abs(dot(way, up)) < _LEVEL:
+        flown, strength = normalise(add([way, up])) or way, _THROWN * strength
     for index, part in enumerate(divide(window, [1.0] * count)):
-        blow = scale(way, -1.0 if swings and index % 2 else 1.0)
+        blow = scale(flown, -1.0 if swings and index % 2 else 1.0)
         task.act(ActionType.IMPULSE, blow, strength, make_impulse_window(part[0]))
     if task.needs_brake and count == 1 and not builder.grounded:  # else friction stops it
         stop = make_impulse_window(window[1] - IMPULSE_FRAMES)
@@ -124,13 +136,12 @@ def _let_fall(task: Task) -> None:
 
 
 def compile_topple(task: Task) -> None:
-    """Gravity and a turn of the top towards the direction, until gravity goes on with it: what rounds off rolls on."""
+    """Gravity and a turn of the top towards the direction, past the balance: gravity goes on with it."""
     if not task.builder.grounded:
         task.builder.enable_gravity(task.event.words, "a toppling object needs gravity")
-    axis = find_lean_axis(task.direction, task.brief)
-    first, last = task.window
-    until = min(last, first + _TIPPING / task.brief.frame_dt)
-    task.act(ActionType.TORQUE, axis, task.event.strength, (first, until))
+    axis, (first, last), dt = find_lean_axis(task.direction, task.brief), task.window, task.brief.frame_dt
+    magnitude, seconds = find_tipping(task.event.strength, (last - first) * dt, task.brief.seconds)
+    task.act(ActionType.TORQUE, axis, magnitude, (first, first + seconds / dt))
     told = BY_DEFAULT not in task.event.sources["vector"].why
     task.expect(MotionKind.ROTATE, axis if told else None, task.window)
     task.expect(MotionKind.FALL, None, task.window)

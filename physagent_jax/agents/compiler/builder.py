@@ -7,12 +7,12 @@ from typing import Literal
 
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.schema import Evidence
-from physagent_jax.agents.windows import Window
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import Action, VelocityConstraint, is_too_short
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, ObstacleRequest, SceneBrief
 from physagent_jax.motion.vectors import clamp
+from physagent_jax.motion.windows import Window
 
 MAX_ACTIONS = 60  # more would only slow the simulation; no sentence for a clip of a few seconds needs them
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder, describe_skill
 from physagent_jax.agents.compiler.events import Event
 from physagent_jax.agents.compiler.interpretation import resolve_obstacles
-from physagent_jax.agents.compiler.limbs import drive_limbs
+from physagent_jax.agents.compiler.limbs import drive_limbs, find_support
 from physagent_jax.agents.compiler.schedule import schedule
 from physagent_jax.agents.compiler.sequence import apply_holding, choose_anchor, make_events
 from physagent_jax.agents.compiler.skills import compile_slots
@@ -50,6 +50,7 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
         raise _refuse(unknown, brief)
     clauses = apply_holding(known, intent.held)
     anchor = choose_anchor(intent.held, clauses)
+    anchor = find_support(clauses, brief) if anchor.kind is None else anchor
     anchored = anchor.kind in ("base", "top") or (brief.anchored is not None and anchor.kind != "none")
     builder = ForceFieldBuilder(brief, anchored, intent.surroundings.gravity, notes=list(intent.notes))
     builder.obstacles += resolve_obstacles(intent.surroundings.solids, None, brief)

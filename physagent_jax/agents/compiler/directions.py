@@ -13,6 +13,7 @@ from typing import NamedTuple
 from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueSource, WayKind
 from physagent_jax.agents.lexicon import Effect, Names, read_lexicon
 from physagent_jax.core.strict import Vector
+from physagent_jax.motion.limbs import find_level_line
 from physagent_jax.motion.schema import SceneBrief
 from physagent_jax.motion.vectors import add, cosine, cross, dot, normalise, scale
 
@@ -20,6 +21,7 @@ ASSUMED = "left"
 TOWARDS = (Effect.PUSH, Effect.STRIKE, Effect.SCALE, Effect.LEAN, Effect.ROLL, Effect.JUMP, Effect.TOPPLE)
 """Effects that go a way."""
 _NO_WAY = (Effect.FALL, Effect.HOLD, Effect.RELEASE, Effect.STILL, Effect.SWELL, Effect.BURST)
+_LEVEL = 0.5  # cosine to the vertical below which a way is level
 _WORLD_AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _NORMALS: dict[Names, Names] = {("right",): ("up",), ("up",): ("right",)}
 """Turning horizontally is about the vertical."""
@@ -36,8 +38,11 @@ class Heading(NamedTuple):
 def sum_directions(names: Names, brief: SceneBrief) -> Vector:
     """Sum of named directions (not normalised)."""
     table = brief.directions
-    long = {"long": brief.long_axis or table.up, "lengthwise": brief.long_axis or table.right}
-    known = _WORLD_AXES | long
+    long = brief.long_axis
+    own = find_level_line(brief)  # "own" is along it, "beside" across
+    lines = {"long": long or table.up, "lengthwise": long or table.right, "own": own}
+    lines["beside"] = normalise(cross(own, table.up)) or table.left
+    known = _WORLD_AXES | lines
     return add(known.get(name) or getattr(table, name) for name in names)
 
 
@@ -102,6 +107,10 @@ def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
         total = normalise(parts[0])
         both = motion.effect is Effect.SCALE or event.pick(WayKind.SIDES)  # "its ends apart"
         event.repeat = replace(event.repeat, alternate=not both)
+    rises = motion.effect is Effect.PUSH and motion.direction == "up" and not motion.floats
+    lifted = rises and not event.parts and bool(event.pick(WayKind.TO))
+    if lifted and total is not None and abs(dot(total, up)) < _LEVEL:
+        total = normalise(add([total, up]))  # "it takes off to the right"
     why = "the viewer's directions, added" if len(told) > 1 else "the viewer's direction"
     if motion.effect is Effect.TURN and total is not None:
         tumbles = motion.tumbles and abs(dot(total, up)) < 0.7
@@ -161,7 +170,7 @@ def _assume(event: Event, brief: SceneBrief) -> Heading:
     missing = "no axis given: it points" if motion.effect is Effect.TURN else "no direction given:"
     event.notes += [] if motion.direction else [f"'{event.words}': no direction given, assumed {name}."]
     vector = normalise(sum_directions((name,), brief))
-    return Heading(vector, event.words, f"{missing} {name} {BY_DEFAULT}")
+    return Heading(vector, event.words, f"{missing} {name} {'' if motion.bound else BY_DEFAULT}".strip())
 
 
 def _find_turn_towards(direction: Vector, brief: SceneBrief) -> Vector:

@@ -8,15 +8,17 @@ from dataclasses import replace
 from physagent_jax.agents import intent
 from physagent_jax.agents.compiler.amounts import MOST, find_target
 from physagent_jax.agents.compiler.directions import TOWARDS, sum_directions, take_heading
-from physagent_jax.agents.compiler.events import WAYS, Event, ValueSource, WayKind
-from physagent_jax.agents.compiler.limbs import find_limbs
+from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueSource, WayKind
+from physagent_jax.agents.compiler.limbs import find_limbs, is_plural, sticks_out
 from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.slabs import make_end_region, make_middle_region
-from physagent_jax.motion.parts import explain_missing
+from physagent_jax.motion.joints import Turning
+from physagent_jax.motion.limbs import stands_on_legs
+from physagent_jax.motion.parts import explain_guess, explain_missing
 from physagent_jax.motion.schema import Amount, ObstacleRequest, SceneBrief
-from physagent_jax.motion.vectors import clamp, normalise, scale
+from physagent_jax.motion.vectors import clamp, cosine, normalise, scale
 
 # What each kind of way means nothing for; nor does a part for what all of the object does.
 _NO_WAYS = (Effect.SWELL, Effect.BURST, Effect.STILL)
@@ -31,6 +33,7 @@ _USELESS = {
 }
 _WHOLE = (Effect.ROLL, Effect.BURST, Effect.TOPPLE, Effect.JUMP, Effect.FALL)
 _ONCE = (Effect.FALL, Effect.TOPPLE, Effect.ROLL, Effect.BURST, Effect.RELEASE, Effect.STILL)
+_STEEP = 0.7  # cosine to the vertical
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 
 
@@ -261,13 +264,28 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
     if event.parts:
         event.limbs = find_limbs(named[0], brief)
     if event.limbs:
-        event.region, event.part = brief.parts[event.limbs[0]].moved, brief.parts[event.limbs[0]].side
-        told = brief.parts[event.limbs[0]].moved.label or "a part of the object"
-        event.sources["region"] = ValueSource(named[0].text, told)
+        doubt = explain_guess(named[0].text, brief.parts, event.limbs, plural=is_plural(named[0].text))
+        event.doubts += filter(None, [doubt])
+        part = brief.parts[event.limbs[0]]
+        event.region, event.part = part.moved, part.side
+        event.sources["region"] = ValueSource(named[0].text, part.moved.label or "a part of the object")
+        limb = Turning(part, brief, brief.frame_count)
+        assumed = event.sources["vector"].why.endswith(BY_DEFAULT)
+        if assumed and event.effect is Effect.SWAY and event.motion.direction is None:
+            _turn(event, limb.swing, "across the part")
+        elif assumed and event.motion.wrings:
+            _turn(event, limb.arm, "about the part's own line")
+        elif (
+            event.effect is Effect.SCALE and event.motion.sign < 0 and _is_upright(event.direction, brief)
+        ):  # a part gives way downwards
+            event.motion = replace(event.motion, effect=Effect.PUSH, sign=1, skill=None)
+            event.direction = brief.directions.down
         return
-    if place.role and not place.names:
+    if place.role and (not place.names or place.names == ("up",) and stands_on_legs(brief.parts)):
         event.doubts.append(explain_missing(named[0].text, brief.parts))
         return
+    if event.parts and brief.parts and sticks_out(named[0]):
+        event.doubts.append(explain_missing(named[0].text, brief.parts))
     event.part = normalise(sum_directions(place.names, brief))
     if not event.excludes_part:
         event.sources["region"] = ValueSource(named[0].text, "a part of the object")
@@ -282,6 +300,10 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         event.region = make_end_region(scale(event.part, -1.0), 1.0 - place.start)
     else:
         event.region = make_end_region(event.part, place.start)
+
+
+def _is_upright(way: Vector | None, brief: SceneBrief) -> bool:
+    return way is not None and abs(cosine(way, brief.directions.up)) > _STEEP
 
 
 def resolve_obstacles(

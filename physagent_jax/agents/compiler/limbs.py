@@ -7,65 +7,89 @@ sentence moves limbs alone the rest is held.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from physagent_jax.agents.compiler.directions import sum_directions
-from physagent_jax.agents.compiler.events import KnownPart
-from physagent_jax.agents.lexicon import read_lexicon
+from physagent_jax.agents.compiler.events import Event, KnownPart
+from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.agents.schema import Evidence, SemanticReply
-from physagent_jax.agents.windows import divide
 from physagent_jax.forces.part import split_name
 from physagent_jax.forces.schema import ConstraintType, VelocityConstraint
-from physagent_jax.motion.limbs import (
-    LOOSE,
-    PLACES,
-    Turning,
-    choose_parts,
-    find_angle,
-    find_front,
-    find_swing,
-)
+from physagent_jax.motion.joints import Turning
+from physagent_jax.motion.limbs import LOOSE, PLACES, choose_parts, find_front
 from physagent_jax.motion.parts import find_named, join_rest
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import add, scale
 
-_TIME = 1.0  # [s] in which a limb gets where it goes, at most
-_SWINGS = 2  # of a limb that wags, unless the sentence counts them
+_DONE = {
+    ConstraintType.PARTICLE_ROTATION: "turns about its joint",
+    ConstraintType.MOVING_PLATE: "is pressed by a plate of its size",
+}
 _DRIVEN = (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE)
 
 
 def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     """Places in the brief's parts of what a part's word means; several for a plural without a side, none if unknown."""
-    if named := find_named(brief.parts, part.phrase, plural=_is_plural(part.text)):
+    if named := find_named(brief.parts, part.phrase, plural=is_plural(part.text)):
         return named
-    adjective, _, noun = part.phrase.rpartition(" ")
+    adjective, _, noun = (
+        part.phrase.rpartition(" ") if part.phrase not in read_lexicon().parts else ("", "", part.phrase)
+    )
     said = noun if adjective else part.text.lower()
-    roles = _find_roles(noun) or ([said] if said not in PLACES else [])
+    roles = find_roles(noun) or ([said] if said not in PLACES else [])
     side, front = None, find_front(brief.parts)
     if adjective:
         turned = dict(toward=front, away=front and scale(front, -1.0))
         side = add(turned.get(name) or sum_directions((name,), brief) for name in part.place.names)
     known = [
-        each.model_copy(update=dict(roles=(*_find_roles(each.name)[:1], *each.roles))) for each in brief.parts
+        each.model_copy(update=dict(roles=(*find_roles(each.name)[:1], *each.roles))) for each in brief.parts
     ]
-    return choose_parts(known, roles, side, _is_plural(part.text))
+    return choose_parts(known, roles, side, is_plural(part.text))
 
 
-def _find_roles(name: str) -> list[str]:
+def find_support(clauses: Sequence[Event], brief: SceneBrief) -> AnchorRequest:
+    """The hold of a free object of which parts alone are to move, and its shape does not show them.
+
+    What acts on a region of it would otherwise take the whole along.
+    """
+    acting = [each for each in clauses if each.effect not in (Effect.STILL, Effect.HOLD, Effect.RELEASE)]
+    free = brief.may_be_held and brief.world == "ground" and brief.anchored is None
+    if not free or not acting or not all(_names_unseen_part(each, brief) for each in acting):
+        return AnchorRequest()
+    return AnchorRequest(kind="base", words=acting[0].words)
+
+
+def _names_unseen_part(event: Event, brief: SceneBrief) -> bool:
+    """Return whether a clause moves a part by a word for something that sticks out, which the shape does not show."""
+    part = event.parts[0] if event.parts else None
+    known = part is None or not sticks_out(part) or bool(find_limbs(part, brief))
+    return not known and part is not None and "down" not in part.place.names
+
+
+def sticks_out(part: KnownPart) -> bool:
+    """Return whether a word means something that sticks out, whatever side it tells: no end of the object."""
+    return bool(roles := find_roles(part.phrase)) and roles[0] not in (*PLACES, "head")
+
+
+def find_roles(name: str) -> list[str]:
     """The roles that a part of this name may have, likeliest first; none if its noun tells none."""
     nouns = [word for word in split_name(name) if not word.isdigit()] or [""]
     parts = read_lexicon().parts
-    place = parts.get(nouns[-1]) or parts.get(nouns[-1].removesuffix("s"))
+    place = parts.get(name) or parts.get(nouns[-1]) or parts.get(nouns[-1].removesuffix("s"))
     return [] if place is None else place.role.split()
 
 
-def _is_plural(text: str) -> bool:
+def is_plural(text: str) -> bool:
+    """Return whether a part's word means several."""
     word = text.split()[-1].lower() if text.split() else ""
     return word.endswith("s") or word == "feet"
 
 
 def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
     """The reply in which limbs are turned about their joints, and the rest is held if nothing else is to move."""
-    asked = [each for each in reply.expectations if each.limb is not None and each.kind in _DRIVEN]
-    if not asked:
+    limbs = [each for each in reply.expectations if each.limb is not None]
+    asked = [each for each in limbs if each.kind in _DRIVEN]
+    if not limbs:
         return reply
     frame_count = reply.frame_count or brief.frame_count
     moved = [brief.parts[each.limb].moved for each in asked if each.limb is not None]
@@ -78,16 +102,19 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
             more, expected = _drive(each, asked, brief, frame_count)
             constraints += more
         expectations.append(expected)
-    alone = all(each.limb is not None or each.kind is MotionKind.STILL for each in reply.expectations)
-    anchor = reply.anchor
+    alone = all(each in limbs or each.kind is MotionKind.STILL for each in reply.expectations)
+    anchor, held = (
+        reply.anchor,
+        {each.limb: brief.parts[each.limb] for each in limbs if each.limb is not None},
+    )
     if alone and anchor.kind is None:
-        limbs = sorted({each.limb for each in asked if each.limb is not None})
-        words = asked[0].words or "a part"
-        anchor = AnchorRequest(kind="rest", words=words, region=join_rest([brief.parts[k] for k in limbs]))
+        region = join_rest([held[limb] for limb in sorted(held)])
+        anchor = AnchorRequest(kind="rest", words=limbs[0].words or "a part", region=region)
     field = reply.force_field.model_copy(update=dict(actions=actions, constraints=tuple(constraints)))
-    turns = any(each.constraint_type is ConstraintType.PARTICLE_ROTATION for each in constraints)
-    done = "turns about its joint" if turns else "moves as a whole"
-    note = f"A part {done}" + (", and the rest is held." if anchor.kind == "rest" else ".")
+    kinds = {each.constraint_type for each in constraints}
+    done = next((words for kind, words in _DONE.items() if kind in kinds), "is moved alone")
+    told = ", ".join(each.moved.label or "a part" for each in held.values())
+    note = f"{told}: it {done}" + (", and the rest is held." if anchor.kind == "rest" else ".")
     return reply.model_copy(
         update=dict(
             force_field=field,
@@ -124,30 +151,7 @@ def _drive(
 ) -> tuple[list[VelocityConstraint], ExpectedMotion]:
     """The constraints that bring about a limb's motion, and the motion as it is then expected."""
     assert motion.limb is not None
-    part, last = brief.parts[motion.limb], frame_count - 1.0
-    slides = part.seated and LOOSE.issuperset(_find_roles(part.name))
-    turning = Turning(part, brief, frame_count, slides)
-    first, end = motion.window
-    if motion.kind is MotionKind.SWAY:
-        way = motion.direction or find_swing(part, brief)
-        swings = max(motion.repeats, _SWINGS)
-        windows = divide((first, end), [0.5, *[1.0] * (2 * swings - 1), 0.5])
-        windows = [window for window in windows if window[1] - window[0] >= 1.0] or [(first, end)]
-        angle = find_angle(motion) * 0.6
-        made = []
-        for index, window in enumerate(windows):
-            share = (window[1] - window[0]) / max(each[1] - each[0] for each in windows)
-            made.append(turning.bring(way, motion, (-1) ** index * angle * 2 * share, window, None))
-        return made, motion.model_copy(update=dict(direction=way, repeats=swings, limb=motion.limb))
-    later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > first + 0.5]
-    until = min([last, *later])
-    window = (first, min(end, first + max(_TIME / brief.frame_dt, 2.0), until))
-    stop = None if motion.released or until <= window[1] else until
-    if motion.kind is MotionKind.ROTATE and motion.direction is not None:
-        made = turning.driver.turn(motion.direction, find_angle(motion), window, stop)
-    else:
-        angle = find_angle(motion)
-        way = turning.find_course(motion.direction or find_swing(part, brief), angle)
-        made = turning.bring(way, motion, angle, window, stop)
-        motion = motion if motion.direction is None else motion.model_copy(update=dict(direction=way))
-    return [made], motion
+    part = brief.parts[motion.limb]
+    slides = part.seated and LOOSE.issuperset(find_roles(part.name))
+    later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > motion.window[0] + 0.5]
+    return Turning(part, brief, frame_count, slides).drive(motion, min([frame_count - 1.0, *later]))

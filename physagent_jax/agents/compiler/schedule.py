@@ -10,18 +10,19 @@ import math
 from dataclasses import dataclass
 
 from physagent_jax.agents.compiler.amounts import find_effort, find_span, find_word_effort
-from physagent_jax.agents.compiler.events import Event
+from physagent_jax.agents.compiler.events import Event, WayKind
 from physagent_jax.agents.intent import Duration
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.windows import Window
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion.schema import SceneBrief
 from physagent_jax.motion.vectors import clamp, dot
+from physagent_jax.motion.windows import Window
 
 _MOTIONS = (Effect.PUSH, Effect.STRIKE, Effect.JUMP, Effect.ROLL)
 _STILL_SHARE = 0.5  # stillness at the end needs less of the clip than what comes before it
 _SMALLEST_SHARE = 0.1  # of a run of events, kept for those without a told length
 STEP = 1.5  # [s] that a step of a sequence takes, and settling
+_LEVEL = 0.7  # cosine to the vertical below which an axis is level
 _STROKE = 0.75  # [s] that each of several strokes or swings takes at least
 _SWING = 4.0  # [s] in which what is held swings until it is still: 1 Hz with a damping ratio of 0.2
 _REST = 0.5  # [s] after a motion by a quantity, in which it is seen to be reached
@@ -103,8 +104,15 @@ def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, la
             stops = has_to_stop(event, after, brief.directions.up, grounded)
             if event.amount is None and stops and not event.motion.brief:
                 effort = find_word_effort(event.strength, event.effect)
+            line = event.direction if event.effect is Effect.TURN else None
+            led = (
+                line is not None and abs(dot(line, brief.directions.up)) < _LEVEL
+            )  # `rules.kinds` leads it over
             if effort is not None and not anchored:
-                seconds = max(find_span(effort, STEP, brief), STEP if len(slots) > 1 else 0.0)
+                pace = (
+                    event.strength if event.amount and event.strengths else 1.0
+                )  # "slowly, by a quarter turn"
+                seconds = max(find_span(effort, STEP / pace, brief, led), STEP if len(slots) > 1 else 0.0)
         slot.need = slot.length if slot.length is not None else seconds / brief.frame_dt
     return slots
 
@@ -181,7 +189,16 @@ def follows(before: Event, event: Event) -> bool:
         return True  # "rolls left and tips over at the end"
     rests = effect is Effect.STILL and (not event.motion.generic or event.is_timed)
     lifted = before.effect is Effect.PUSH and effect is Effect.FALL and before.phrase != event.phrase
-    return effect is Effect.RELEASE or rests or lifted or _contrary(before, event)
+    return (
+        effect is Effect.RELEASE or rests or lifted or _carries_on(before, event) or _contrary(before, event)
+    )
+
+
+def _carries_on(before: Event, event: Event) -> bool:
+    """Return whether what was raised is then moved on: "it takes off and flies to the right"."""
+    raised = before.effect is event.effect is Effect.PUSH and before.motion.direction == "up"
+    aside = event.motion.direction is None and bool(event.pick(WayKind.TO)) and not event.is_upwards
+    return raised and aside and not (before.parts or event.parts)
 
 
 _SUCCESSIONS = (

@@ -155,8 +155,9 @@ def apply_holding(clauses: list[Event], held: Held | None) -> list[Event]:
     for index, event in enumerate(clauses):
         last = result[-1] if result else None
         after = next((each for each in clauses[index + 1 :] if not each.clause.negated), None)
-        if last is not None and event.stays and event.is_bare and event.effect is last.effect:
-            last.stays = True  # "compress it and keep it compressed"
+        hovers = last is not None and event.motion.floats and last.motion.direction == "up"
+        if last is not None and (event.stays or hovers) and event.is_bare and event.effect is last.effect:
+            last.stays = True  # "compress it and keep it compressed", "it takes off and hovers"
             continue
         if _hangs_in_the_air(event, last):
             if after is not None and after.effect is Effect.FALL:

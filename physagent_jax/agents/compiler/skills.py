@@ -11,13 +11,13 @@ from physagent_jax.agents.compiler.directions import find_lean_axis
 from physagent_jax.agents.compiler.schedule import Slot
 from physagent_jax.agents.compiler.steady import Task, add_steady, make_impulse_window, shorten
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.windows import Window, divide, divide_swings
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, SWING
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.forces.skills import find_skill
 from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import dot, scale
+from physagent_jax.motion.windows import Window, divide, divide_swings
 
 _UPRIGHT = 0.7  # cosine
 _LEAN = 0.5  # torque of a lean relative to a full turn
@@ -103,12 +103,12 @@ def _alternate(task: Task, kind: ActionType, magnitude: float, windows: list[Win
 
 
 def _compile_lean(task: Task) -> None:
-    """Anchored things and things in the wind are pushed over; a free thing is turned."""
+    """Parts, anchored things and things in the wind are pushed over; a free thing is turned."""
     event, brief = task.event, task.brief
     vertical = abs(dot(task.direction, brief.directions.up)) >= 0.9
     if event.repeat.alternate or event.count > 1:
         _compile_sway(task)
-    elif task.builder.anchored or event.is_in_wind or vertical or brief.object_kind == "plant":
+    elif task.builder.anchored or event.limbs or event.is_in_wind or vertical or brief.object_kind == "plant":
         _compile_push(task)
     else:
         axis, strength = find_lean_axis(task.direction, brief), _LEAN * event.strength

@@ -15,12 +15,12 @@ from physagent_jax.agents.compiler.builder import MAX_ACTIONS, ForceFieldBuilder
 from physagent_jax.agents.compiler.events import BY_DEFAULT, Event
 from physagent_jax.agents.compiler.schedule import find_frames, has_to_stop
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.windows import Window, halve
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, find_magnitude
 from physagent_jax.forces.schema import Action, ActionType
 from physagent_jax.motion.schema import Amount, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import clamp, scale
+from physagent_jax.motion.windows import Window, halve
 
 SHORTEST_STROKE, _SHORTEST_SWING = 2.0, 4.0  # frames; faster ones alias in the pictures
 IMPULSE_FRAMES = 1.0
@@ -86,7 +86,8 @@ class Task:
             "part": event.part,
             "excludes_part": event.excludes_part,
             "stays": event.stays,
-            "even": event.clause.even and kind in (MotionKind.MOVE, MotionKind.ROTATE),
+            "even": (event.clause.even or event.motion.floats)
+            and kind in (MotionKind.MOVE, MotionKind.ROTATE),
             "amount": event.amount or self._find_duration(),
         }
         for limb in event.limbs or (None,):

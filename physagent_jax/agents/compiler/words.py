@@ -105,7 +105,7 @@ def _classify_way(said: str, relation: intent.Relation) -> tuple[WayKind, Names]
         return WayKind.AGAIN, (name,)
     if name := lexicon.sides.get(said) or _SIDES.get(said):
         return WayKind.SIDES, (name,)
-    line = lexicon.axes.get(said) or ((said,) if said in ("x", "y", "z") else ())
+    line = lexicon.axes.get(said) or ((said,) if said in ("x", "y", "z", "long") else ())
     plane = lexicon.planes.get(said) or lexicon.planes.get(said + "ly") or ()
     named = _find_directions(said)
     match relation:

@@ -28,6 +28,8 @@ OTHER = "other"
 _REPLACED = {kind: (kind,) for kind in (MentionKind.PLACE, MentionKind.SENSE, MentionKind.QUANTITY)} | {
     way: WAYS for way in WAYS
 }
+_OVERTURNING = (Effect.LEAN, Effect.PUSH, Effect.STRIKE, Effect.TURN, Effect.ROLL, Effect.FALL, Effect.TOPPLE)
+_HOVERING = (Effect.TURN, Effect.ROLL, Effect.STILL)
 _REACH = 20  # words before a correction in which the corrected ones stand
 # What ends a comparison.
 _GOES_ON = (
@@ -260,29 +262,67 @@ def read_returns(mentions: list[Mention], _names: frozenset[str]) -> list[Mentio
 
 
 def read_landings(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
-    """Makes a toppling of a fall on a side: "it falls on its back", "tip it onto its right side".
+    """Makes a toppling of what ends on a side: "it falls on its back", "push it so that it lies on its side".
 
     How an object lies while it goes is no part that is moved: "it slides to the left on its back".
     """
-    result = list(mentions)
-    verb: int | None = None
+    result, verbs, ways = list(mentions), [], []
     for at, side in enumerate(mentions):
-        verb = at if side.motion is not None else verb
-        way = read_sections()["lying"].get(side.phrase) if side.kind is MentionKind.PLACE else None
-        motion = mentions[verb].motion if verb is not None else None
-        if verb is None or motion is None or way is None or at < verb + 3:
+        if side.motion is not None and side.phrase != "flat":  # "flat on its back"
+            verbs.append(at)
+        ways += [at] if side.kind in WAYS else []
+        way = read_sections()["lying"].get(side.phrase)
+        if not verbs or way is None or at < verbs[-1] + 3:
             continue
         on, owner = mentions[at - 2 : at]
         if on.form not in ("on", "onto") or owner.form not in get_set("pronouns_of_owners"):
             continue
-        tipped = motion.effect is Effect.TOPPLE or motion.effect is Effect.LEAN and on.form == "onto"
-        if tipped or mentions[verb].phrase == "fall":
-            result[verb] = replace(mentions[verb], value=LEXICON.motions["topple"], phrase="topple")
-            result[at - 2] = empty(on)
-            result[at] = replace(side, kind=MentionKind.DIRECTION, value=(way,), phrase="lying")
-        elif on.form == "on" and motion.generic and way in ("away", "toward"):
+        lies = mentions[verbs[-1]].phrase == "lie" and len(verbs) > 1
+        acts = verbs[-2] if lies else verbs[-1]
+        verb, motion = mentions[acts], get_last_motion(mentions[: acts + 1])
+        overturns = motion is not None and motion.effect in _OVERTURNING and (lies or on.form == "onto")
+        if (
+            overturns
+            or motion is not None
+            and motion.effect is Effect.TOPPLE
+            or verb.phrase in get_set("landing")
+        ):
+            for place in range(acts + 1, at):
+                if place == at - 2 or mentions[place].phrase in ("flat", "lie"):
+                    result[place] = empty(mentions[place])
+            result[acts] = replace(verb, value=LEXICON.motions["topple"], phrase="topple")
+            # "over to the right, so that it lies on its side"
+            known = side.phrase == "side" and bool(ways)
+            lying = replace(side, kind=MentionKind.DIRECTION, value=(way,), phrase="to lie on a side")
+            result[at] = empty(side) if known else lying
+        elif on.form == "on" and motion is not None and motion.generic and way in ("away", "toward"):
             result[at] = empty(side)
     return result
 
 
-PASSES = (drop_others, read_corrections, mark_exceptions, read_comparisons, read_returns, read_landings)
+def read_aloft(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Takes its weight from what only turns "in the air"; what rolls there turns about its own line."""
+    motions = [mention.motion for mention in mentions if mention.motion is not None]
+    aloft = any(each.phrase == "in the air" or each.value == "none" for each in mentions)
+    hovers = all(each.floats or each.effect in _HOVERING for each in motions) and bool(motions)
+    if not aloft or not hovers or any(mention.kind is MentionKind.PLACE for mention in mentions):
+        return mentions
+
+    def lift(each: Mention) -> Mention:
+        if each.phrase == "in the air":
+            return replace(each, kind=MentionKind.GRAVITY, value="none")
+        rolls = each.motion is not None and each.motion.effect is Effect.ROLL
+        return replace(each, value=LEXICON.motions["roll over"], phrase="roll over") if rolls else each
+
+    return list(map(lift, mentions))
+
+
+PASSES = (
+    drop_others,
+    read_corrections,
+    mark_exceptions,
+    read_comparisons,
+    read_returns,
+    read_landings,
+    read_aloft,
+)

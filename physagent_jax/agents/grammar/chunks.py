@@ -60,7 +60,9 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
     if not matches:
         return None
     (words, kind, value), used = max(matches, key=lambda match: (len(match[0][0]), GAP not in match[0][0]))
-    if kind is MentionKind.VERB and isinstance(value, Motion) and _is_means(reader, value, at):
+    if kind is MentionKind.PLACE and reader.is_gripped(at):
+        kind, value = MentionKind.FUNCTION, None  # "lift it by the end of its handle": all of it
+    elif kind is MentionKind.VERB and isinstance(value, Motion) and _is_means(reader, value, at):
         kind = MentionKind.CAUSE
     elif kind is MentionKind.DIRECTION and words == ("away",) and _is_way_told_behind(reader, at):
         kind, value = MentionKind.FUNCTION, None  # "flies away to the right"
@@ -138,8 +140,6 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         assert isinstance(value, Place)
         possessive = at > 0 and reader.tokens[at - 1].possessive and before not in get_set("persons")
         owned = before in get_set("owners_of_parts") or possessive
-        if reader.is_gripped(at):
-            return True
         if value.names == ("down",) and _is_standing(reader, at):
             return True  # "wobble it on its base"
         another = before in ("a", "an") and not set(words) & LEXICON.one_of_many

@@ -28,6 +28,7 @@ WHERE = (
     MentionKind.REVERSAL,
 )
 TURNING = (Effect.TURN, Effect.ROLL, Effect.LEAN, Effect.TOPPLE)
+DRIVING = (Effect.PUSH, Effect.STRIKE)
 OPPOSITE_GRAVITY = {"down": "none", "none": "down", "up": "down"}
 # Of several connectives in a row (", and then") the one that stands last here counts.
 _RANK = (Join.COMMA, Join.AND, Join.RESULT, Join.WHILE, Join.BUT, Join.THEN, Join.AFTER, Join.BEFORE)
@@ -35,6 +36,7 @@ _TIMED = (Join.WHILE, Join.AFTER, Join.BEFORE)
 _STRENGTHS = (MentionKind.INTENSITY, MentionKind.COMPARATIVE)
 _MEASURES = (*_STRENGTHS, MentionKind.QUANTITY, MentionKind.TIME)
 _NEGATABLE = (*WHERE, *MOTIONS, *_STRENGTHS, MentionKind.DEGREE, MentionKind.GRAVITY, MentionKind.ANCHOR)
+_LINES = (*WAYS, MentionKind.AXIS, MentionKind.PLANE, MentionKind.SIDES)
 _EMPTY = (MentionKind.FUNCTION, MentionKind.UNKNOWN, MentionKind.IGNORED)
 _REACH = 12  # words behind a verb that may tell how it is done
 _NOT_HARD, _NOT_GENTLY = 0.8, 1.2
@@ -258,6 +260,7 @@ def _add_segment(clauses: list[Clause], join: Join, mentions: list[Mention]) -> 
             negated = True
         elif mention.kind is MentionKind.VERB:
             if fresh and not negated and _is_absorbed(clause, mention):
+                clause.modifiers += tell_result(clause, mention)
                 continue
             bare = fresh and clause.has(Effect.HOLD) and get_verb(clause.verb).holds == "base"
             holds = not is_participle(mention.form) and (kept or bare)  # "keep it bent", "hold it bent"
@@ -307,6 +310,8 @@ def _is_continuing(clauses: list[Clause], join: Join, has_verb: bool, mentions: 
     )  # "..., does a half turn"
     if not has_verb and (_is_turning_back(clauses, join, mentions) or turns and last.head is not None):
         return False
+    if not has_verb and join is Join.RESULT and last.has(*DRIVING) and any(map(_is_size, mentions)):
+        return False  # "pull it until it is twice as long"
     waiting = last.head is None and not (len(clauses) > 1 and last.select(*WHERE)) and join is not Join.THEN
     corrects = join is Join.BUT and not has_verb and not last.negated  # "not to the left but to the right"
     # "A breeze comes and moves it": the noun of the last segment does what this verb says.
@@ -363,5 +368,23 @@ def _is_announcing(first: Mention, second: Mention) -> bool:
 
 
 def _is_becoming(first: Motion, second: Motion) -> bool:
-    """Return whether an adjective tells how it grows."""
-    return first.effect is Effect.SWELL and second.effect is Effect.SCALE and second.generic
+    """Return whether an adjective tells how it grows, or what a blow makes of it: "hammer it flat"."""
+    rises = second.direction == "up" and second.sign > 0  # "push it higher"
+    driven = first.effect in DRIVING and not first.generic and not rises
+    return (driven or first.effect is Effect.SWELL) and second.effect is Effect.SCALE and second.generic
+
+
+def _is_size(mention: Mention) -> bool:
+    """Return whether a quantity tells how large it becomes: "twice as long"."""
+    told = mention.value if mention.kind is MentionKind.QUANTITY else None
+    return isinstance(told, Quantity) and told.relation == "is" and told.dimension not in ("", "far")
+
+
+def tell_result(cause: Clause, result: Mention) -> list[Mention]:
+    """The line that an adjective tells of a stretch or a squeeze without one: "stretch it until it is taller"."""
+    first, second = get_verb(cause.head), get_verb(result)
+    alike = first.effect is second.effect is Effect.SCALE and first.sign == second.sign
+    pressed = second.sign < 0 and second.direction == "right"  # "press it until it is thin"
+    if not alike or pressed or second.direction is None or cause.select(*_LINES):
+        return []
+    return [replace(result, kind=MentionKind.AXIS, value=(second.direction,))]

@@ -226,10 +226,11 @@ def _is_a_part(spot: _Spot) -> bool:
 
 
 def _is_moved_part(spot: _Spot) -> bool:
-    """A part that something is done to, though it may be scenery elsewhere: "open the door"."""
-    verb = spot.mentions[spot.index - 2] if spot.index > 1 else None
+    """A part that something is done to, though it may be scenery elsewhere: "open the door", "press on the corner"."""
+    at = spot.index - (3 if spot.preposition in ("on", "at") else 2)
+    verb = spot.mentions[at] if at >= 0 else None
     told = verb is not None and verb.kind is MentionKind.VERB and spot.get(-1) in get_set("determiners")
-    return told and spot.word in LEXICON.unplaced
+    return told and (spot.word in LEXICON.unplaced or spot.word.removesuffix("s") in LEXICON.part_nouns)
 
 
 def _is_telling_a_part(spot: _Spot) -> bool:
@@ -247,9 +248,12 @@ def _is_a_path(spot: _Spot) -> bool:
 
 
 def _is_struck(spot: _Spot) -> bool:
-    """The place where a blow or a pull acts: "tap it on the forehead", "tug at the collar"."""
-    acts = spot.motion is not None and (spot.motion.effect is Effect.STRIKE or spot.motion.pulls)
-    return acts and spot.preposition in ("at", "on", "against")
+    """The place where a blow or a pull acts: "tap it on the forehead", "tug at the collar", "press on the lid"."""
+    motion, before = spot.motion, spot.mentions[spot.begin : spot.first]
+    acts = motion is not None and (motion.effect is Effect.STRIKE or motion.pulls)
+    whole = any(each.phrase in spot.names | get_set("objects") for each in before)  # "press it on the anvil"
+    pressed = motion is not None and motion.effect is Effect.SCALE and motion.sign < 0 and not whole
+    return (acts or pressed) and spot.preposition in ("at", "on", "against")
 
 
 def _is_result(spot: _Spot) -> bool:

@@ -15,6 +15,7 @@ from typing import Any
 from physagent_jax.agents.grammar.tables import LEXICON, LEXICON_PACKAGE, NUMBERS, get_set, read_sections
 from physagent_jax.agents.grammar.tokens import Token
 from physagent_jax.agents.intent import Duration, Quantity, Timing
+from physagent_jax.agents.lexicon import Effect
 from physagent_jax.core.reading import read_packaged_yaml
 
 
@@ -67,6 +68,7 @@ _BEGINNINGS = {word.split()[0] for name in ("factors", "as_far") for word in _TA
     "before_factors"
 )
 _MOST, _LONGEST = 1e9, 1e6  # of a quantity, and of a time
+_NEAR = 8  # words before a quantity in which its verb stands
 _LEAST_DEGREES = 45  # of a "180 turn": nobody asks for so many turns
 
 
@@ -149,6 +151,10 @@ def _make_quantity(
     before = words.get(at - 2) if before in _TABLES["about"] else before
     turned = words.get(at - 2) if before in get_set("pronouns") else before
     counted = number not in ("a", "an") or bool(groups.get("whole"))
+    known = LEXICON.motions
+    done = {
+        known[token.lemma].effect for token in words.tokens[max(at - _NEAR, 0) : at] if token.lemma in known
+    }
     holds = {
         "": False,
         "always": True,
@@ -160,6 +166,9 @@ def _make_quantity(
         "part_by": value < 1.0 and by,
         "broken": value != round(value),
         "turned": value < 1.0 and turned in _TABLES["turns"],
+        "leaned": Effect.LEAN in done,
+        "spun": Effect.TURN in done,
+        "driven": Effect.PUSH in done,
         "large": value >= _LEAST_DEGREES,
         "to": before == "to",
         "unless_to": before not in ("to", "at", "until"),

@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from physagent_jax.agents.grammar.clauses import TURNING, WHERE, Clause, get_verb, group_mentions, is_turn
+from physagent_jax.agents.grammar.clauses import (
+    DRIVING,
+    TURNING,
+    WHERE,
+    Clause,
+    get_verb,
+    group_mentions,
+    is_turn,
+    tell_result,
+)
 from physagent_jax.agents.grammar.mentions import WAYS, Mention, MentionKind
 from physagent_jax.agents.grammar.tables import LEXICON
 from physagent_jax.agents.grammar.tokens import is_participle
@@ -200,7 +209,9 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
     if second.effect in _SEPARATE or another:
         effect.join = Join.THEN if second.effect in (Effect.STILL, Effect.RELEASE) else Join.WHILE
         return [effect]
-    _absorb(cause, effect, second.generic)
+    driven = first.effect in DRIVING and first.direction is None
+    sized = driven and second.effect in (Effect.SCALE, Effect.SWELL)  # "pull it until it is longer"
+    _absorb(cause, effect, second.generic and not sized and not second.angle)
     return []
 
 
@@ -208,6 +219,8 @@ def _absorb(cause: Clause, effect: Clause, generic: bool = True) -> None:
     """Adds what is told of the effect to the cause."""
     if not generic:
         cause.cause, cause.verb = cause.cause or cause.verb, effect.verb
+    elif effect.verb is not None:
+        cause.modifiers += tell_result(cause, effect.verb)
     told = [m for m in effect.modifiers if m.phrase != "away" or not cause.select(*WAYS)]
     cause.modifiers += [
         m for m in told if not (generic and cause.has(Effect.TOPPLE) and m.value == ("down",))

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
-from physagent_jax.agents.windows import divide_swings
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
     GAIN_MAX,
@@ -21,9 +20,11 @@ from physagent_jax.motion.matching import AXIAL, Cause, find_action_type, redire
 from physagent_jax.motion.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.tolerances import round_window
 from physagent_jax.motion.vectors import add, clamp, cosine, dot, norm, normalise, reject, scale
+from physagent_jax.motion.windows import divide_swings
 from physagent_jax.perception.schema import MotionReport, WindowMotion
 
 _BRIEF = 0.15  # of the clip: "briefly", as the lexicon has it
+_FURTHER = 1.5  # factor by which a limb may be turned farther
 _SAME_GAIN = 0.03  # relative change of k that is not worth a word: windows go by whole frames
 
 
@@ -161,6 +162,8 @@ def _scale(cause: Cause, factor: float, latest: float) -> dict:
 
     ``latest`` is the frame up to which what has a prescribed velocity may go on.
     """
+    if cause.turns_limb:  # it goes as far as is prescribed: more than that would fold it
+        factor = min(factor, _FURTHER)
     wanted = abs(cause.item.magnitude) * cause.item.gain * factor  # M times the gain
     size = round(clamp(wanted / cause.item.gain, MAGNITUDE_MIN, MAGNITUDE_MAX), 4)
     changes: dict = {"magnitude": math.copysign(size, cause.item.magnitude)}

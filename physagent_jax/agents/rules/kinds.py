@@ -34,6 +34,7 @@ SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinne
 MOVING = 0.6  # share of its window in which an end or a plate moves; in the rest it is held
 TURNING = 0.8  # the same of an end that is turned
 _VERTICAL = 0.7  # cosine
+_OVER = 120.0  # [degrees] about a level line, from where on something is turned over
 _OPPOSED = -0.7
 _NO_WAY = (0.0, 0.0, 0.0)
 
@@ -112,7 +113,8 @@ def press_between(wish: Wish, causes: Sequence[Cause]) -> ForceField:
         ways = (axis if cosine(axis, free) > 0 else scale(axis, -1.0),)
     travel = _find_travel(wish, causes, movers=len(ways))
     plate = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
-    return _put(wish, causes, *[_prescribe(plate, way, *travel) for way in ways])
+    region = causes[0].item.region
+    return _put(wish, causes, *[_prescribe(plate, way, *travel, region) for way in ways])
 
 
 def replace_blows(wish: Wish, causes: Sequence[Cause]) -> ForceField:
@@ -244,8 +246,8 @@ def _deform(wish: Wish) -> _Replaced:
     else:
         where = "as they are moved apart in turn" if pulled else "wherever it is by then"
         why = f"the two ends are moved together, {where}"
-    # of what stands, a force stretches what rises above the lower end
-    return None if upright else (move_ends(wish, causes), why)
+    held = wish.brief.anchored is not None or wish.force_field.default_drop
+    return None if upright and held else (move_ends(wish, causes), why)
 
 
 def _press_part(wish: Wish) -> _Replaced:
@@ -270,6 +272,17 @@ def _press_part(wish: Wish) -> _Replaced:
     travel = _find_travel(wish.about(there), causes, movers=1)
     why = "the upper end of that part is pressed down, whatever the stiffness"
     return _put(wish, causes, _prescribe(causes[0], down, *travel, region)), why
+
+
+def _squeeze_limb(wish: Wish) -> _Replaced:
+    """A limb is squeezed between two plates of its size."""
+    if wish.expectation.kind is not MotionKind.SQUEEZE or wish.expectation.limb is None:
+        return None
+    causes = _find_forces(wish, lambda c: c.item.region is not None and agrees(c, wish.expectation))
+    whole = wish.expectation.model_copy(update={"partial": False, "strength": MAGNITUDE_MAX})
+    if not causes:
+        return None
+    return press_between(wish.about(whole), causes), "it is squeezed between two plates of its size"
 
 
 def _turn_ends(wish: Wish) -> _Replaced:
@@ -340,6 +353,27 @@ def _carry(wish: Wish) -> _Replaced:
     return _put(wish, causes, hand), "it is carried up, and kept there"
 
 
+def _find_hand(wish: Wish, first: float) -> list[Cause]:
+    """The constraint that holds all of what was raised until a frame; none if nothing does."""
+    hands = [cause for cause in list_causes(wish.force_field) if cause.carries]
+    return [hand for hand in hands[-1:] if _list_lifts(wish) and abs(hand.lets_go - first) < 1.5]
+
+
+def _list_lifts(wish: Wish) -> list[Cause]:
+    """The constraints that raise all of the object."""
+    moves = [each for each in list_causes(wish.force_field) if each.carries and each.skill.deforms]
+    return [each for each in moves if cosine(each.item.vector, wish.brief.directions.up) > _VERTICAL]
+
+
+def _hold_until(wish: Wish, hands: list[Cause], frame: float) -> Wish:
+    """The wish with hands that keep what they carry until a frame, if that is after their own time."""
+    held = [
+        hand.item.model_copy(update={"held_until": frame if frame > wish.get_span([hand])[1] else None})
+        for hand in hands
+    ]
+    return replace(wish, force_field=replace_items(wish.force_field, hands, held))
+
+
 def _set_down(wish: Wish) -> _Replaced:
     """Carry down what was carried up and goes down again without falling, as far as it was up."""
     expectation, down = wish.expectation, wish.brief.directions.down
@@ -347,30 +381,26 @@ def _set_down(wish: Wish) -> _Replaced:
         return None
     if expectation.sudden or expectation.partial or expectation.amount is not None:
         return None
-    hands = [cause for cause in list_causes(wish.force_field) if cause.skill.deforms == "ends"]
-    whole = [hand for hand in hands if hand.item.region is None and hand.item.active_time is not None]
-    lifts = [hand for hand in whole if cosine(hand.item.vector, down) < -_VERTICAL]
+    lifts = _list_lifts(wish)
     causes = _find_forces(wish, lambda c: c.pushes)
     if not lifts or not causes:
         return None
     (first, end), (begun, stopped) = wish.get_span(causes[:1]), wish.get_span(lifts[-1:])
-    moves = wish.list_other_begins()
+    hands = _find_hand(wish, first) or lifts[-1:]
+    moves = wish.list_other_begins() if hands[0].name == lifts[-1].name else []
     if stopped > first + 0.5 or any(stopped - 0.5 < begin < first + 0.5 for begin in moves):
         return None  # what moves it meanwhile needs it free
-    lift = lifts[-1].item
-    magnitude, until = _spread_effort(lift.magnitude * (stopped - begun), first, end)
-    held = lift.model_copy(update={"held_until": first if first > stopped else None})
-    lifted = replace(wish, force_field=replace_items(wish.force_field, lifts[-1:], [held]))
+    magnitude, until = _spread_effort(lifts[-1].item.magnitude * (stopped - begun), first, end)
     lowering = _prescribe(causes[0], down, magnitude, (first, until), None)
-    return _put(lifted, causes, lowering), "it is carried down again"
+    return _put(_hold_until(wish, hands, first), causes, lowering), "it is carried down again"
 
 
 def _lead(wish: Wish) -> _Replaced:
-    """Lead what moves at one speed, or so far that no force in range starts and stops it in its time."""
+    """Lead what was raised, is turned over, goes at one speed, or farther than forces start and stop it."""
     expectation, brief, way = wish.expectation, wish.brief, wish.expectation.direction
     turns = expectation.kind is MotionKind.ROTATE
     told = find_told(expectation, brief, "degrees" if turns else "body lengths")
-    if not (turns or expectation.kind is MotionKind.MOVE) or not (told or expectation.even):
+    if not (turns or expectation.kind is MotionKind.MOVE):
         return None
     if brief.anchored is not None or expectation.sudden or expectation.partial or expectation.repeats > 1:
         return None
@@ -379,23 +409,26 @@ def _lead(wish: Wish) -> _Replaced:
     if way is None or not causes or any(share_time(e, expectation) for e in others):
         return None  # what is led does nothing else
     first, end = wish.get_span(causes)[0], min(expectation.window[1], wish.brief.last)
-    seconds = (end - first) * brief.frame_dt
+    seconds, hands = (end - first) * brief.frame_dt, _find_hand(wish, first)
     if turns:
         effort = math.radians((told or expect_rotation(expectation, False, seconds=seconds)).target) / TURN
     else:
         effort = _find_way(wish, seconds) / TRAVEL
-    if (
-        not expectation.even
-        and find_magnitude(effort, max(seconds, brief.frame_dt), brief.seconds, braked=True) <= MAGNITUDE_MAX
-    ):
+    over = turns and told and told.target > _OVER and abs(cosine(way, brief.directions.up)) < _VERTICAL
+    needed = find_magnitude(effort, max(seconds, brief.frame_dt), brief.seconds, braked=True)
+    if not (hands or expectation.even or over) and (not told or needed <= MAGNITUDE_MAX):
         return None
     effort *= wish.reference * (1.0 if turns else TRAVEL / PRESCRIBED_TRAVEL)  # magnitude times frames
-    size, until = _spread_effort(effort, first, end, share=1.0)
+    kept_up = hands or not turns and cosine(way, brief.directions.up) > _VERTICAL
+    # What is let go at the end would be seen to fall.
+    stop = max(min(end, brief.last - 1.0), first + 1.0) if kept_up else end
+    size, until = _spread_effort(effort, first, stop, share=1.0)
     hand = _prescribe(causes[0], way, size, (first, until), _find_next(wish, end))
     reason = "at one speed" if expectation.even else "no force in range starts and stops it in that time"
+    reason = "a torque would let it tumble" if over else "it is kept up" if hands else reason
     far = effort <= 1.01 * MAGNITUDE_MAX * (until - first)
     short = "" if far else ", as far as the fastest goes in that time"
-    return _put(wish, causes, hand), f"{reason}, so it is led there{short}"
+    return _put(_hold_until(wish, hands, first), causes, hand), f"{reason}, so it is led there{short}"
 
 
-_RULES = (_deform, _press_part, _turn_ends, _strike, _carry, _set_down, _lead)
+_RULES = (_deform, _squeeze_limb, _press_part, _turn_ends, _strike, _carry, _set_down, _lead)

@@ -98,8 +98,9 @@ def _is_let_fall_first(case: Case) -> bool:
 
 def _aim(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
     """Direction and window: as the sentence maps them; then against what is seen."""
-    expectation = case.expectation
-    if expectation.kind not in _NO_AIM:
+    expectation, aims = case.expectation, case.expectation.kind not in _NO_AIM
+    aims &= not any(c.turns_limb for c in causes)  # its axis is none of the directions
+    if aims:
         told = None if expectation.kind in AXIAL else expectation.direction
         if not any(
             agrees(c, expectation) and (told is None or cosine(c.direction, told) >= POINTED) for c in causes
@@ -113,7 +114,7 @@ def _aim(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
     amount = case.failed("amount")
     if amount is not None and (amount.gain or 0.0) >= _FAINT:
         return  # the way of what is hardly seen says little
-    if case.failed("direction") and expectation.kind not in _NO_AIM:
+    if case.failed("direction") and aims:
         if change := edits.counter(case, [c for c in causes if agrees(c, expectation)] or causes):
             yield change
 

@@ -10,7 +10,8 @@ from physagent_jax.forces.skills.icons import Mark, draw_arrow
 class MovingPlate(Skill):
     """A plate that starts at the object's side, across v, and moves with k M v into it.
 
-    k = s W / T with s = `PRESCRIBED_TRAVEL` and W the object's extent along v.
+    k = s W / T with s = `PRESCRIBED_TRAVEL` and W the object's extent along v. On a region it is of the region's size,
+    and W the region's extent.
     """
 
     name = "moving_plate"
@@ -24,7 +25,7 @@ class MovingPlate(Skill):
 
     def make_constraints(self, bound):
         """The moving plate, and the plate that stands where it was brought."""
-        return bound.press(bound.scaling.velocity * bound.width())
+        return bound.press(bound.scaling.velocity * bound.width(chosen=True))
 
     def make_pair(self, bound, other, sign):
         """The plates, and the even squeeze of what lies between them."""

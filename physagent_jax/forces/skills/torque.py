@@ -28,14 +28,12 @@ class Torque(Skill):
     prescribed_by = "enforce_particle_rotation"
 
     def make_forces(self, bound):
-        """The turn, and the force that overcomes friction."""
+        """The turn, and the force that overcomes friction and weight."""
         from physagent_jax.forces import terms
-        from physagent_jax.forces.opposition import oppose_turn
 
         k = self.find_k(bound.scaling, bound.values.vector)
-        turn = bound.leaf(oppose_turn(bound.opposition, k, *bound.directed))
-        axis = bound.leaf(bound.values.vector)
-        return [terms.Torque(axis, turn, *bound.window, bound.weight), *bound.overcome_rubbing(k)]
+        turn, axis = bound.leaf(k * bound.values.magnitude), bound.leaf(bound.values.vector)
+        return [terms.Torque(axis, turn, *bound.window, bound.weight), *bound.overcome_righting(k)]
 
     def draw_icon(self, reverse):
         """A turning arrow about the axis."""

@@ -33,7 +33,9 @@ class Translation(Skill):
 
     def explain_one(self, scaling, vector, swing):
         """The k of an entry and its meaning, for the report."""
-        if swing is not None and not scaling.measured:
+        if swing is not None and (scaling.measured or scaling.holding is not None):
+            return swing, f"to and fro, {scaling.swing:.3g} m to either side"
+        if swing is not None:
             return swing, f"to and fro, {SWING:g} body lengths to either side"
         if scaling.holding is not None:
             return (
@@ -47,7 +49,7 @@ class Translation(Skill):
         from physagent_jax.forces.opposition import oppose_push, oppose_swing
         from physagent_jax.forces.terms import UniformAcceleration
 
-        stroke = None if bound.scaling.measured else bound.stroke  # a part swings as far as it bends
+        stroke = bound.stroke
         if stroke is not None and stroke.swings:
             push = oppose_swing(bound.opposition, stroke.k, *bound.directed)
         else:

@@ -37,20 +37,19 @@ class Vortex(Skill):
     is_axis = True
 
     def make_forces(self, bound):
-        """The swirl, and the force that overcomes friction."""
+        """The swirl, and the force that overcomes friction and weight."""
         from physagent_jax.forces import terms
         from physagent_jax.forces.envelope import Envelope
-        from physagent_jax.forces.opposition import oppose_turn
 
         if bound.scaling.measured:  # a place in space would push what bends about it aside
             k = self.find_k(bound.scaling, bound.values.vector)
-            turn = bound.leaf(oppose_turn(bound.opposition, k, *bound.directed))
+            turn = bound.leaf(k * bound.values.magnitude)
             swirl = terms.Torque(bound.leaf(bound.values.vector), turn, *bound.window, bound.weight)
-            return [swirl, *bound.overcome_rubbing(k)]
+            return [swirl, *bound.overcome_righting(k)]
         core = max(CORE * bound.extent, 1e-12)
         share = bound.average_turn(lambda squared: 1 / (1 + squared / core**2))
         k = self.find_k(bound.scaling, bound.values.vector)
-        turn = oppose_turn(bound.opposition, k, *bound.directed) / share  # at the axis
+        turn = k * bound.values.magnitude / share  # at the axis
         none, one = bound.leaf(0.0), bound.leaf(1.0)
         swirl = terms.Vortex(
             point=bound.leaf(bound.centre),
@@ -63,7 +62,7 @@ class Vortex(Skill):
             envelope=Envelope.constant(*bound.window),
             weight=bound.weight,
         )
-        return [swirl, *bound.overcome_rubbing(k)]
+        return [swirl, *bound.overcome_righting(k)]
 
     def draw_icon(self, reverse):
         """A spiral about the axis."""

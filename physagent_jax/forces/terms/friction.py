@@ -12,9 +12,13 @@ cent of it doubles the way; it reaches the middle of a soft object only once a s
 and what rolls meets hardly any. Force and velocity are conjugate (the same for all particles, and its mean), so that
 the feedback damps and cannot excite the object's own modes.
 
-Friction acts at the feet: overcome at the mass centre alone, it would trip the object up. A push over the ground
-therefore gives back its moment too, and holds the object upright by feedback of its spin, as a hand would, with at most
-twice that moment: again a field of a rigid body, which strains nothing. Not what rolls or is to turn meanwhile.
+Friction acts at the feet: overcome at the mass centre alone, it would trip the object up. A push over the ground is
+therefore helped at the feet, by their own velocity (conjugate again), and the object is held upright by feedback of its
+spin, as a hand would, with at most twice friction's moment: a field of a rigid body. That field alone could give back
+the moment too, but it lifts one outstretched arm and lowers the other. Not what rolls or is to turn meanwhile.
+
+A turn about a level axis has its weight to overcome where it stands, in the same way: until the mass centre is over the
+edge of its foot. Then weight turns it faster than was asked, and where it comes to lie nothing is overcome any more.
 """
 
 from __future__ import annotations
@@ -27,7 +31,7 @@ import jax.numpy as jnp
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.terms.rigid import mass_centre
 from physagent_jax.mpm.edges import window_fraction
-from physagent_jax.mpm.fields import EDGE, END, START
+from physagent_jax.mpm.fields import EDGE, END, PER_PARTICLE, START
 from physagent_jax.mpm.linalg import cofactor, cross, determinant, matvec
 from physagent_jax.mpm.reductions import sum_particles
 
@@ -50,6 +54,7 @@ class PushCompensation:
         damping_rate: Damping rate of the velocity [1/s], scalar.
         start, end: Window [s], scalars.
         edge: Width of the window's smooth edges [s], scalar; None = hard.
+        feet: Where it is overcome: weights with a mean of 1 by mass, shape (n,); None = everywhere alike.
         pulse: Whether the push rises and falls over its window as 1 - cos, with ``push`` its mean; static.
     """
 
@@ -62,11 +67,13 @@ class PushCompensation:
     start: jax.Array = dataclasses.field(metadata=START)
     end: jax.Array = dataclasses.field(metadata=END)
     edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
+    feet: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)
     pulse: bool = dataclasses.field(default=False, metadata=dict(static=True))
 
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
-        velocity = mass_centre(v, mass) @ self.direction
+        borne = mass if self.feet is None else self.feet * mass
+        velocity = mass_centre(v, borne) @ self.direction
         wanted = _find_velocity(self.push, self.damping_rate, time - self.start, self.speed)
         if self.pulse:
             length = self.end - self.start
@@ -74,21 +81,23 @@ class PushCompensation:
         way = jnp.where(wanted < 0, -1.0, 1.0).astype(x.dtype)
         size = way * _compensate(self.friction, way * (wanted - velocity), dt)
         size = size * window_fraction(time, dt, self.start, self.end, self.edge)
-        turn = self._steady(x, v, mass, size, dt)
-        return size * self.direction + cross(jnp.broadcast_to(turn, x.shape), x - mass_centre(x, mass))
+        centre = mass_centre(x, mass)
+        turn = self._steady(x - centre, v, mass, size, mass_centre(x, borne) - centre, dt)
+        push = size * self.direction
+        push = push if self.feet is None else self.feet[:, None] * push
+        return push + cross(jnp.broadcast_to(turn, x.shape), x - centre)
 
-    def _steady(self, x, v, mass, size, dt):
-        """Angular acceleration that keeps it upright [rad/s^2], shape (3,)."""
-        r = x - mass_centre(x, mass)
-        total, tiny = sum_particles(mass.sum()), jnp.finfo(x.dtype).tiny
+    def _steady(self, r, v, mass, size, at, dt):
+        """Angular acceleration that keeps it upright [rad/s^2], shape (3,); the push acts ``at``, from the centre."""
+        total, tiny = sum_particles(mass.sum()), jnp.finfo(r.dtype).tiny
         second = sum_particles((mass[:, None] * r).T @ r) / total  # [m^2]
         spread = jnp.trace(second)
-        inertia = (spread * (1 + ROUND) + tiny) * jnp.eye(3, dtype=x.dtype) - second
+        inertia = (spread * (1 + ROUND) + tiny) * jnp.eye(3, dtype=r.dtype) - second
         spin = (
             sum_particles((mass[:, None] * cross(r, v)).sum(0)) / total
         )  # angular momentum per mass [m^2/s]
-        down = jnp.zeros(3, x.dtype).at[2].set(-self.lever)
-        moment = cross(down[None], self.direction[None])[0] * size
+        down = jnp.zeros(3, r.dtype).at[2].set(-self.lever)
+        moment = cross((down - at)[None], self.direction[None])[0] * size
         missing = moment - spin / jnp.maximum(TAU, SLOWEST * dt)
         wanted = matvec(cofactor(inertia), missing) / jnp.maximum(determinant(inertia), tiny)  # symmetric
         most = 2.0 * self.friction * self.lever / jnp.maximum(spread, tiny)
@@ -103,15 +112,17 @@ class PushCompensation:
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
 class TurnCompensation:
-    """Overcomes the friction of a spin about an axis through the mass centre.
+    """Overcomes what opposes a turn about an axis through the mass centre: friction, or the weight of what stands.
 
     Attributes:
         axis: Unit vector (right-hand rule), shape (3,).
-        friction: Angular deceleration to be expected [rad/s^2], scalar.
+        friction: Angular deceleration to be expected of either [rad/s^2], scalar.
         turn: Angular acceleration that is to be left [rad/s^2], scalar.
         damping_rate: Damping rate of velocities [1/s], scalar.
         start, end: Window [s], scalars.
         edge: Width of the window's smooth edges [s], scalar; None = hard.
+        balance: Turn from ``rest`` beyond which nothing is overcome [rad], scalar; None = there is none.
+        rest: Positions of what stands [m], shape (n, 3); with ``balance``.
     """
 
     axis: jax.Array
@@ -121,6 +132,8 @@ class TurnCompensation:
     start: jax.Array = dataclasses.field(metadata=START)
     end: jax.Array = dataclasses.field(metadata=END)
     edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
+    balance: jax.Array | None = None
+    rest: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)
 
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
@@ -130,6 +143,10 @@ class TurnCompensation:
         spin = sum_particles((mass * (arm * v).sum(1)).sum()) / jnp.maximum(inertia, jnp.finfo(x.dtype).tiny)
         wanted = _find_velocity(self.turn, self.damping_rate, time - self.start)
         size = _compensate(self.friction, wanted - spin, dt)
+        if self.balance is not None and self.rest is not None:
+            first = cross(jnp.broadcast_to(self.axis, x.shape), self.rest - mass_centre(self.rest, mass))
+            turned = [sum_particles((mass * (first * each).sum(1)).sum()) for each in (x, arm)]
+            size = jnp.where(jnp.arctan2(*turned) < self.balance, size, 0.0)
         return size * window_fraction(time, dt, self.start, self.end, self.edge) * arm
 
     def gradient(self, x, time, dt):

@@ -30,6 +30,7 @@ _UNEVEN = 0.2  # of its way that it may be ahead of, or behind, what goes at one
 _SUDDEN = 0.3  # [s] in which a blow has brought most of the speed that it brings
 _PULSE = 0.35  # of the hardest: what counts as another blow
 _LEAKS = 0.5  # of a motion that may be seen before its time
+_UNSEEN = 0.5  # share of its frames in which a part may be lost from sight
 _REST = 0.25  # share of what follows that is looked at for where it comes to rest
 _REST_SHARE = {False: 0.75, True: 0.4}
 """Share of the moving end's motion that the other may show: a part drags the rest along; an excepted one hardly
@@ -296,17 +297,27 @@ def _is_alike(one: ExpectedMotion, other: ExpectedMotion) -> bool:
 
 
 def _check_part(asked: Asked) -> list[Check]:
-    """The named end moves more than the opposite one; one that is excepted moves less."""
-    motion, moving = asked.motion, asked.end
+    """The named end moves more than the opposite one, a part also more than the whole; one that is excepted less."""
+    motion, moving, view = asked.motion, asked.end, asked.view
     if moving is None or motion.kind not in (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE):
         return []
-    resting = asked.view.find_end(scale(moving.direction, -1.0))
+    resting = view.find_end(scale(moving.direction, -1.0))
     own = _measure_extent(asked, moving)
     other = None if resting is None else _measure_extent(asked, resting)
     if own is None or other is None:
         raise _Unseen("the ends are not followed")
-    both = any(e.part and e.part != motion.part for e in asked.together)
-    if own < asked.visible or both:
+    places = moving.centroid[asked.span[0] : asked.span[1] + 1]
+    if motion.limb is not None and sum(each is None for each in places) > _UNSEEN * len(places):
+        raise _Unseen("the part is lost on the way")
+    if any(e.part and e.part != motion.part for e in asked.together):
+        if motion.limb is None:
+            return []
+        other = 0.0
+    if motion.limb is not None:
+        other = max(
+            [other, *(norm(p) for _, p in view.course(*asked.span) if asked.kind is not MotionKind.ROTATE)]
+        )
+    if own < asked.visible:
         return []  # that nothing moves is told by the amount
     return [check_limit(asked, "part", other / own, _REST_SHARE[motion.excludes_part], asked.sigma / own)]
 

@@ -79,7 +79,7 @@ def check_move(asked: Asked) -> list[Check]:
     tolerance = view.fit_to_limb(tolerance, motion)
     if asked.obstacle is not None:
         tolerance = tolerance.limited(asked.obstacle.distance)
-    lost = any(view.report.centroid[t] is None for t in range(first, until + 1))
+    lost = any(view.get_places(asked.end)[t] is None for t in range(first, until + 1))
     if lost and 0 < along < tolerance.low:
         return [make_unseen_check(asked, _explain_lost(view, first, until))]
     checks = []

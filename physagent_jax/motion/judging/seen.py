@@ -22,6 +22,7 @@ from physagent_jax.motion.vectors import (
     norm,
     normalise,
     reject,
+    rotate,
     scale,
     subtract,
 )
@@ -114,7 +115,8 @@ class View:
         moved = [norm(p) for _, p in course]
         for end in self.report.parts:
             moved += [norm(p) / 1.5 for _, p in self.course(0, self.last, end)]
-        if not course or max(moved) >= self.visible:
+        lost = any(end.limb is not None and None in end.centroid for end in self.report.parts)
+        if not course or lost or max(moved) >= self.visible:
             return False
         if max((norm(v) for _, v in turns), default=0.0) >= max(
             tolerances.VISIBLE_DEGREES, self.uncertainty("rotation")
@@ -190,7 +192,7 @@ class View:
         report = self.report
         if report.stretch:
             turned = report.rotation[first] if report.rotation else None
-            body = direction if turned is None else _rotate(direction, scale(turned, -1.0))
+            body = direction if turned is None else rotate(direction, scale(turned, -1.0))
 
             def compare(tensor: Matrix, start: Matrix) -> float:
                 return _project(tensor, body) / max(_project(start, body), 1e-6) - 1.0
@@ -250,15 +252,6 @@ def _compare(
 def _project(tensor: Matrix, direction: Vector) -> float:
     """n.S.n."""
     return dot((dot(tensor[0], direction), dot(tensor[1], direction), dot(tensor[2], direction)), direction)
-
-
-def _rotate(v: Vector, turn: Vector) -> Vector:
-    """A vector turned by a rotation vector [deg] (Rodrigues)."""
-    axis, angle = normalise(turn), math.radians(norm(turn))
-    if axis is None:
-        return v
-    c, s = math.cos(angle), math.sin(angle)
-    return add([scale(v, c), scale(cross(axis, v), s), scale(axis, dot(axis, v) * (1 - c))])
 
 
 def _measure_turn(end: Vector, start: Vector) -> Vector:

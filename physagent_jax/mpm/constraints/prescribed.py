@@ -38,6 +38,7 @@ class PrescribedMotion(Constraint):
         start, end: Active for start <= time < end [s], scalars or one per particle, shape (k,).
         edge: Width of the window's smooth edges [s], scalar: within them each substep goes a share of the way from the
             free motion to the prescribed one; None = hard.
+        share: Share of u that each particle goes with, so that what is one skin bends evenly, shape (k,); None = all.
         rigid: Whether F turns with the motion and nothing in it bends: a piece of its own. What shares nodes with other
             matter would otherwise be strained as that moves away.
     """
@@ -49,6 +50,7 @@ class PrescribedMotion(Constraint):
     start: jax.Array = dataclasses.field(metadata={**PER_HELD, **START})
     end: jax.Array = dataclasses.field(metadata={**PER_HELD, **END})
     edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
+    share: jax.Array | None = dataclasses.field(default=None, metadata=PER_HELD)
     rigid: bool = dataclasses.field(default=False, metadata=dict(static=True))
 
     @staticmethod
@@ -74,25 +76,34 @@ class PrescribedMotion(Constraint):
         return dataclasses.replace(self, center=find_mass_centre(x, mass, model.axis))
 
     def field(self, x: jax.Array) -> jax.Array:
-        """u(x) [m/s], shape (..., 3); the centre must be known (`locate`)."""
+        """All of u(x) [m/s], shape (..., 3); the centre must be known (`locate`)."""
         assert self.center is not None
         return self.velocity + cross(jnp.broadcast_to(self.angular_velocity, x.shape), x - self.center)
 
     def displace(self, x: jax.Array, dt: jax.Array) -> jax.Array:
-        """Positions after ``dt`` [s]: an exact rotation about the axis and a translation."""
+        """Positions of its particles after ``dt`` [s]: an exact rotation about the axis and a translation."""
         assert self.center is not None
-        return self.center + rotate(x - self.center, self.angular_velocity * dt) + self.velocity * dt
+        turn, way = self._divide(self.angular_velocity * dt), self._divide(self.velocity * dt)
+        return self.center + rotate(x - self.center, turn) + way
+
+    def _divide(self, value: jax.Array) -> jax.Array:
+        """Each particle's share of a vector, shape (k, 3); the vector itself where all go with all of it."""
+        return value if self.share is None else self.share[:, None] * value
 
     def prescribe(self, model: Model, x: jax.Array) -> jax.Array:
         """u(x) of its particles [m/s]."""
         places = x.at[self.particles].get(mode="fill", fill_value=0)
-        return jnp.zeros_like(x).at[self.particles].set(self.locate(model, places).field(places))
+        return jnp.zeros_like(x).at[self.particles].set(self._give(model, places))
+
+    def _give(self, model: Model, x: jax.Array) -> jax.Array:
+        """Velocities of its particles at ``x`` [m/s], shape (k, 3)."""
+        return self._divide(self.locate(model, x).field(x))
 
     def before_p2g(self, model: Model, state: State) -> State:
         """Give the held particles their velocity and velocity gradient."""
         p, choose = self.particles, self._make_choice(state.time + _CLOCK * model.dt)
-        v = choose(self.locate(model, state.x[p]).field(state.x[p]), state.v[p])
-        C = choose(skew(self.angular_velocity), state.C[p])
+        v = choose(self._give(model, state.x[p]), state.v[p])
+        C = choose(skew(self._divide(self.angular_velocity)), state.C[p])
         return dataclasses.replace(state, v=state.v.at[p].set(v), C=state.C.at[p].set(C))
 
     def on_grid(
@@ -116,6 +127,9 @@ class PrescribedMotion(Constraint):
         node_mask = held > 0.5 * node_mass
         motion = self.locate(model, own.place_particles(model.grid))
         wanted = motion.field(model.grid.place_nodes(velocity.dtype))
+        if self.share is not None:
+            led = scatter_mass(own, model.grid, jnp.where(active, self.share * mass, 0))
+            wanted = (sum_devices(led, model.axis) / jnp.where(node_mask, held, 1))[..., None] * wanted
         if share is not None:
             part = sum_devices(scatter_mass(own, model.grid, share * mass), model.axis)
             wanted = velocity + (part / jnp.where(node_mask, held, 1))[..., None] * (wanted - velocity)
@@ -127,11 +141,13 @@ class PrescribedMotion(Constraint):
         motion = self.locate(model, before.x[p])
         target = motion.displace(before.x[p], model.dt)
         x = choose(target, after.x[p])
-        v = choose(motion.field(target), after.v[p])
+        v = choose(motion._give(model, target), after.v[p])
         moved = dataclasses.replace(after, x=after.x.at[p].set(x), v=after.v.at[p].set(v))
         if not self.rigid:
             return moved
-        F = choose(matmul(rotation_matrix(self.angular_velocity * model.dt), before.F[p]), after.F[p])
+        F = choose(
+            matmul(rotation_matrix(self._divide(self.angular_velocity * model.dt)), before.F[p]), after.F[p]
+        )
         return dataclasses.replace(moved, F=after.F.at[p].set(F))
 
     def _make_choice(self, time: jax.Array):

@@ -9,12 +9,12 @@ from physagent_jax.mpm.linalg import cross
 
 
 def rotate(x: jax.Array, rotation_vector: jax.Array) -> jax.Array:
-    """Rotate ``x`` (..., 3) by a rotation vector [rad], shape (3,) (Rodrigues' formula).
+    """Rotate ``x`` (..., 3) by rotation vectors [rad], shape (3,) or (..., 3) (Rodrigues' formula).
 
     x + sin(t)/t w x x + (1 - cos t)/t^2 w x (w x x) with t = |w|: smooth through w = 0, where its derivative
     is the infinitesimal rotation.
     """
-    squared = (rotation_vector**2).sum()
+    squared = (rotation_vector**2).sum(-1, keepdims=True)
     small = squared < 1e-4  # where the series is exact to round-off
     angle = jnp.sqrt(jnp.where(small, 1.0, squared))
     first = jnp.where(small, 1 - squared / 6 + squared**2 / 120, jnp.sin(angle) / angle)
@@ -26,5 +26,6 @@ def rotate(x: jax.Array, rotation_vector: jax.Array) -> jax.Array:
 
 
 def rotation_matrix(rotation_vector: jax.Array) -> jax.Array:
-    """The matrix of `rotate`, shape (3, 3)."""
-    return rotate(jnp.eye(3, dtype=rotation_vector.dtype), rotation_vector).T
+    """The matrices of `rotate`, shape (..., 3, 3)."""
+    eye = jnp.eye(3, dtype=rotation_vector.dtype)
+    return jnp.swapaxes(rotate(eye, rotation_vector[..., None, :]), -1, -2)

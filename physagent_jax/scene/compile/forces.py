@@ -136,4 +136,7 @@ def compile_skills(
 def _fill_bucket(grip: Constraint, count: int) -> Constraint:
     if not isinstance(grip, PrescribedMotion):
         return grip
-    return dataclasses.replace(grip, particles=buckets.pad_indices(np.asarray(grip.particles), count))
+    particles, share = buckets.pad_indices(np.asarray(grip.particles), count), grip.share
+    if share is not None:
+        share = to_array(np.pad(np.asarray(share), (0, len(particles) - len(share))))
+    return dataclasses.replace(grip, particles=particles, share=share)

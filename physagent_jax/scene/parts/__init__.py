@@ -1,8 +1,9 @@
 """The parts of an object: what its file or a person names, and what sticks out of it; for sentences that name it.
 
 `lattice` makes a solid of the particles, `openings` finds what is thin and `protrusions` what is far from the rest,
-`caps` what sits on a seam. `limbs` makes one tree of them, `roles` says what each may be called, and `marking` makes
-data of them. `named` finds the particles of what is named, and `cells` makes a part of them.
+`caps` what sits on a seam. `limbs` makes one tree of them, `roles` says what each may be called and `digits` which are
+fingers. `ends` finds toes, tips, handles and stems, which do not stick out. `marking` makes data of all of them.
+`named` finds the particles of what is named, and `cells` makes a part of them.
 """
 
 from physagent_jax.scene.parts.marking import find_parts as find_parts

@@ -78,6 +78,7 @@ def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool) -> Part:
         if (norm := np.linalg.norm(away)) > 1e-9 * size
         else (0, 0, 1),
         share=round(float(mask.mean()), 4),
+        neck=tuple(np.round(contact.std(0) / size, 4).tolist()) if joined else (0, 0, 0),
     )
 
 

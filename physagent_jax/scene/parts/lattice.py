@@ -64,7 +64,7 @@ class Lattice:
     def find_necks(self, nodes: np.ndarray) -> list[np.ndarray]:
         """The connected sets of nodes where a part touches the rest, largest first."""
         part = self.make_mask(nodes)
-        rim = part & np.asarray(ndimage.binary_dilation(self.solid & ~part, _ALL))
+        rim = part & _grow(self.solid & ~part)
         labels = find_pieces(rim)[self.solid]  # in the order of the nodes
         return sorted((np.flatnonzero(labels == k + 1) for k in range(labels.max())), key=len, reverse=True)
 
@@ -89,6 +89,13 @@ def find_pieces(mask: np.ndarray, *, corners: bool = True) -> np.ndarray:
     labels = np.zeros(mask.shape, np.int32)
     ndimage.label(mask, _ALL if corners else None, labels)
     return labels
+
+
+def _grow(mask: np.ndarray) -> np.ndarray:
+    """The cells of a mask and their 26 neighbours, of the mask's shape; nothing of it lies at the edge."""
+    for axis in range(3):
+        mask = mask | np.roll(mask, 1, axis) | np.roll(mask, -1, axis)
+    return mask
 
 
 def _shade(solid: np.ndarray, axis: int, back: bool) -> np.ndarray:

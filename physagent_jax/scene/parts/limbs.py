@@ -25,6 +25,7 @@ _SMALLEST = 0.04  # length over the object's
 _THIN, _DISTANT, _PLATE = 0.95, 1.2, 1.0
 _COARSE = 0.6  # of its prominence counts, where a limb by distance and one by thickness would be in each other's way
 _SAME = 0.35  # of the union of two limbs, that both hold, from which on they are one
+_MOST = 0.7  # the same where the larger one holds others, too: a head and the shoulders with arms
 _APART, _WITHIN = (
     0.2,
     0.8,
@@ -33,6 +34,7 @@ _NECK = 0.25  # size of a place of attachment over the largest
 _EVEN = (
     1.8  # thickest place of a loop over its usual thickness: an arm that is held at two places ends in a hand
 )
+_SAMPLES = 1000  # places at which a loop's thickness is looked at
 _FLAT = 0.35  # thickness over width
 _LONG = 3.0  # length over width, above which it is no plate
 
@@ -51,6 +53,7 @@ class Limb:
         low: Height of its lowest node [m].
         prominence: How deep it is beyond its neck over the neck's radius of gyration, and how much smaller the rest
             beside the neck is than the part; below 1 for the corners of a box.
+        slimness: Length over mean thickness, which is the root of the section: a ball on a neck has 1, a tail 4.
         loop: Whether it is attached at two places, and as thick everywhere.
         flat: Whether it is a plate.
         children: Places of the limbs directly inside it, in the list it belongs to.
@@ -67,6 +70,7 @@ class Limb:
     share: float
     low: float
     prominence: float
+    slimness: float
     loop: bool
     flat: bool
     children: tuple[int, ...] = ()
@@ -92,7 +96,7 @@ def find_limbs(points: np.ndarray, lattice: Lattice) -> list[Limb]:
     told += [(limb, 0.0) for limb in caps]
     chosen: list[Limb] = []
     for limb, _ in sorted(told, key=lambda each: -each[1]):
-        if limb.length >= _SMALLEST and all(_fits(limb, each) for each in chosen):
+        if limb.length >= _SMALLEST and all(_fits(limb, each, chosen) for each in chosen):
             chosen.append(limb)
     chosen.sort(key=lambda limb: limb.share)
     parents = [
@@ -105,6 +109,18 @@ def find_limbs(points: np.ndarray, lattice: Lattice) -> list[Limb]:
         )
         for i, limb in enumerate(chosen)
     ]
+
+
+def list_inner(limbs: list[Limb], index: int) -> list[int]:
+    """Places of all limbs inside a limb."""
+    children = limbs[index].children
+    return [*children, *(k for child in children for k in list_inner(limbs, child))]
+
+
+def list_outer(limbs: list[Limb], index: int) -> list[int]:
+    """Places of all limbs that a limb is inside, nearest first."""
+    parent = limbs[index].parent
+    return [] if parent is None else [parent, *list_outer(limbs, parent)]
 
 
 def _find_distant(points: np.ndarray, lattice: Lattice) -> list[np.ndarray]:
@@ -123,12 +139,23 @@ def _share(one: np.ndarray, other: np.ndarray) -> float:
     return len(np.intersect1d(one, other, assume_unique=True)) / len(one)
 
 
-def _fits(one: Limb, other: Limb) -> bool:
+def _fits(one: Limb, other: Limb, chosen: list[Limb]) -> bool:
     """Return whether two limbs are apart, or one is well inside the other."""
-    small, large = sorted((one.nodes, other.nodes), key=len)
-    inside = _share(small, large)
-    shared = inside * len(small)
-    return inside < _APART or (inside > _WITHIN and shared / (len(small) + len(large) - shared) < _SAME)
+    small, large = sorted((one, other), key=lambda limb: len(limb.nodes))
+    inside = _share(small.nodes, large.nodes)
+    if inside < _APART or inside <= _WITHIN:
+        return inside < _APART
+    shared = inside * len(small.nodes)
+    same = shared / (len(small.nodes) + len(large.nodes) - shared)
+    return (
+        same < _SAME
+        or same < _MOST
+        and any(
+            _share(each.nodes, large.nodes) > _WITHIN and _share(each.nodes, small.nodes) < _APART
+            for each in chosen
+            if each.share < large.share
+        )
+    )
 
 
 def measure(lattice: Lattice, nodes: np.ndarray) -> Limb:
@@ -151,29 +178,32 @@ def measure(lattice: Lattice, nodes: np.ndarray) -> Limb:
     tip = joint + way * float(((places - joint) @ way).max())
     spread = np.sqrt(np.linalg.eigvalsh(np.cov(places.T) if len(places) > 3 else np.eye(3)).clip(0))
     flat = spread[0] < _FLAT * spread[1] and spread[2] < _LONG * spread[1]
+    length = float(np.linalg.norm(tip - joint))
     return Limb(
         nodes,
         places.mean(0),
         joint,
         tip,
-        length=float(np.linalg.norm(tip - joint)) / size,
+        length=length / size,
         width=width / size,
         extent=np.ptp(places, axis=0),
         share=len(nodes) / len(lattice.places),
         low=float(places[:, 2].min()),
         prominence=_find_prominence(lattice, nodes, np.concatenate(necks), width),
+        slimness=length**1.5 / (len(nodes) * lattice.spacing**3) ** 0.5,
         loop=bool(loop),
         flat=bool(flat),
     )
 
 
 def _find_prominence(lattice: Lattice, nodes: np.ndarray, neck: np.ndarray, width: float) -> float:
-    distance = np.asarray(KDTree(neck).query(lattice.places)[0])
-    inside = np.zeros(len(distance), bool)
-    inside[nodes] = True
-    beside = distance <= max(2 * lattice.spacing, 0.7 * width)
-    rest = (beside & ~inside).sum() / (beside & inside).sum()
-    return float(distance[inside].max() / max(width, lattice.spacing) / max(rest, 1e-3))
+    beside, tree = max(2 * lattice.spacing, 0.7 * width), KDTree(neck)
+    outside = np.ones(len(lattice.places), bool)
+    outside[nodes] = False
+    distance = np.asarray(tree.query(lattice.places[nodes])[0])
+    others = np.asarray(tree.query(lattice.places[outside], distance_upper_bound=beside * (1 + 1e-9))[0])
+    rest = np.isfinite(others).sum() / (distance <= beside).sum()
+    return float(distance.max() / max(width, lattice.spacing) / max(rest, 1e-3))
 
 
 def _find_radius(places: np.ndarray) -> float:
@@ -183,6 +213,6 @@ def _find_radius(places: np.ndarray) -> float:
 def _is_even(lattice: Lattice, nodes: np.ndarray) -> bool:
     """Return whether a part has about the same cross-section wherever it is cut, seen by how much of it lies near."""
     places = lattice.places[nodes]
-    tree = KDTree(places)
-    near = np.array([len(each) for each in tree.query_ball_point(places, 4 * lattice.spacing)])
+    chosen = places[:: -(-len(places) // _SAMPLES)]
+    near = KDTree(places).query_ball_point(chosen, 4 * lattice.spacing, return_length=True)
     return float(np.percentile(near, 95)) < _EVEN * float(np.median(near))

@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
+import collections
+
 import numpy as np
 from scipy.spatial import KDTree
 
 from physagent_jax.forces.part import Part, PartRole
 from physagent_jax.forces.schema import CellsRegion
 from physagent_jax.scene.parts.cells import spread
+from physagent_jax.scene.parts.digits import name_digits
+from physagent_jax.scene.parts.ends import find_ends
 from physagent_jax.scene.parts.lattice import Lattice, make_lattice
-from physagent_jax.scene.parts.limbs import Limb, find_limbs
+from physagent_jax.scene.parts.limbs import Limb, find_limbs, measure
 from physagent_jax.scene.parts.roles import Roles
 
 _JOINT, _BEND = 0.3, 0.08  # of the way from neck to tip, and of the object's length, that bends, at most
+_SAME = (
+    0.5  # overlap (intersection over union) from which on a limb is the section that has a name of its own
+)
+_UPRIGHT = ("stem", "neck")  # sections of what stands
+_FOOT = 0.15  # of a stem, that stays
 _SEEDS = 64  # that mark a part, or what is beside it, at most: fewer leave patches of a large one out
 
 
 def find_parts(points: np.ndarray) -> tuple[Part, ...]:
-    """The parts that stick out of an upright object.
+    """The parts that stick out of an upright object, and its ends.
 
     Args:
         points: Positions of its particles, z up [m], shape (n, 3).
@@ -28,31 +37,82 @@ def find_parts(points: np.ndarray) -> tuple[Part, ...]:
     lattice = make_lattice(points)
     limbs = find_limbs(points, lattice)
     low, high = points.min(0), points.max(0)
-    roles = Roles(limbs, low, high, lattice.places.mean(0)).assign()
-    return tuple(_make_part(lattice, limbs[k], roles[k], low, high) for k in sorted(roles))
+    roles = name_digits(limbs, Roles(limbs, lattice).assign())
+    told = [(limbs[k], roles[k]) for k in sorted(roles)]
+    counts = collections.Counter(role for names in roles.values() for role in names)
+    known = frozenset(role for role, count in counts.items() if count > 1 or role not in ("arm", "wing"))
+    for nodes, names in find_ends(lattice, known):
+        same = next((index for index, each in enumerate(told) if _is_same(each[0].nodes, nodes)), None)
+        limb, had = (measure(lattice, nodes), ()) if same is None else told.pop(same)
+        if "stern" in names:  # a tail keeps its name
+            told.append((limb, (*had, *names)))
+        else:  # a stem may be a leg: its place goes first
+            told.append((measure(lattice, nodes), (*(had if names[0] in _UPRIGHT else ()), *names)))
+    return tuple(
+        (_make_stem if "stem" in names else _make_part)(lattice, limb, names, low, high)
+        for limb, names in told
+    )
+
+
+def _is_same(one: np.ndarray, other: np.ndarray) -> bool:
+    """Return whether two sets of nodes are one part."""
+    return len(np.intersect1d(one, other)) > _SAME * len(np.union1d(one, other))
 
 
 def _make_part(
     lattice: Lattice, limb: Limb, roles: tuple[PartRole, ...], low: np.ndarray, high: np.ndarray
 ) -> Part:
-    box, size = np.maximum(high - low, 1e-12), float((high - low).max())
-
     def mark(nodes: np.ndarray) -> tuple[tuple[float, float, float], ...]:
-        chosen = spread(lattice.places[nodes], _SEEDS)
-        return tuple(tuple(np.round((place - low) / box, 4).tolist()) for place in chosen)
+        return _mark(lattice.places[nodes], low, high)
 
-    nodes, way = limb.nodes, limb.tip - limb.joint
+    nodes = limb.nodes
     far = _find_far(lattice, limb, 0.0 if "lid" in roles else _BEND)  # a lid lies loose
     rest = np.setdiff1d(np.arange(len(lattice.places)), nodes)
     moved, joint = mark(nodes[far]), mark(nodes[~far])
     still = mark(rest) + mark(_find_near(lattice, nodes))
+    neck = lattice.places[np.concatenate(lattice.find_necks(nodes))].std(0) / float((high - low).max())
+    part = _join(roles, (moved, joint, still), limb, (limb.joint, limb.tip), low, high)
+    return part.model_copy(update=dict(neck=tuple(np.round(neck, 4).tolist())))
+
+
+def _make_stem(
+    lattice: Lattice, limb: Limb, roles: tuple[PartRole, ...], low: np.ndarray, high: np.ndarray
+) -> Part:
+    """The part that a stem is: its foot stays, it bends, and what it bears goes along."""
+    height, own = lattice.places[:, 2], lattice.places[limb.nodes, 2]
+    foot, top = own.min() + _FOOT * np.ptp(own), own.max()
+    sides = (height > top, (height >= foot) & (height <= top), height < foot)
+    moved, between, still = (_mark(lattice.places[side], low, high) for side in sides)
+    around = np.abs(own - own.mean()) <= 2 * lattice.spacing
+    middle = lattice.places[limb.nodes][around].mean(0)
+    tip = np.array([*middle[:2], height.max()])
+    return _join(roles, (moved, between, still), limb, (middle, tip), low, high)
+
+
+def _mark(places: np.ndarray, low: np.ndarray, high: np.ndarray) -> tuple[tuple[float, float, float], ...]:
+    """Seeds among places, as fractions of the object's box."""
+    box = np.maximum(high - low, 1e-12)
+    return tuple(tuple(np.round((place - low) / box, 4).tolist()) for place in spread(places, _SEEDS))
+
+
+def _join(
+    roles: tuple[PartRole, ...],
+    seeds: tuple[tuple[tuple[float, float, float], ...], ...],
+    limb: Limb,
+    ends: tuple[np.ndarray, np.ndarray],
+    low: np.ndarray,
+    high: np.ndarray,
+) -> Part:
+    """The part with seeds of what moves, of what bends and of the rest, and with its joint and its tip [m]."""
+    box, size = np.maximum(high - low, 1e-12), float((high - low).max())
+    (moved, between, still), (joint, tip) = seeds, ends
     away = limb.centre - 0.5 * (low + high)
     return Part(
         roles=roles,
-        moved=CellsRegion(inside=moved, outside=(*joint, *still)),
-        rest=CellsRegion(inside=still, outside=(*moved, *joint)),
-        joint=tuple(np.round((limb.joint - low) / box, 4).tolist()),
-        arm=tuple(np.round(way / size, 4).tolist()),
+        moved=CellsRegion(inside=moved, outside=(*between, *still)),
+        rest=CellsRegion(inside=still, outside=(*moved, *between)),
+        joint=tuple(np.round((joint - low) / box, 4).tolist()),
+        arm=tuple(np.round((tip - joint) / size, 4).tolist()),
         side=tuple(np.round(away / max(float(np.linalg.norm(away)), 1e-12), 4).tolist()),
         share=round(limb.share, 4),
     )

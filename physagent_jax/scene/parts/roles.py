@@ -1,33 +1,42 @@
 """The roles of an object's limbs: a leg stands on the ground, ears come in pairs on a head, a handle is a loop.
 
 A role is told by place, pair and shape alone, for objects that stand upright, and only where the object shows more than
-the limb itself: a lone knob may be a head, so it is what is on top. Words that may mean a role are the lexicon's.
+the limb itself: a lone knob may be a head, so it is what is on top. Head and tail lie on the object's mirror plane;
+ears, arms and wings are pairs across it. What else an animal or a person has gets no role: a wrong name is worse than
+none. Words that may mean a role are the lexicon's.
 """
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from physagent_jax.forces.part import PartRole
-from physagent_jax.scene.parts.limbs import LARGEST, Limb
+from physagent_jax.scene.parts.lattice import Lattice
+from physagent_jax.scene.parts.limbs import LARGEST, Limb, list_inner, list_outer
+from physagent_jax.scene.parts.pairs import are_alike, find_pairs
+from physagent_jax.scene.parts.things import Things, Told, holds_arms, is_free, is_lump
 
 _ON_GROUND = 0.06  # of the height
 _HEAD = 0.55  # of the height, above which the middle of a head lies
-_UPRIGHT = 0.8  # cosine to up, from which on a limb is on top
-_MIRROR = 0.12  # of the length, by which the plane between two of a pair may miss the middle
-_LEVEL = 0.5  # rise over distance between two of a pair, at most
-_ALIKE = 2.5  # ratio of the shares of a pair, at most
-_OPPOSITE = -0.3  # cosine between the sides of a tail and a head, or a spout and a handle, at most
+_LARGE = 0.6  # share of the object that a head may have if arms are below it
 _SMALL = 0.3  # share of the head, above which what is inside it is no ear
-_FINGER = 0.2  # share of a limb, above which what is one of several inside it is no finger
-_CLEAR = 2.0  # prominence from which on a limb is one, whatever is inside it
-_RIVAL, _HIGHER = (
-    0.4,
-    0.08,
-)  # share of the largest that may be a head too, and of the height that a head is higher by
+_RIVAL = 0.4  # share of the largest that may be a head too
+_HIGHER = 0.08  # of the height, that a head is higher than its rivals by
 _BROAD = 0.5  # of the object's width: a plate on legs that is broader is a back
+_MIDDLE = 0.1  # of the length, by which what lies on the mirror plane may be off it
+_SLIM, _THIN = 3.5, 3.0  # slimness from which on a limb is no head, and is a tail
+_SINKS = 0.02  # of the height, by which the tip of a head may be below its joint
+_SLENDER = 2.4  # slimness from which on what a limb has several of, or a large one, is no ear or nose
+_TAIL = 0.06  # length over the object's, at least
+_LEAST = 0.1  # the same of wings and arms, where no head is found
+_END = 0.18  # of the length, from the middle to what lies at an end of the object
+_EAR_END, _TOP = 0.15, 0.8  # of the length from the middle, and of the height, beyond which ears are
+_TINY = 0.03  # share of the object, above which nothing is an ear of a head that is not found
+_UNDER = 0.15  # of the length, by which the feet of what stands on two legs may be off its middle
+_FOOT, _BORNE = (
+    0.15,
+    0.8,
+)  # of the height, below which the middle of a foot is; share of the ground that feet cover
 
 
 class Roles:
@@ -37,197 +46,255 @@ class Roles:
         limbs: The limbs.
         low, high: Corners of the object's box [m], shape (3,).
         middle: Its centre of mass [m], shape (3,).
+        mirror: Its upright mirror plane.
+        partners: Place of each limb's image.
     """
 
-    def __init__(self, limbs: list[Limb], low: np.ndarray, high: np.ndarray, middle: np.ndarray):
-        self.limbs, self.low, self.high, self.middle = limbs, low, high, middle
-        self.size, self.height = float((high - low).max()), float(high[2] - low[2])
+    def __init__(self, limbs: list[Limb], lattice: Lattice):
+        self.limbs, self.places = limbs, lattice.places
+        self.low, self.high = self.places.min(0), self.places.max(0)
+        self.middle = self.places.mean(0)
+        self.size, self.height = float((self.high - self.low).max()), float((self.high - self.low)[2])
+        found = find_pairs(limbs, lattice)
+        self.mirror, self.partners = found.mirror, found.partners
+        self.things = Things(limbs, found, self.places)
+        self.axis = np.cross((0.0, 0.0, 1.0), self.mirror.normal)
+        self.pairs = sorted(
+            ((k, j) for k, j in enumerate(self.partners) if j is not None and k < j),
+            key=lambda pair: -sum(limbs[k].share for k in pair),
+        )  # larger ones first
         self.legs = self._find_legs()
         self.back = self._find_back()
         self.head = self._find_head()
 
-    def assign(self) -> dict[int, tuple[PartRole, ...]]:
+    def assign(self) -> Told:
         """Roles by place of the limb; what is part of another one, or of no use by itself, is left out."""
-        found: dict[int, tuple[PartRole, ...]] = {leg: ("leg",) for leg in self.legs}
+        found: Told = {leg: ("leg",) for leg in self.legs}
         if self.back is not None:
             found[self.back] = ("back",)
+            return self.things.assign(found)
         if self.head is not None:
             found |= self._name_head(self.head)
-        if self.head is None:
-            found |= {k: ("handle",) for k in range(len(self.limbs)) if self._is_handle(k)}
-        for index in sorted(range(len(self.limbs)), key=lambda k: -self.limbs[k].share):
-            limb = self.limbs[index]
-            taken = any(each in found for each in (index, *self._list_outer(index), *self._list_inner(index)))
-            if (
-                limb.share <= LARGEST
-                and not self._is_lump(limb)
-                and (not taken or self._is_on_lid(index, found))
-            ):
-                found[index] = self._name_side(index, found)
-        return found
-
-    def _name_side(self, index: int, found: dict[int, tuple[PartRole, ...]]) -> tuple[PartRole, ...]:
-        """The roles of a limb that is neither leg nor of the head."""
-        limb, partner = self.limbs[index], self._find_partner(index)
-        if limb.loop and partner is not None:
-            return ("arm",) if self.head is not None else ("side", "arm", "handle")
-        if partner is not None and not self._is_grounded(limb):
-            return ("wing",) if limb.flat else ("arm",)
-        side, handles = self._find_side(limb), [self.limbs[k] for k in found if found[k] == ("handle",)]
-        if side[2] > _UPRIGHT:
-            if self._is_on_lid(index, found):
-                return ("knob",)
-            return ("lid",) if handles else ("top",)
-        if self._is_grounded(limb):
-            return ("bottom",) if side[2] < -_UPRIGHT else ("side",)
-        if handles and self._is_across(limb, handles):
-            return ("spout",)
-        if self.head is not None and self._is_across(limb, [self.limbs[self.head]]):
-            return ("tail",)
-        return ("side",)
-
-    def _name_head(self, head: int) -> dict[int, tuple[PartRole, ...]]:
-        """The head, and the ears, horns and nose on it."""
-        inner = [k for k in self._list_inner(head) if self.limbs[k].share < _SMALL * self.limbs[head].share]
-        paired = [k for k in inner if self._find_partner(k) is not None and not self.limbs[k].children]
-        found: dict[int, tuple[PartRole, ...]] = {head: ("head",)}
-        paired.sort(key=lambda k: self.limbs[k].joint[2])
-        for place, k in enumerate(paired):
-            found[k] = ("horn",) if len(paired) >= 4 and place >= len(paired) - 2 else ("ear",)
-        return found
+        found |= self._name_pairs(found)
+        tail = self._find_tail(found)
+        if tail is not None:
+            found[tail] = ("tail",)
+            found |= self._name_across(tail, found)
+        return found or self.things.assign(found)
 
     def _find_legs(self) -> list[int]:
-        """Limbs that stand on the ground, two or more alike."""
+        """Limbs that stand on the ground, two or more alike; or the feet that bear all."""
         standing = [
             k
             for k, limb in enumerate(self.limbs)
-            if self._is_grounded(limb) and not limb.loop and len(limb.children) < 2 and limb.share < LARGEST
-            if (limb.joint - limb.centre)[2] > 0.5 * np.linalg.norm(limb.joint - limb.centre)
+            if self.things.is_grounded(limb)
+            and not limb.loop
+            and len(limb.children) < 2
+            and limb.share < LARGEST
+            if self._find_way(limb)[2] < -0.5
         ]
-        outer = [k for k in standing if not set(self._list_outer(k)) & set(standing)]
-        return [k for k in outer if any(k != j and _are_alike(self.limbs[k], self.limbs[j]) for j in outer)]
+        outer = [k for k in standing if not set(list_outer(self.limbs, k)) & set(standing)]
+        legs = [k for k in outer if any(k != j and are_alike(self.limbs[k], self.limbs[j]) for j in outer)]
+        return legs or self._find_feet()
+
+    def _find_feet(self) -> list[int]:
+        """The pairs of low limbs without which nothing is on the ground."""
+        feet = [
+            k
+            for k, limb in enumerate(self.limbs)
+            if self.partners[k] is not None and not limb.flat and self.things.is_grounded(limb)
+            if limb.centre[2] < self.low[2] + _FOOT * self.height and not limb.children
+        ]
+        ground = self.places[:, 2] < self.low[2] + _ON_GROUND * self.height
+        borne = sum(int(ground[self.limbs[k].nodes].sum()) for k in feet)
+        return feet if borne > _BORNE * ground.sum() else []
 
     def _find_back(self) -> int | None:
-        """The broad plate that stands on what has legs."""
+        """The broad plate that stands on what has three legs or more."""
         width = float((self.high - self.low)[:2].max())
         fitting = [
             k
             for k, limb in enumerate(self.limbs)
-            if self.legs and limb.flat and limb.share <= LARGEST and limb.centre[2] > self.middle[2]
+            if len(self.legs) > 2 and limb.flat and limb.share <= LARGEST and limb.centre[2] > self.middle[2]
             if limb.tip[2] > limb.joint[2] and np.hypot(*limb.extent[:2]) > _BROAD * width
+            if self.partners[k] is None
         ]
         return max(fitting, key=lambda k: self.limbs[k].share, default=None)
 
     def _find_head(self) -> int | None:
-        """The largest limb that is high up and off the ground, if limbs around tell that it is a head; else None.
-
-        Ears sit above its middle; where what it is made of sits lower, as arms do, it is half of the body.
-        """
-        high = [
-            k
-            for k, limb in enumerate(self.limbs)
-            if limb.share <= LARGEST
-            and limb.centre[2] > self.low[2] + _HEAD * self.height
-            and limb.tip[2] >= limb.joint[2] - 0.02 * self.height
-            and not (
-                self._is_grounded(limb) or limb.loop or k == self.back or self._find_partner(k) is not None
-            )
-            and not any(self.limbs[child].joint[2] < limb.centre[2] for child in limb.children)
-        ]
-        largest = max(high, key=lambda k: self.limbs[k].share, default=None)
+        """The largest limb on the mirror plane that is high up, or at an end of what has four legs; else None."""
+        fitting = [k for k in range(len(self.limbs)) if self._may_be_head(k)]
+        fitting = [k for k in fitting if self._list_ears(k)] or fitting
+        largest = max(fitting, key=lambda k: self.limbs[k].share, default=None)
         if largest is None or self.back is not None:
             return None
-        within = {largest, *self._list_inner(largest)}
-        rivals = [
-            k for k in high if k not in within and self.limbs[k].share > _RIVAL * self.limbs[largest].share
-        ]
+        within, least = {largest, *list_inner(self.limbs, largest)}, _RIVAL * self.limbs[largest].share
+        rivals = [k for k in fitting if k not in within and self.limbs[k].share > least]
         *lower, head = sorted((largest, *rivals), key=lambda k: self.limbs[k].centre[2])
         if lower and self.limbs[head].centre[2] - self.limbs[lower[-1]].centre[2] < _HIGHER * self.height:
             return None
-        ears = [k for k in self._list_inner(head) if self._find_partner(k) is not None]
+        return head if self.legs or self._list_ears(head) or self._list_below(head) else None
+
+    def _may_be_head(self, index: int) -> bool:
+        """Return whether a limb is where a head is, and no slim one. What has arms is half of the body."""
+        limb, inner = self.limbs[index], list_inner(self.limbs, index)
+        most = _LARGE if self._list_ears(index) and self._list_below(index) else LARGEST
+        if limb.share > most or limb.loop or self.partners[index] is not None or not self._is_middle(limb):
+            return False
+        if self.things.is_grounded(limb) or holds_arms(self.limbs, self.partners, index):
+            return False
+        slim = [
+            self.limbs[k]
+            for k in inner
+            if self.limbs[k].slimness > _SLENDER and self.partners[k] not in inner
+        ]
+        if len(slim) > 1 or any(each.share > _SMALL * limb.share for each in slim):
+            return False
+        around = [k for k in (index, *list_outer(self.limbs, index)) if self.limbs[k].slimness > _SLIM]
+        if any(
+            self.limbs[k].share <= LARGEST and not self._list_ears(k) for k in around
+        ):  # the end of a tail, too
+            return False
+        if self._has_four_legs():
+            return abs(self._find_place(limb)) > _END and bool(limb.centre[2] > self._find_hips())
+        high = limb.centre[2] > self.low[2] + _HEAD * self.height
+        upright = self.legs or not self._is_long()
+        rises = limb.tip[2] >= limb.joint[2] - _SINKS * self.height
+        return bool(high and (upright and rises or self._list_ears(index)))
+
+    def _list_below(self, head: int) -> list[int]:
+        """Limbs in pairs beside a limb, off the ground, none larger than it."""
+        inner, limb = {head, *list_inner(self.limbs, head)}, self.limbs[head]
         sides = [
+            k for pair in self.pairs for k in pair if k not in inner and self.limbs[k].share < limb.share
+        ]
+        return [
+            k
+            for k in sides
+            if not self.limbs[k].loop and not self.things.is_grounded(self.limbs[k])
+            if self.limbs[k].joint[2] < limb.centre[2]
+        ]
+
+    def _has_four_legs(self) -> bool:
+        """Return whether there are more legs than two, or those two are not under the middle."""
+        feet = np.mean([self._find_place(self.limbs[k]) for k in self.legs]) if self.legs else 0.0
+        return len(self.legs) > 2 or bool(abs(feet) > _UNDER)
+
+    def _find_hips(self) -> float:
+        return float(np.mean([self.limbs[k].joint[2] for k in self.legs]))
+
+    def _list_ears(self, head: int) -> list[int]:
+        """Small limbs in pairs on a head, lower ones first."""
+        most = _SMALL * self.limbs[head].share
+        inner = list_inner(self.limbs, head)
+        ears = [k for k in inner if self.limbs[k].share < most and not self.limbs[k].children]
+        return sorted((k for k in ears if self.partners[k] in ears), key=lambda k: self.limbs[k].joint[2])
+
+    def _name_head(self, head: int) -> Told:
+        """The head, and the ears and horns on it."""
+        ears = self._list_ears(head)
+        found: Told = {head: ("head",)}
+        for place, k in enumerate(ears):
+            found[k] = ("horn",) if len(ears) >= 4 and place >= len(ears) - 2 else ("ear",)
+        return found
+
+    def _name_pairs(self, found: Told) -> Told:
+        """Arms, wings, and the ears of a head that is not found; larger pairs first."""
+        named: Told = {}
+        for k, j in self.pairs:
+            limb, other, told = self.limbs[k], self.limbs[j], found | named
+            if any(not is_free(self.limbs, each, told) or is_lump(self.limbs, each) for each in (k, j)):
+                continue
+            flat = limb.flat and other.flat and not (self.legs and all(self.limbs[k].flat for k in self.legs))
+            role = self._name_pair(limb, flat, named)
+            if role is not None:
+                named |= {k: (role,), j: (role,)}
+        return named
+
+    def _name_pair(self, limb: Limb, flat: bool, named: Told) -> PartRole | None:
+        """The role of a pair that is neither legs nor on a head that is found; None if it may be several things."""
+        taken = {role for (role, *_) in named.values()}
+        if self.head is None and self._is_ear(limb, [self.limbs[k] for k in named]):
+            return "ear"
+        if self.head is None and (limb.length < _LEAST or limb.loop) or "ear" in taken:
+            return None
+        if flat and "wing" not in taken and abs(self._find_way(limb) @ self.mirror.normal) > 0.5:
+            return "wing"
+        figure = self.head is not None or self.legs or self._has_ears_above(limb)
+        if self._has_four_legs() or "arm" in taken or not figure or self.things.is_grounded(limb):
+            return None
+        return "wing" if flat and "wing" not in taken else "arm" if not flat else None
+
+    def _is_ear(self, limb: Limb, larger: list[Limb]) -> bool:
+        """Return whether one of a pair is small and at the top, or at an end of what has four legs."""
+        if limb.share > _TINY or limb.children or self.things.is_grounded(limb) or not (self.legs or larger):
+            return False
+        if self._has_four_legs():
+            return abs(self._find_place(limb)) > _EAR_END and bool(limb.joint[2] > self._find_hips())
+        off, high = abs(self.mirror.measure(limb.joint)), self.low[2] + _TOP * self.height
+        lower = all(
+            abs(self.mirror.measure(each.joint)) > off and each.joint[2] < limb.joint[2] for each in larger
+        )
+        return bool(lower and limb.joint[2] > high)
+
+    def _has_ears_above(self, limb: Limb) -> bool:
+        return any(self._is_ear(self.limbs[k], [limb]) for k, _ in self.pairs)
+
+    def _find_tail(self, found: Told) -> int | None:
+        """The limb on the mirror plane across from the head; else the slim one, or that at an end of what has wings."""
+        fitting = [
             k
             for k, limb in enumerate(self.limbs)
-            if self._find_partner(k) is not None and not self._is_grounded(limb) and limb.parent != head
+            if _TAIL < limb.length and limb.share <= LARGEST and self.partners[k] is None and not limb.loop
+            if abs(float(self.mirror.measure(limb.joint))) < _MIDDLE * self.size  # its tip may be bent aside
+            if not self.things.is_grounded(limb) or not self.legs and abs(self._find_place(limb)) > _END
+            if is_free(self.limbs, k, found) and not is_lump(self.limbs, k)
         ]
-        vessel = any(self._is_handle(k) for k in range(len(self.limbs)))
-        return head if self.legs or ((ears or sides) and not vessel) else None
+        fitting = [k for k in fitting if not set(list_outer(self.limbs, k)) & set(fitting)]
+        if self.head is not None:
+            fitting = [k for k in fitting if self.things.is_across(self.limbs[k], self.limbs[self.head])]
+            return max(fitting, key=lambda k: self.limbs[k].share, default=None)
+        ends = [k for k in fitting if abs(self._find_place(self.limbs[k])) > _END]
+        slim = [k for k in ends if self.limbs[k].slimness > _THIN]
+        figure = self.legs or any(role in (("arm",), ("ear",)) for role in found.values())
+        if figure or len(slim) == 1 and self._find_far_end(slim[0], ends) is not None:
+            return slim[0] if len(slim) == 1 else None
+        if not self.pairs or not self._is_long():
+            return None
+        ends = [k for k in ends if self.limbs[k].children] or ends  # the nose of a plane has no fins
+        return ends[0] if len(ends) == 1 else None
 
-    def _is_handle(self, index: int) -> bool:
-        """Return whether a limb is a loop of its own, without an image."""
-        limb, outer = self.limbs[index], [self.limbs[k] for k in self._list_outer(index)]
-        if (
-            not limb.loop
-            or limb.share > LARGEST
-            or self._is_lump(limb)
-            or self._find_partner(index) is not None
-        ):
-            return False
-        return all(self._is_lump(each) or each.share > LARGEST for each in outer)
+    def _find_far_end(self, tail: int, ends: list[int]) -> int | None:
+        """The only limb at the end across from a slim one, if it is thicker and both are off the ground."""
+        here = self._find_place(self.limbs[tail])
+        far = [k for k in ends if self._find_place(self.limbs[k]) * here < 0]
+        limbs = [self.limbs[k] for k in (*far, tail)]
+        loose = not any(self.things.is_grounded(each) or each.loop for each in limbs)
+        thick = len(far) == 1 and limbs[0].slimness < _SLIM and limbs[0].share > 2 * limbs[1].share
+        return far[0] if thick and loose and self._is_long() else None
 
-    def _is_lump(self, limb: Limb) -> bool:
-        """Return whether a limb is a piece of the body with limbs, or lies around one that stands out more."""
-        inner = [self.limbs[k] for k in limb.children]
-        if len(inner) == 1:
-            return limb.prominence < min(_CLEAR, inner[0].prominence)
-        return any(each.share > _FINGER * limb.share for each in inner)
+    def _name_across(self, tail: int, found: Told) -> Told:
+        """The head of what has no legs, across from its tail, or the fins beside that."""
+        if self.legs or self.head is not None or any(role == ("wing",) for role in found.values()):
+            return {}
+        ends = [k for k in range(len(self.limbs)) if abs(self._find_place(self.limbs[k])) > _END]
+        head = self._find_far_end(tail, [k for k in ends if is_free(self.limbs, k, found)])
+        if head is not None and self.limbs[tail].slimness > _SLIM:
+            return {head: ("head",)}
+        fins = [pair for pair in self.pairs if all(is_free(self.limbs, k, found) for k in pair)]
+        return dict.fromkeys(fins[0] if fins else (), ("wing",))
 
-    def _is_grounded(self, limb: Limb) -> bool:
-        return limb.low < self.low[2] + _ON_GROUND * self.height
+    def _is_long(self) -> bool:
+        """Return whether the object is longer along its mirror plane than it is high."""
+        return float(np.ptp(self.places @ self.axis)) > self.height
 
-    def _find_side(self, limb: Limb) -> np.ndarray:
-        """The unit vector from the object's middle to a limb's, shape (3,)."""
-        away = limb.centre - self.middle
-        return away / max(float(np.linalg.norm(away)), 1e-12)
+    def _is_middle(self, limb: Limb) -> bool:
+        return abs(float(self.mirror.measure(limb.centre))) < _MIDDLE * self.size
 
-    def _is_across(self, limb: Limb, others: list[Limb]) -> bool:
-        """Return whether a limb is on the other side than others; level, or all others are overhead."""
-        side = self._find_side(limb)[:2]
-        ways = [self._find_side(each) for each in others]
-        return all(way[2] > _UPRIGHT or side @ way[:2] < _OPPOSITE * np.linalg.norm(way[:2]) for way in ways)
+    def _find_place(self, limb: Limb) -> float:
+        """The place of a limb along the mirror plane, from the middle, over the object's length."""
+        return float((limb.centre - self.middle) @ self.axis) / self.size
 
-    def _is_on_lid(self, index: int, found: dict[int, tuple[PartRole, ...]]) -> bool:
-        parent = self.limbs[index].parent
-        return (
-            parent is not None
-            and found.get(parent) in (("lid",), ("top",))
-            and not self.limbs[index].children
-        )
-
-    def _find_partner(self, index: int) -> int | None:
-        """The limb that is its mirror image in an upright plane through the middle of the object, or of their head."""
-        nearest = self._find_image(index)
-        return nearest if nearest is not None and self._find_image(nearest) == index else None
-
-    def _find_image(self, index: int) -> int | None:
-        """The limb that is most like a mirror image of another one; None if there is none."""
-        limb = self.limbs[index]
-        middle = self.middle if limb.parent is None else self.limbs[limb.parent].centre
-        found: dict[int, float] = {}
-        for k, other in enumerate(self.limbs):
-            if (
-                k == index
-                or other.parent != limb.parent
-                or not _are_alike(limb, other)
-                or other.loop != limb.loop
-            ):
-                continue
-            way = other.centre - limb.centre
-            across = way[:2] / max(float(np.linalg.norm(way[:2])), 1e-12)
-            missed = abs((0.5 * (limb.centre + other.centre) - middle)[:2] @ across) / self.size
-            rise = abs(way[2]) / max(float(np.linalg.norm(way)), 1e-12)
-            if rise < _LEVEL and missed < _MIRROR:
-                found[k] = missed + 0.1 * rise + 0.1 * abs(math.log(limb.share / other.share))
-        return min(found, key=lambda k: found[k], default=None)
-
-    def _list_inner(self, index: int) -> list[int]:
-        children = self.limbs[index].children
-        return [*children, *(k for child in children for k in self._list_inner(child))]
-
-    def _list_outer(self, index: int) -> list[int]:
-        parent = self.limbs[index].parent
-        return [] if parent is None else [parent, *self._list_outer(parent)]
-
-
-def _are_alike(one: Limb, other: Limb) -> bool:
-    return 1 / _ALIKE < one.share / other.share < _ALIKE and 0.5 < one.length / other.length < 2
+    def _find_way(self, limb: Limb) -> np.ndarray:
+        """The unit vector from a limb's joint to its tip, shape (3,)."""
+        return (limb.tip - limb.joint) / max(float(np.linalg.norm(limb.tip - limb.joint)), 1e-12)

@@ -1,0 +1,307 @@
+"""The motion of a limb about its joint: the axis, the angle, and where it bends.
+
+A limb is moved by what is prescribed: it turns about its joint so that its tip goes where it is to go, or moves along
+itself where the way leads along it. It swings where a body lets it: what hangs beside the body is raised away from it,
+and never through it. Its skin bends over a way that is long enough for it, or the angle gets less.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import itertools
+import math
+import operator
+
+from physagent_jax.core.strict import Vector
+from physagent_jax.forces.driving import PartDriver
+from physagent_jax.forces.part import Part
+from physagent_jax.forces.schema import Bend, VelocityConstraint
+from physagent_jax.motion.limbs import SEATED, find_front
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.vectors import (
+    add,
+    clamp,
+    cosine,
+    cross,
+    dot,
+    norm,
+    normalise,
+    rotate,
+    scale,
+    subtract,
+)
+
+_PLAIN = 45.0  # [degrees] that a plain word turns a limb by
+_LEAST, _MOST = 15.0, 80.0  # [degrees]
+_RAISED, _LOWERED = 15.0, -50.0  # [degrees] over the horizon, where a plain word brings a limb up or down to
+_FARTHEST = 120.0  # [degrees] that it turns by for that
+_SWAYS = 0.6  # of a plain angle, to either side of a limb that goes to and fro
+_ALONG = 0.85  # cosine to the limb from which on a way leads along it
+_REACH = 0.3  # of its length, by which a plain word moves a limb along itself
+_PRESSED, _DEEPEST = (
+    0.5,
+    0.6,
+)  # of its extent, by which a plain word presses what cannot give way, and at most
+_BUCKLES = 0.5  # of that, of what sits on the rest: pressed deeper, it tilts and slips out
+_FOOT = 0.12  # of the object's height, below which a limb lies on what bears the object
+_LIFTED = 1.0  # the same of a lid, which lies loose and comes off
+_HANGS = 0.7  # cosine to the vertical from which on a limb hangs, or stands upright
+_BESIDE = 0.7  # cosine to the way out from which on a limb points there
+_INWARD = -0.3  # cosine to the way out below which a level way leads into the body
+_SUPPLE = frozenset(
+    ("tail", "wing", "ear", "horn")
+)  # roles of what bends everywhere, and not at its joint alone
+_CURLS = 1.4  # times the angle that a supple limb turns by: its tip goes less far
+_WIDE = 4.0  # standard deviations of a disc in its diameter
+_ZONE = 1.25  # widths of the limb, over which it bends beside its joint
+_SHORT = 0.6  # of its length, at most
+_STRAIN = 0.85  # [1] of the skin on the outside of a bend, at most
+_STEEPEST = 1.5  # slope of u^2 (3 - 2 u) in its middle
+_BORDER = 3.0  # standard deviations of the neck, within which the rest borders on the part
+_SWINGS = 2  # of a limb that wags, unless the sentence counts them
+_BLOW = 0.2  # [s] in which a blow swings a limb out
+_TIME = 1.0  # [s] in which a limb gets where it goes, at most
+Window = tuple[float, float]
+
+
+@dataclasses.dataclass(frozen=True)
+class Turning:
+    """The turning of one limb in a clip, as constraints.
+
+    Attributes:
+        part: The limb.
+        brief: The scene.
+        frame_count: Length of the clip [frames].
+        slides: Whether it sits loose on the rest, as a lid does, and is moved rather than turned.
+    """
+
+    part: Part
+    brief: SceneBrief
+    frame_count: int
+    slides: bool = False
+
+    @functools.cached_property
+    def arm(self) -> Vector:
+        """The way from the joint to the tip, a unit vector."""
+        return normalise(self.part.arm) or self.brief.directions.up
+
+    @functools.cached_property
+    def out(self) -> Vector:
+        """The level way that leads away from the body: from its mirror image to it, else to where it is."""
+        front = find_front(self.brief.parts)
+        if front is not None and "leg" in self.part.roles[:1]:
+            return front
+        side = self.part.side
+        twins = [
+            each.side
+            for each in self.brief.parts
+            if each.roles[:1] == self.part.roles[:1] and each.side != side
+        ]
+        across = subtract(side, twins[0]) if len(twins) == 1 else side
+        return normalise((across[0], across[1], 0.0)) or self.brief.directions.right
+
+    @functools.cached_property
+    def height(self) -> float:
+        """The limb's angle over the horizon [degrees]."""
+        return math.degrees(math.asin(clamp(dot(self.arm, self.brief.directions.up), -1.0, 1.0)))
+
+    @property
+    def hangs(self) -> bool:
+        """Return whether it hangs down."""
+        return dot(self.arm, self.brief.directions.up) < -_HANGS
+
+    @property
+    def swing(self) -> Vector:
+        """The way across a limb that it swings to and fro: a tail levelly, others in the plane of the picture."""
+        table = self.brief.directions
+        level = "tail" in self.part.roles[:1]
+        way = normalise(cross(table.up if level else table.toward, self.arm)) or table.right
+        return scale(way, -1.0) if dot(way, self.out if self.hangs else table.up) < 0 else way
+
+    def is_borne(self, way: Vector) -> bool:
+        """Return whether it cannot go a way (unit world vector): the ground is there, or what it sits on."""
+        if not SEATED.isdisjoint(self.part.roles[:1]) and dot(self.arm, way) < -_ALONG:
+            return True
+        lowest = min(place[2] for place in self.part.moved.inside)
+        return (
+            self.brief.world == "ground" and dot(way, self.brief.directions.down) > _ALONG and lowest < _FOOT
+        )
+
+    def drive(self, motion: ExpectedMotion, until: float) -> tuple[list[VelocityConstraint], ExpectedMotion]:
+        """The constraints that bring about a motion, and the motion as it is then expected.
+
+        Args:
+            motion: The motion.
+            until: Frame at which the limb's next one begins, or the clip's last.
+        """
+        if motion.kind is MotionKind.SWAY:
+            return self._drive_swings(motion)
+        window = self._find_window(motion, until)
+        stop = None if motion.released or motion.sudden or until <= window[1] else until
+        if motion.kind is MotionKind.ROTATE and motion.direction is not None:
+            axis = motion.direction
+            return [self.turn(axis, self.find_angle(motion, axis), window, stop)], motion
+        way = motion.direction or self.swing
+        angle = self.find_angle(motion, self.find_axis(way, sudden=motion.sudden), way)
+        course = motion.direction and self.find_course(way, angle, sudden=motion.sudden)
+        return [self.bring(way, motion, angle, window, stop)], motion.model_copy(
+            update=dict(direction=course)
+        )
+
+    def _drive_swings(self, motion: ExpectedMotion) -> tuple[list[VelocityConstraint], ExpectedMotion]:
+        """As `drive`, to and fro: each stroke takes as long as its angle needs."""
+        count, (first, last) = max(motion.repeats, _SWINGS), motion.window
+        way, angles = self.list_swings(motion, count)
+        done = list(itertools.accumulate([0.0, *map(abs, angles)]))
+        edges = [first + (last - first) * each / done[-1] for each in done]
+        made = [
+            self.bring(way, motion, angle, window, None)
+            for angle, window in zip(angles, itertools.pairwise(edges))
+            if window[1] - window[0] >= 1.0
+        ]
+        course = self.find_course(way, angles[0])
+        return made, motion.model_copy(update=dict(direction=course, repeats=count))
+
+    def find_axis(self, way: Vector, *, sudden: bool = False) -> Vector | None:
+        """The axis about which a limb turns so that its tip goes a way; None where the way leads along it.
+
+        What is raised or lowered turns in the upright plane in which it points, or away from the body where it hangs;
+        it is then turned however steep it is. A level way into the body leads past its front.
+
+        Args:
+            way: Unit world vector.
+            sudden: Whether it is a blow, which tips over what it meets end on.
+        """
+        up, rise = self.brief.directions.up, dot(way, self.brief.directions.up)
+        along = dot(self.arm, way)
+        if abs(rise) > _ALONG and along < _ALONG:
+            level = subtract(self.arm, scale(up, dot(self.arm, up)))
+            points = norm(level) > math.sqrt(1 - _HANGS**2) and cosine(level, self.out) < _BESIDE
+            plane = normalise(level) if points else None
+            return scale(cross(plane or self.out, up), math.copysign(1.0, rise))
+        if abs(along) >= _ALONG:
+            return normalise(cross(up, way)) if sudden else None
+        if self.hangs and abs(rise) < 1 - _ALONG and cosine(way, self.out) < _INWARD:
+            way = add((way, self.brief.directions.toward))
+        return normalise(cross(self.arm, way))
+
+    def find_angle(self, motion: ExpectedMotion, axis: Vector | None, way: Vector | None = None) -> float:
+        """Angle that a limb turns by [degrees]: as told, or as a plain word leads a viewer to expect.
+
+        It is no more than leaves the skin without a crease, unless it is told.
+
+        Args:
+            motion: The motion.
+            axis: The axis (unit world vector); None = it moves along itself.
+            way: Where its tip is to go (unit world vector); None = the axis alone is told.
+        """
+        if motion.amount is not None and motion.amount.unit == "degrees":
+            return motion.amount.value
+        angle = clamp(_PLAIN * motion.strength, _LEAST, _MOST)
+        rise = 0.0 if way is None else dot(way, self.brief.directions.up)
+        if axis is None:
+            return angle
+        if abs(rise) > _ALONG and not motion.sudden and "leg" not in self.part.roles[:1]:
+            wanted = _RAISED - self.height if rise > 0 else self.height - _LOWERED
+            angle = clamp(wanted * min(motion.strength, 1.0), angle, _FARTHEST)
+        return min(angle * (_CURLS if self.supple else 1.0), self._find_zone(axis)[1])
+
+    @property
+    def supple(self) -> bool:
+        """Return whether it bends everywhere."""
+        return not _SUPPLE.isdisjoint(self.part.roles[:1]) and norm(self.part.neck) > 0
+
+    def turn(self, axis: Vector, angle: float, window: Window, stop: float | None) -> VelocityConstraint:
+        """The limb turned about an axis.
+
+        Args:
+            axis: Unit world vector.
+            angle: [degrees]; negative = the other way.
+            window: First and last frame.
+            stop: Frame until which it is held there; None = not.
+        """
+        return self._bend(self.driver.turn(axis, angle, window, stop), self._find_zone(axis)[0])
+
+    def _find_zone(self, axis: Vector) -> tuple[float, float]:
+        """The way over which it bends [body lengths], and the largest angle that leaves no crease [degrees]."""
+        length = norm(self.part.arm)
+        across = normalise(cross(axis, self.arm))  # None of a twist
+        spread = (
+            max(self.part.neck) if across is None else math.hypot(*map(operator.mul, across, self.part.neck))
+        )
+        width = _WIDE * spread
+        if not width:
+            return 0.0, math.inf
+        depth = length if self.supple else min(_ZONE * width, _SHORT * length)
+        return depth, max(math.degrees(2 * _STRAIN * depth / (_STEEPEST * width)), _LEAST)
+
+    def _bend(self, made: VelocityConstraint, depth: float) -> VelocityConstraint:
+        reach, part = _BORDER * max(self.part.neck), self.part
+        if not depth or not reach or part.moved.rigid:
+            return made
+        bend = Bend(joint=part.joint, rest=part.rest, reach=min(reach, 2.0), depth=min(depth, 2.0))
+        return made.model_copy(update=dict(bend=bend))
+
+    def list_swings(self, motion: ExpectedMotion, count: int) -> tuple[Vector, list[float]]:
+        """The way of the first of several swings, and the angles of all strokes [degrees].
+
+        What hangs swings out and back, and not into the body. An arm that goes up and down is raised first: it waves.
+        """
+        up, way = self.brief.directions.up, motion.direction or self.swing
+        waves = "arm" in self.part.roles[:1] and (self.hangs or abs(dot(way, up)) > _ALONG)
+        if not waves and not (self.hangs and abs(cosine(way, self.out)) > -_INWARD):
+            angle = _SWAYS * self.find_angle(motion, self.find_axis(way))
+            return way, [angle, *[-2 * angle, 2 * angle] * (count - 1), -2 * angle, angle]
+        if not waves:
+            angle = 2 * _SWAYS * self.find_angle(motion, self.find_axis(self.out))
+            return self.out, [angle, -angle] * count
+        raised = motion.model_copy(update=dict(kind=MotionKind.MOVE, amount=None))
+        most = self.find_angle(raised, self.find_axis(up), up)
+        angle = min(2 * _SWAYS * self.find_angle(motion, None), 0.6 * most)
+        return up, [most, *[-angle, angle] * count]
+
+    def bring(
+        self, way: Vector, motion: ExpectedMotion, angle: float, window: Window, stop: float | None
+    ) -> VelocityConstraint:
+        """The limb turned by an angle [degrees] so that its tip goes ``way``, or moved along itself.
+
+        Args:
+            way: Unit world vector.
+            motion: For the length that the sentence tells.
+            angle: [degrees]; negative = the other way.
+            window: First and last frame.
+            stop: Frame until which it is held there; None = not.
+        """
+        if self.is_borne(way):
+            share = 1.0 if dot(self.arm, way) > -_ALONG else _BUCKLES
+            return self.driver.press(way, share * min(_PRESSED * motion.strength, _DEEPEST), window, stop)
+        axis = None if self.slides else self.find_axis(way, sudden=motion.sudden)
+        if axis is not None:
+            return self.turn(axis, angle, window, stop)
+        told = motion.amount if motion.kind is MotionKind.MOVE else None
+        if told is not None and told.unit in ("lengths", "metres"):
+            size = self.brief.size if told.unit == "metres" else 1.0
+            return self.driver.shift(way, told.value / size, window, stop)
+        reach = _LIFTED if "lid" in self.part.roles[:1] else _REACH
+        made = self.driver.shift(way, reach * norm(self.part.arm) * angle / _PLAIN, window, stop)
+        return made if self.slides else self._bend(made, norm(self.part.arm) if max(self.part.neck) else 0.0)
+
+    def find_course(self, way: Vector, angle: float, *, sudden: bool = False) -> Vector:
+        """The way that the tip goes when it is brought ``way`` by an angle [degrees]."""
+        axis = None if self.slides or self.is_borne(way) else self.find_axis(way, sudden=sudden)
+        if axis is None:
+            return way
+        turned = rotate(self.arm, scale(axis, angle))
+        return normalise(subtract(turned, self.arm)) or way
+
+    def _find_window(self, motion: ExpectedMotion, until: float) -> Window:
+        """The frames in which it goes where it is to go, before ``until``; a blow is short."""
+        first, end = motion.window
+        frames = (_BLOW if motion.sudden else _TIME) / self.brief.frame_dt
+        return (first, min(end, first + max(frames, 2.0), until))
+
+    @property
+    def driver(self) -> PartDriver:
+        """Makes the constraints."""
+        return PartDriver(self.part, self.brief.frame_dt, self.frame_count)
