@@ -99,6 +99,7 @@ def test_whole_models_and_states_side_by_side(x64):
     ("choice", "mixed"),
     [*SCENES[1:2], *(pytest.param(*p.values, marks=(*p.marks, pytest.mark.slow)) for p in SCENES[2:])],
 )
+@pytest.mark.usefixtures("least_optimised")
 def test_gradients_side_by_side(choice, mixed, x64):
     """vmap of grad, and grad of vmap, with respect to force, stiffness and a start that all runs share."""
     model, state = scene(choice, mixed=mixed)
