@@ -54,7 +54,7 @@ def join_pieces(particles: Particles, dx: float) -> tuple[Particles, tuple[Loose
     new = np.flatnonzero(labels == 0)
     while len(waiting):
         if len(new):
-            found, index = KDTree(x[new]).query(x[waiting])
+            found, index = map(np.asarray, KDTree(x[new]).query(x[waiting]))
             closer = found < distance[waiting]
             distance[waiting[closer]], nearest[waiting[closer]] = found[closer], new[index[closer]]
         least = distance[waiting].min()
