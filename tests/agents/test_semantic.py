@@ -108,6 +108,14 @@ def test_unknown_words_are_reported():
     assert read("the robot is pushed melodiously to the left").not_understood == ("melodiously",)
     assert read("push the robot to the left").not_understood == ()
     assert read("push the Ficus Tree left", brief(object_name="ficus_tree")).not_understood == ()
+    for name, words in {
+        "OldBarrel": "barrel",
+        "goathead": "goat head",
+        "motorbike": "bike",
+        "goathorn": "goat",
+    }.items():
+        assert read(f"push the {words} left", brief(object_name=name)).not_understood == ()
+    assert read("push the jar left", brief(object_name="jam")).not_understood
 
 
 def test_assumptions_are_noted():

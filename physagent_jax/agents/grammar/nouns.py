@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import replace
+from itertools import pairwise
 
 from physagent_jax.agents.grammar.chunks import PHRASES, begins_longer_phrase
 from physagent_jax.agents.grammar.mentions import MOTIONS, Mention, MentionKind, Reader
@@ -14,6 +16,7 @@ from physagent_jax.agents.lexicon import NAMED, Effect, Names, Place
 from physagent_jax.motion.parts import list_names
 from physagent_jax.motion.schema import SceneBrief
 
+_LEAST = 4  # letters of half a name that stands for all of it
 _REACH = 12  # words before "the right one" in which the part is named
 
 
@@ -32,6 +35,7 @@ def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
     nouns = {w for w in _add_plurals(brief.object_nouns) if not _has_other_meaning(w) and w not in parts}
     tokens = tokenise(sentence)
     texts = [token.text for token in tokens]
+    own |= _find_halves(name, texts)
     places = [at for at, text in enumerate(texts) if text in own]
     if not places:
         return frozenset(own | {t for at, t in enumerate(texts) if t in nouns})
@@ -53,7 +57,20 @@ def is_telling(name: str) -> bool:
 
 
 def _split(name: str) -> list[str]:
-    return re.findall(r"[^\W\d_]+", name.lower())
+    """The words of a name, "ExplodingBarrel" of two."""
+    apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
+    return re.findall(r"[^\W\d_]+", apart.lower())
+
+
+def _find_halves(name: Iterable[str], texts: list[str]) -> set[str]:
+    """The words of a sentence that a name runs together: "goat head", "goat" of "goathead", "bike" of "motorbike"."""
+    found = set()
+    for word in name:
+        found |= {half for pair in pairwise(texts) if "".join(pair) == word for half in pair}
+        halves = {text for text in texts if _LEAST <= len(text) <= len(word) - 3}
+        ends = {text for text in halves if word.startswith(text) or word.endswith(text)}
+        found |= {text for text in ends if not _has_other_meaning(text)}
+    return found
 
 
 def _add_plurals(words) -> list[str]:
