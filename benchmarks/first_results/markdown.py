@@ -102,11 +102,15 @@ def _list_pairs(group: str, rows: list[Row], remarks: Remarks) -> Tables:
 def _pair(row: Row, remark: Remark | None, sheet: str) -> list:
     seen = [remark.viewer, remark.would_show or "", one_line(remark.remark)] if remark else [UNSEEN, "", ""]
     verdict = row["verdict"] if row["video"] is None else f"{row['verdict']} ({row['score']:.2f})"
-    said = f"{row['verdict'].lower()}: {one_line(row['message'])}" if row["video"] is None else ""
+    said = f"{row['verdict'].lower()}: {_find_message(row)}" if row["video"] is None else ""
     number = row["case"].split("-")[1]
     head = [number, row["object"], row["sentence"], *seen[:2], "; ".join(filter(None, (seen[2], said)))]
     frames = "" if row["video"] is None else f"[sheet](images/{sheet})"
     return [*head, verdict, row.get("iterations", ""), f"{row['seconds']:.0f}", frames]
+
+
+def _find_message(row: Row) -> str:
+    return one_line(row["message"].rpartition("physagent: ")[2])
 
 
 def _show_sheets(names: Iterable[str]) -> str:
@@ -181,7 +185,7 @@ def _perception(row: Row) -> list:
 
 def _describe_oddities(row: Row, common: list[str]) -> str:
     if row["video"] is None:
-        return f"{row['verdict'].lower()}: {one_line(row['message'])}".rstrip(".")
+        return f"{row['verdict'].lower()}: {_find_message(row)}".rstrip(".")
     lines = [_shorten_warning(words) for words in row["oddities"] if words not in common]
     lines += [*(f"unsure: {words}" for words in row["unsure"])]
     if row["not_understood"]:
