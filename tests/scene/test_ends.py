@@ -125,6 +125,24 @@ def test_a_hand_has_a_thumb_and_its_fingers_in_order(turn):
     assert all("finger" in by_name[name].roles for name in names[1:])
 
 
+def test_horns_and_ears_of_a_head_are_no_fingers():
+    """They may be as slim and as many, but they are each other's images."""
+    rods = [((0, 0.15 * y, 0.8), (-0.2, 0.25 * y, 1.6), 0.05) for y in (1, -1)]
+    rods += [((0, 0.4 * y, 0.7), (-0.1, 0.9 * y, 1.4), 0.05) for y in (1, -1)]
+
+    def is_inside(points):
+        return (np.linalg.norm((points - [0, 0, 0.45]) / [0.6, 0.55, 0.5], axis=1) <= 1) | is_in_rods(
+            points, rods
+        )
+
+    roles = {
+        role
+        for part in find_parts(fill((-0.7, -1, -0.1), (0.7, 1, 1.7), is_inside, 12_000))
+        for role in part.roles
+    }
+    assert roles and not {"finger", "thumb"} & roles
+
+
 def test_no_thumb_is_named_where_no_finger_stands_apart():
     roles = {part.roles for part in find_parts(make_hand(thumb=False))}
     assert roles == {("finger",)}

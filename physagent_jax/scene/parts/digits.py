@@ -19,7 +19,9 @@ _APART = 1.3  # gap at the thumb over the largest gap elsewhere
 _FINGERS: tuple[PartRole, ...] = ("forefinger", "middlefinger", "ringfinger", "littlefinger")
 
 
-def name_digits(limbs: list[Limb], roles: dict[int, tuple[PartRole, ...]]) -> dict[int, tuple[PartRole, ...]]:
+def name_digits(
+    limbs: list[Limb], roles: dict[int, tuple[PartRole, ...]], mirrored: frozenset[int]
+) -> dict[int, tuple[PartRole, ...]]:
     """The roles with those of fingers and thumbs.
 
     A hand by itself has no other parts than its digits. On a figure with legs they are parts of its arms.
@@ -27,13 +29,14 @@ def name_digits(limbs: list[Limb], roles: dict[int, tuple[PartRole, ...]]) -> di
     Args:
         limbs: All limbs of the object.
         roles: Roles by place of the limb.
+        mirrored: Limbs of an object that is its own image whose images are limbs too.
     """
     legs = {k for k, names in roles.items() if "leg" in names}
     found: dict[int, tuple[PartRole, ...]] = {}
     outer = [k for k, limb in enumerate(limbs) if limb.parent is None and k not in legs]
     for group in [[k] for k in outer] if legs else [outer]:
         leaves = [leaf for k in group for leaf in _list_leaves(limbs, k)]
-        if _is_fan(leaves, limbs):
+        if _is_fan(leaves, limbs) and not mirrored.issuperset(leaves):  # a hand has one thumb
             found |= _order(leaves, limbs)
     if legs:
         return roles | {k: (*roles.get(k, ()), *names) for k, names in found.items()}

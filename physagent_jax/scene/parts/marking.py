@@ -37,7 +37,8 @@ def find_parts(points: np.ndarray) -> tuple[Part, ...]:
     lattice = make_lattice(points)
     limbs = find_limbs(points, lattice)
     low, high = points.min(0), points.max(0)
-    roles = name_digits(limbs, Roles(limbs, lattice).assign())
+    named = Roles(limbs, lattice)
+    roles = name_digits(limbs, named.assign(), named.mirrored)
     told = [(limbs[k], roles[k]) for k in sorted(roles)]
     counts = collections.Counter(role for names in roles.values() for role in names)
     known = frozenset(role for role, count in counts.items() if count > 1 or role not in ("arm", "wing"))

@@ -31,6 +31,7 @@ _TAIL = 0.06  # length over the object's, at least
 _LEAST = 0.1  # the same of wings and arms, where no head is found
 _END = 0.18  # of the length, from the middle to what lies at an end of the object
 _EAR_END, _TOP = 0.15, 0.8  # of the length from the middle, and of the height, beyond which ears are
+_ALIKE = 0.9  # likeness to its image from which on an object is clearly its own
 _TINY = 0.03  # share of the object, above which nothing is an ear of a head that is not found
 _UNDER = 0.15  # of the length, by which the feet of what stands on two legs may be off its middle
 _FOOT, _BORNE = (
@@ -66,6 +67,12 @@ class Roles:
         self.legs = self._find_legs()
         self.back = self._find_back()
         self.head = self._find_head()
+
+    @property
+    def mirrored(self) -> frozenset[int]:
+        """The limbs that have an image, of an object that is clearly its own."""
+        alike = self.mirror.likeness > _ALIKE
+        return frozenset(k for k, partner in enumerate(self.partners) if alike and partner is not None)
 
     def assign(self) -> Told:
         """Roles by place of the limb; what is part of another one, or of no use by itself, is left out."""
