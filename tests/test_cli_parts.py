@@ -94,7 +94,7 @@ def test_parts_that_are_named_by_the_option(figure, capsys):
     box = "--part=stump=-0.2,-0.2,-0.1,0.2,0.2,0.3"
     point, number = "--part=pump handle=0.6,0,0.85", "--part=mask=4"
     for sentence, label in (
-        ("push the stump to the left", "on the stump (part 6"),
+        ("push the stump to the left", "on the stump (part 5"),
         ("raise the pump handle", "on the pump handle (part 3"),
         ("push the mask to the left", "on the mask (part 4"),
     ):
