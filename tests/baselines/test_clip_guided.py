@@ -53,6 +53,7 @@ def find_push(field):
     return action.magnitude * np.asarray(action.vector)
 
 
+@pytest.mark.slow  # the pixels' part is in tests/metrics, and a descent below needs the rest
 def test_the_gradient_by_the_forces_is_that_of_differences(tiny):
     """Through both towers, the renderer and all substeps, along the steps of one simulation.
 

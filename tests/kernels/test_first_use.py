@@ -47,7 +47,7 @@ def test_twelve_threads_where_no_kernel_has_been_compiled(answers, tmp_path):
     assert not [path for path in tmp_path.rglob(".*")]
 
 
-@pytest.mark.parametrize("method", ["spawn", "forkserver"])
+@pytest.mark.parametrize("method", ["spawn", pytest.param("forkserver", marks=pytest.mark.slow)])
 def test_processes_that_begin_together(answers, method):
     """After their parent has computed."""
     if method not in multiprocessing.get_all_start_methods():

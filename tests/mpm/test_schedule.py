@@ -12,6 +12,10 @@ from physagent_jax.forces.terms import UniformAcceleration
 from physagent_jax.mpm import Schedule, find_smallest_window, replay, rollout, simulate
 from tests.mpm.blocks import block
 
+pytestmark = pytest.mark.usefixtures(
+    "least_optimised"
+)  # derivatives of small scenes: to compile takes longest
+
 FRAMES, FRAME_DT = 3, 0.05
 
 

@@ -14,6 +14,10 @@ from physagent_jax.scene.body import make_body
 from physagent_jax.scene.compile import buckets, compile_scene
 from physagent_jax.simulation.simulate import deform_splats, simulate_frames, simulate_scene
 
+pytestmark = pytest.mark.usefixtures(
+    "least_optimised"
+)  # derivatives of small scenes: to compile takes longest
+
 DOMAIN = c.Domain(size=4.0, cells=48)
 
 

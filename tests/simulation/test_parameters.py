@@ -18,7 +18,10 @@ from physagent_jax.simulation.simulate import simulate_scene
 from physagent_jax.simulation.trajectory import trajectory
 from tests.scene.small_scenes import TERMS, make_config, make_rich_scene, make_small_body
 
-pytestmark = pytest.mark.filterwarnings("ignore:the object is thinly filled")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore:the object is thinly filled"),
+    pytest.mark.usefixtures("least_optimised"),  # derivatives of small scenes: to compile takes longest
+]
 
 
 @pytest.fixture(scope="module")

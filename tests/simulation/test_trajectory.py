@@ -21,7 +21,10 @@ from physagent_jax.scene.procedural import make_jelly
 from physagent_jax.simulation.simulate import simulate_frames, simulate_scene
 from physagent_jax.simulation.trajectory import find_static_substeps, trajectory
 
-pytestmark = pytest.mark.filterwarnings("ignore:the object is thinly filled")
+pytestmark = [
+    pytest.mark.filterwarnings("ignore:the object is thinly filled"),
+    pytest.mark.usefixtures("least_optimised"),  # derivatives of small scenes: to compile takes longest
+]
 WINDOW = [0.63, 1.87]  # ends within substeps, where positions are smooth functions of it
 UPPER = {"kind": "half_space", "point": [0.5, 0.5, 0.6], "normal": [0.1, 0.2, 1.0]}
 ITEMS = {
