@@ -23,6 +23,7 @@ class ForceFieldBuilder:
 
     Attributes:
         brief, anchored: The scene, with the clip's length.
+        planted: Whether it sways over its foot, which stays.
         gravity: What the sentence says about gravity: "down", "up", "none"; None = nothing.
         room: Frame at which what follows the present event is over: its brake ends there.
         earlier: What the slots before do.
@@ -36,7 +37,9 @@ class ForceFieldBuilder:
     room: float = 0.0
     earlier: list[Effect] = field(default_factory=list)
     default_drop: bool = False
+    planted: bool = False
     actions: list[Action] = field(default_factory=list)
+    constraints: list[VelocityConstraint] = field(default_factory=list)
     expectations: list[ExpectedMotion] = field(default_factory=list)
     evidence: list[Evidence] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)

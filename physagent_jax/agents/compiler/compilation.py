@@ -51,8 +51,13 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     clauses = apply_holding(known, intent.held)
     anchor = choose_anchor(intent.held, clauses)
     anchor = find_support(clauses, brief) if anchor.kind is None else anchor
-    anchored = anchor.kind in ("base", "top") or (brief.anchored is not None and anchor.kind != "none")
-    builder = ForceFieldBuilder(brief, anchored, intent.surroundings.gravity, notes=list(intent.notes))
+    planted = anchor.kind == "rest"
+    anchored = (
+        planted or anchor.kind in ("base", "top") or (brief.anchored is not None and anchor.kind != "none")
+    )
+    builder = ForceFieldBuilder(
+        brief, anchored, intent.surroundings.gravity, planted=planted, notes=list(intent.notes)
+    )
     builder.obstacles += resolve_obstacles(intent.surroundings.solids, None, brief)
     slots, frame_count, remarks = schedule(make_events(clauses, builder), brief, anchored)
     builder.brief = brief.model_copy(update={"frame_count": frame_count})
@@ -68,7 +73,11 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     if anchor.kind is not None:
         builder.add_evidence(anchor.words, "anchor", anchor.kind, "words about holding or freedom")
     return SemanticReply(
-        force_field=ForceField(default_drop=builder.default_drop, actions=tuple(builder.actions)),
+        force_field=ForceField(
+            default_drop=builder.default_drop,
+            actions=tuple(builder.actions),
+            constraints=tuple(builder.constraints),
+        ),
         expectations=tuple(builder.expectations),
         anchor=anchor,
         world=WorldRequest(

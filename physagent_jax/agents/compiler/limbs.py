@@ -19,13 +19,15 @@ from physagent_jax.motion.joints import Turning
 from physagent_jax.motion.limbs import LOOSE, PLACES, choose_parts, find_front
 from physagent_jax.motion.parts import find_named, join_rest
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.motion.vectors import add, scale
+from physagent_jax.motion.swaying import FOOT
+from physagent_jax.motion.vectors import add, dot, scale
 
 _DONE = {
     ConstraintType.PARTICLE_ROTATION: "turns about its joint",
     ConstraintType.MOVING_PLATE: "is pressed by a plate of its size",
 }
 _DRIVEN = (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE)
+_LEVEL = 0.7  # cosine to the vertical below which a way is level
 
 
 def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
@@ -48,15 +50,23 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
 
 
 def find_support(clauses: Sequence[Event], brief: SceneBrief) -> AnchorRequest:
-    """The hold of a free object of which parts alone are to move, and its shape does not show them.
+    """The hold of a free object that sways where it stands, or of which parts alone move that its shape does not show.
 
-    What acts on a region of it would otherwise take the whole along.
+    What acts on it, or on a region of it, would otherwise take the whole along.
     """
     acting = [each for each in clauses if each.effect not in (Effect.STILL, Effect.HOLD, Effect.RELEASE)]
-    free = brief.may_be_held and brief.world == "ground" and brief.anchored is None
-    if not free or not acting or not all(_names_unseen_part(each, brief) for each in acting):
+    if not brief.may_be_held or brief.world != "ground" or brief.anchored is not None or not acting:
         return AnchorRequest()
-    return AnchorRequest(kind="base", words=acting[0].words)
+    if all(_is_planted(each, brief) for each in acting):
+        return AnchorRequest(kind="rest", words=acting[0].words, region=FOOT)
+    seen = not all(_names_unseen_part(each, brief) for each in acting)
+    return AnchorRequest() if seen else AnchorRequest(kind="base", words=acting[0].words)
+
+
+def _is_planted(event: Event, brief: SceneBrief) -> bool:
+    """Return whether a clause lets the whole sway to and fro, and does not shake it or let it bob."""
+    level = event.direction is None or abs(dot(event.direction, brief.directions.up)) < _LEVEL
+    return event.motion.planted and not event.parts and level
 
 
 def _names_unseen_part(event: Event, brief: SceneBrief) -> bool:
@@ -137,8 +147,8 @@ def _follow(item: Evidence, kept: list[int]) -> Evidence:
     index = _find_action(item)
     if index is None:
         return item
-    _, dot, name = item.field.partition(".")
-    return item.model_copy(update=dict(field=f"actions[{kept.index(index)}]{dot}{name}"))
+    _, point, name = item.field.partition(".")
+    return item.model_copy(update=dict(field=f"actions[{kept.index(index)}]{point}{name}"))
 
 
 def _find_action(item: Evidence) -> int | None:
