@@ -18,8 +18,8 @@ from physagent_jax.motion.windows import Window
 
 _FOOT = 0.1  # of its height, that stays
 _LOW, _HIGH = ((0.5, 0.5, 0.0),), ((0.5, 0.5, 2 * _FOOT),)  # the plane between them is where the foot ends
-_ANGLE = 20.0  # [degrees] that its top turns by to either side with a strength of 1
-_DEPTH = 0.5  # [body lengths] over which it bends
+_ANGLE = 16.0  # [degrees] that its top turns by to either side with a strength of 1
+_DEPTH = 0.2  # [body lengths] over which it bends, over its foot
 _REACH = 2.0  # [body lengths]: all of its foot borders on the rest
 FOOT = CellsRegion(inside=_LOW, outside=_HIGH, label="its foot")
 
