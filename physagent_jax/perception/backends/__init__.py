@@ -12,10 +12,28 @@ if TYPE_CHECKING:
 _HERE = "physagent_jax.perception.backends"
 SEGMENTERS = Registry(
     "`perception.segmenter`",
-    {"rgbd": f"{_HERE}.rgbd:RgbdSegmenter", "colour": f"{_HERE}.colour:ColorSegmenter"},
+    {
+        "rgbd": f"{_HERE}.rgbd:RgbdSegmenter",
+        "colour": f"{_HERE}.colour:ColorSegmenter",
+        "sam2": f"{_HERE}.sam2:Sam2Segmenter",
+        "salient": f"{_HERE}.salient:SalientSegmenter",
+    },
 )
-DEPTH_ESTIMATORS = Registry("`perception.depth`", {"sensor": f"{_HERE}.depth_sensor:DepthSensor"})
-TRACKERS = Registry("`perception.tracker`", {"flow": f"{_HERE}.flow:FlowTracker"})
+DEPTH_ESTIMATORS = Registry(
+    "`perception.depth`",
+    {
+        "sensor": f"{_HERE}.depth_sensor:DepthSensor",
+        "depth_anything": f"{_HERE}.depth_anything:DepthAnything",
+        "depth_anything_3": f"{_HERE}.depth_anything_3:DepthAnything3",
+    },
+)
+TRACKERS = Registry(
+    "`perception.tracker`",
+    {
+        "flow": f"{_HERE}.flow:FlowTracker",
+        "cotracker": f"{_HERE}.cotracker:CoTracker",
+    },
+)
 
 
 def make_backends(
