@@ -46,6 +46,9 @@ OPTIONS = {
     "agents.semantic.options.form": "--form",
     "agents.planner.name": "--planner",
     "agents.executor.name": "--executor",
+    "perception.segmenter": "--segmenter",
+    "perception.depth": "--depth",
+    "perception.tracker": "--tracker",
     "rounds": "--max-iterations",
     "probe": "--probe",
     "seed": "--seed",
@@ -76,6 +79,7 @@ def to_spec(options: Mapping[str, Any]) -> RunSpec:
     Raises:
         UserError: An option is missing, out of range, excluded by another or meaningless without it.
     """
+    from physagent_jax.run.models import parse_choice
     from physagent_jax.run.spec import RunSpec
 
     missing = [f"--{name}" for name in ("object", "prompt") if options[name] is None]
@@ -84,6 +88,9 @@ def to_spec(options: Mapping[str, Any]) -> RunSpec:
     _check_pairs(options)
     values = {field: _simplify(options[_name_attribute(option)]) for field, option in OPTIONS.items()}
     values["object.parts"] = list(map(parse_part, options["part"]))
+    for role in ("segmenter", "depth", "tracker"):
+        if options[role] is not None:
+            values[f"perception.{role}"] = parse_choice(role, options[role])
     values["overrides.height"] = values["overrides.width"]
     values["camera.follow"] = options["follow"] or None
     _check_model(options)

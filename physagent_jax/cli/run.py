@@ -118,6 +118,12 @@ class Run:
     """Cassette that keeps every request to the model and its answer."""
     replay: Path | None = None
     """Cassette with the model's answers, in place of --llm."""
+    segmenter: str | None = None
+    """What finds the object in the pictures, NAME or NAME:PATH (`physagent models`); default: rgbd."""
+    depth: str | None = None
+    """What says how far away it is, NAME or NAME:PATH; default: sensor."""
+    tracker: str | None = None
+    """What follows its points, NAME or NAME:PATH; default: flow."""
     probe: bool = False
     """First try force fields on a coarse version of the scene; the rounds then begin with the best of them."""
     seed: int = 0

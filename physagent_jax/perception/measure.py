@@ -36,6 +36,9 @@ LEAST_TEXTURE = 0.5
 
 LARGEST_UNCERTAINTY = 0.05
 """Depth that is less certain is not used [share of itself]."""
+_MADE_PROMPT = (
+    "Nobody marked the object: the segmenter was shown a box and a point, by what stands out in frame 0."
+)
 _NO_SCALE = "The depth has no known scale: sizes and places in metres are arbitrary, body lengths are not."
 
 
@@ -195,13 +198,16 @@ def _find_spans(count: int, windows) -> list[tuple[int, int]]:
 
 
 def _segment(rgb: np.ndarray, z: np.ndarray, segmenter: Segmenter, prompt: SegmentPrompt | None) -> Masks:
+    notes: tuple[str, ...] = ()
     if prompt is None and segmenter.needs_prompt:
-        prompt = find_prompt(rgb, z)
+        prompt, notes = find_prompt(rgb, z), (_MADE_PROMPT,)
         if prompt is None:
             return Masks(np.zeros(rgb.shape[:3], bool))
     if segmenter.takes_depth:
-        return segmenter.segment(rgb, prompt, depth=z)
-    return segmenter.segment(rgb, prompt)
+        found = segmenter.segment(rgb, prompt, depth=z)
+    else:
+        found = segmenter.segment(rgb, prompt)
+    return dataclasses.replace(found, notes=(*notes, *found.notes))
 
 
 def _make_report(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from physagent_jax.perception.backends.colour import ColorSegmenter
 from physagent_jax.perception.backends.rgbd import RgbdSegmenter
 from physagent_jax.perception.protocols import SegmentPrompt
 
@@ -22,6 +23,8 @@ def find_prompt(rgb: np.ndarray, z: np.ndarray) -> SegmentPrompt | None:
         The prompt; None if nothing stands out.
     """
     mask = RgbdSegmenter().segment(rgb[:1], None, depth=z[:1]).masks[0]
+    if not mask.any():  # before a busy background GrabCut guesses: good enough to point at the object
+        mask = ColorSegmenter().segment(rgb[:1], None).masks[0]
     if not mask.any():
         return None
     x, y, w, h = cv2.boundingRect(mask.astype(np.uint8))

@@ -82,7 +82,8 @@ def run_loop(
         AgentError: An agent gave no answer. What it tried is in the run folder, its tokens are counted there, and the
             same call goes on with the same question.
     """
-    chosen = {role: getattr(run.spec.perception, role) for role in ("segmenter", "depth", "tracker")}
+    perception = run.spec.perception.located(run.base_dir)
+    chosen = {role: getattr(perception, role) for role in ("segmenter", "depth", "tracker")}
     backends = backends or make_backends(**{role: (each.name, each.options) for role, each in chosen.items()})
     if run.spec.perception.prompt is not None and not backends.segmenter.takes_prompt:
         raise UserError(

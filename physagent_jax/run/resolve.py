@@ -16,6 +16,7 @@ from physagent_jax.motion.schema import AnchorRequest, WorldRequest
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.holding import check_hold, find_hold
 from physagent_jax.run.material import resolve_material
+from physagent_jax.run.models import warn_of_licences
 from physagent_jax.run.prompt import read_mask
 from physagent_jax.run.provenance import hash_settings
 from physagent_jax.run.rigidity import RIGID_NOTE, STIFF_NOTE, is_hard, is_stiffened, keeps_shape, make_rigid
@@ -219,6 +220,7 @@ def resolve(
         ) from None
     warnings += explain_tilt(source)
     warnings += explain_up(up)
+    warnings += warn_of_licences(spec.perception)
     if spec.perception.prompt is not None:
         rendering, timing = template.preset.rendering, template.preset.timing
         read_mask(spec.perception.prompt, rendering.width, rendering.height, timing.frame_count, base_dir)

@@ -265,6 +265,29 @@ class PerceptionChoice(Strict):
             registry.check(choice.name)
         return self
 
+    def located(self, base_dir: str | Path) -> PerceptionChoice:
+        """The choice with absolute paths of the models' files, where such files are below ``base_dir``."""
+        changes: dict[str, Any] = {}
+        for role in _ROLES:
+            chosen: Implementation = getattr(self, role)
+            options = {
+                name: _locate(value, Path(base_dir)) if name in _PLACES else value
+                for name, value in chosen.options.items()
+            }
+            changes[role] = chosen.model_copy(update=dict(options=options))
+        return self.model_copy(update=changes)
+
+
+_ROLES = ("segmenter", "depth", "tracker")
+_PLACES = ("weights", "path", "python")
+"""Options of perception's models that say where their files are; their names tell which (`Backend.name`)."""
+
+
+def _locate(value: JsonValue, base_dir: Path) -> JsonValue:
+    """A path that is there as an absolute one; names of a hub or of programs as they are."""
+    there = isinstance(value, str) and (base_dir / Path(value).expanduser()).exists()
+    return str((base_dir / Path(value).expanduser()).resolve()) if there else value
+
 
 VIDEO_SIZE = (1280, 720)
 VideoSize = tuple[Annotated[int, Field(ge=16, le=4096)], Annotated[int, Field(ge=16, le=4096)]]
@@ -359,22 +382,22 @@ class RunSpec(Strict):
                 material=self.material.model_copy(update=dict(physgm=paths.get("physgm"))),
                 anchor=self.anchor.model_copy(update=dict(mask_path=paths.get("anchor_mask"))),
                 agents=self.agents.located(base_dir),
-                perception=self.perception.model_copy(update=dict(prompt=prompt)),
+                perception=self.perception.located(base_dir).model_copy(update=dict(prompt=prompt)),
             )
         )
 
     def identity(self) -> dict[str, Any]:
         """The values that tell this run from others.
 
-        The places of its files on the disk are not part of it, nor is the place of its model: the model is in the names
-        of the agents that ask it (`Agents.names`), which a run folder keeps beside this.
+        The places of its files on the disk are not part of it, nor are the places of its models: they are in the names
+        of agents and backends (`Agents.names`, `PerceptionBackends.names`), which a run folder keeps beside this.
         """
         paths: dict[str, Any] = {
             "agents": {"model"},
             "object": {"path"},
             "material": {"physgm"},
             "anchor": {"mask_path"},
-            "perception": {"prompt": {"mask_path"}},
+            "perception": {"prompt": {"mask_path"}} | {role: {"options": set(_PLACES)} for role in _ROLES},
         }
         return self.model_dump(mode="json", exclude=paths)
 

@@ -11,7 +11,7 @@ SIDE = 64
 
 
 def import_torch(*others: str) -> None:
-    """Skip the test where torch or ``others`` are missing; one thread, for several wait for each other on a busy machine."""
+    """Skip the test where torch or ``others`` are missing. One thread: several wait for each other."""
     for package in ("torch", *others):
         pytest.importorskip(package, reason="the extra `vision` is not installed")
     import torch

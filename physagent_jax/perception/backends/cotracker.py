@@ -51,7 +51,7 @@ class CoTracker(Tracker):
                 got=shorten(folder),
                 do="Give the option `path`; `physagent models` tells where it comes from, and its licence",
             )
-        check_regular(file, most=_MOST_BYTES, what="the weights of `cotracker`")
+        check_regular(file, most=_MOST_BYTES, what="the checkpoint of `cotracker`")
         torch = self._torch = import_package("torch", "`cotracker`", EXTRA)
         self._device, self._label, self.points = choose_device(torch, device), file.stem, points
         try:

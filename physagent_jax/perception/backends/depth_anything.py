@@ -15,7 +15,7 @@ WEIGHTS = "depth-anything/Depth-Anything-V2-Metric-Indoor-Small-hf"
 METRIC = "Depth was estimated from the pictures by {}; a focal length other than its training's stretches it."
 GROUND = "Depth was estimated from the pictures by {}; its scale and shift are those of the ground at {:g} m."
 NO_GROUND = "The ground at {:g} m was not found in the estimated depth, so that it gives no scale."
-_RELATIVE = "Depth was estimated from the pictures by {}, without scale and shift: lengths along the line of sight are guesses."
+_RELATIVE = "Depth was estimated from the pictures by {}, without scale and shift: lengths along the view are guesses."
 
 
 class DepthAnything(DepthEstimator):

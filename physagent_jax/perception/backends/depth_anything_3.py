@@ -40,8 +40,7 @@ class DepthAnything3(DepthEstimator):
         device: Device of torch; "auto" = a GPU if there is one.
         download: Whether files that are missing may be fetched.
         timeout: Longest time for a clip [s].
-        ground_height: Height of the ground that the pictures show [m], which gives models without metres a scale; None =
-            none is known.
+        ground_height: Height of the ground in the pictures, a scale for models without metres [m]; None = none is known.
 
     Raises:
         UserError: The Python or the weights are missing, or an option is out of range.
@@ -119,14 +118,15 @@ class DepthAnything3(DepthEstimator):
             environment["HF_HUB_OFFLINE"] = "1"
         try:
             done = subprocess.run(
-                [self._python, str(_SCRIPT), asked, answer],
+                # As standard input: beside the script lies a module with the name of the package.
+                [self._python, "-", asked, answer],
+                input=_SCRIPT.read_text(),
                 env=environment,
                 cwd=Path(asked).parent,
                 capture_output=True,
                 text=True,
                 errors="replace",
                 timeout=self._timeout,
-                stdin=subprocess.DEVNULL,
             )
         except subprocess.TimeoutExpired:
             raise UserError(

@@ -1,6 +1,6 @@
 """Depth Anything 3 in a process of its own, by a Python that has it: pictures in one file, depth in another.
 
-Run as ``python depth_anything_3_process.py ASKED ANSWER``; it imports nothing of this project. ASKED is a .npz with
+Run as ``python - ASKED ANSWER < depth_anything_3_process.py``; it imports nothing of this project. ASKED is a .npz with
 
 - ``frames``: pictures, uint8, shape (T, H, W, 3),
 - ``focal``: focal length [px],

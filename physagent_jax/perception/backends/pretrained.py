@@ -39,6 +39,7 @@ def load_pretrained(
     kinds: tuple[str, ...],
     device: object,
     download: object,
+    packages: tuple[str, ...] = (),
 ) -> Pretrained:
     """Load a model of a folder or of the hub's cache; no code of the folder is run.
 
@@ -49,13 +50,16 @@ def load_pretrained(
         kinds: What config.json may name as the model's type.
         device: Device of torch; "auto" = a GPU if there is one.
         download: Whether files that are missing may be fetched by the hub's own client.
+        packages: Packages that it needs beside torch and transformers.
 
     Raises:
         UserError: A package is missing, or the files are, or they are of another model or lack weights of this one.
     """
     quoted = f"`{what}`"
     place = locate_folder(weights, quoted, download=download is True)
-    torch, transformers = (import_package(each, quoted, EXTRA) for each in ("torch", "transformers"))
+    torch, transformers, *_ = (
+        import_package(each, quoted, EXTRA) for each in ("torch", "transformers", *packages)
+    )
     transformers.logging.disable_progress_bar()
     device = choose_device(torch, device)
     local = {"local_files_only": download is not True}

@@ -1,4 +1,4 @@
-"""Segmentation by a salient-object network in an ONNX file, such as ISNet (Qin et al. 2022) or U2-Net (Qin et al. 2020)."""
+"""Segmentation by a salient-object network in an ONNX file, such as ISNet (Qin et al. 2022) or U2-Net (2020)."""
 
 from __future__ import annotations
 
@@ -67,6 +67,12 @@ class SalientSegmenter(Segmenter):
         if weights is not None and not isinstance(weights, str):
             raise UserError("`weights` of `salient` must be a path", got=repr(weights)[:80])
         file = find_models_folder() / FILE if weights is None else Path(weights).expanduser()
+        if weights is None and not file.exists():
+            raise UserError(
+                "`salient` needs a network in an ONNX file",
+                got=f"none, looked for at {shorten(file)}",
+                do="Give the option `weights`; `physagent models` tells where one comes from, and its licence",
+            )
         check_regular(file, most=_MOST_BYTES, what="the network of `salient`")
         (threshold,) = _read_numbers("threshold", threshold, 1)
         self._label, self._threshold = file.stem, threshold

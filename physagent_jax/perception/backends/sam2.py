@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.core.packages import import_package
-from physagent_jax.perception.backends.pretrained import EXTRA, load_pretrained
+from physagent_jax.perception.backends.pretrained import load_pretrained
 from physagent_jax.perception.protocols import Masks, Segmenter, SegmentPrompt
 
 WEIGHTS = "facebook/sam2.1-hiera-small"
 _KINDS = ("sam2_video", "sam2")
+_PACKAGES = ("torchvision",)  # its processor needs it, and says so less plainly
 
 
 class Sam2Segmenter(Segmenter):
@@ -28,9 +28,8 @@ class Sam2Segmenter(Segmenter):
     """
 
     def __init__(self, weights: str = WEIGHTS, *, device: str = "auto", download: bool = False):
-        import_package("torchvision", "`sam2`", EXTRA)  # its processor needs it, and says so less plainly
         classes = ("Sam2VideoModel", "Sam2VideoProcessor")
-        self._sam = load_pretrained("sam2", weights, classes, _KINDS, device, download)
+        self._sam = load_pretrained("sam2", weights, classes, _KINDS, device, download, _PACKAGES)
 
     @property
     def name(self) -> str:
