@@ -119,11 +119,11 @@ class Run:
     replay: Path | None = None
     """Cassette with the model's answers, in place of --llm."""
     segmenter: str | None = None
-    """What finds the object in the pictures, NAME or NAME:PATH (`physagent models`); default: rgbd."""
+    """Model that finds the object in the pictures, NAME or NAME:PATH (`physagent models`); default: rgbd."""
     depth: str | None = None
-    """What says how far away it is, NAME or NAME:PATH; default: sensor."""
+    """Model that tells its distance, NAME or NAME:PATH; default: sensor."""
     tracker: str | None = None
-    """What follows its points, NAME or NAME:PATH; default: flow."""
+    """Model that follows its points, NAME or NAME:PATH; default: flow."""
     probe: bool = False
     """First try force fields on a coarse version of the scene; the rounds then begin with the best of them."""
     seed: int = 0

@@ -1,7 +1,7 @@
 """Protocols of vision models for perception: pictures in, arrays out.
 
-Those in `backends` need no weights. The protocols are cut so that SAM 2, Depth Anything V2 and CoTracker 3 fit behind
-them; each says how. Pixel positions have pixel centres at +0.5, everywhere.
+The defaults in `backends` need no weights; SAM 2, Depth Anything and CoTracker 3 stand behind the same protocols. Pixel
+positions have pixel centres at +0.5, everywhere.
 """
 
 from __future__ import annotations
@@ -112,13 +112,7 @@ class Masks:
 
 
 class Segmenter(Backend, Protocol):
-    """Finds the object in each frame.
-
-    SAM 2: ``needs_prompt``; ``SAM2VideoPredictor.init_state`` of a folder with the frames as JPEG, then
-    ``add_new_points_or_box(state, frame_idx=prompt.frame, obj_id=1, points=..., labels=..., box=...)`` or
-    ``add_new_mask(..., mask=...)``, then ``propagate_in_video`` forwards, and with ``reverse=True`` if ``prompt.frame``
-    is not the first; the mask is where the logits exceed 0.
-    """
+    """Finds the object in each frame."""
 
     @property
     def needs_prompt(self) -> bool:
@@ -170,13 +164,7 @@ class Depth:
 
 
 class DepthEstimator(Backend, Protocol):
-    """Says how far away the surface behind each pixel is.
-
-    Depth Anything V2: ``infer_image`` of each frame, in BGR. The metric checkpoints return metres: ``scale_known``. The
-    relative ones return an inverse depth of unknown scale and shift per frame: the adapter must fit both to one frame's
-    over the still background, and return its reciprocal with ``scale_known=False``. Neither tells its uncertainty; a
-    spread over flipped or rescaled pictures can stand for it.
-    """
+    """Says how far away the surface behind each pixel is."""
 
     def estimate(self, frames: np.ndarray, camera: Camera, measured: np.ndarray | None) -> Depth:
         """Depth of every pixel.
@@ -223,13 +211,7 @@ class EncodedClip(Protocol):
 
 
 class Tracker(Backend, Protocol):
-    """Follows points through the frames.
-
-    CoTracker 3: `encode` keeps the video at the model's resolution with the features of its encoder; ``track`` does
-    what ``CoTrackerPredictor(video, queries=...)`` does after that. Its queries are (t, x, y) as well, with pixel
-    centres at integers: 0.5 is taken off and put back. The predictor itself encodes anew in each call and returns
-    visibility after a threshold; visibility and confidence as numbers come from the model inside it.
-    """
+    """Follows points through the frames."""
 
     def encode(self, frames: np.ndarray, masks: np.ndarray) -> EncodedClip:
         """Do what does not depend on the queries, once per clip.

@@ -77,7 +77,7 @@ class CoTracker(Tracker):
         return CoTrackerClip(self, video)
 
     def predict(self, video: Any, queries: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """What the predictor says of points.
+        """The predictor's answer for points.
 
         Args:
             video: Pictures, a tensor of uint8, shape (1, T, 3, H, W).

@@ -40,7 +40,7 @@ class DepthAnything3(DepthEstimator):
         device: Device of torch; "auto" = a GPU if there is one.
         download: Whether files that are missing may be fetched.
         timeout: Longest time for a clip [s].
-        ground_height: Height of the ground in the pictures, a scale for models without metres [m]; None = none is known.
+        ground_height: Height of the ground in the pictures, for models without metres [m]; None = none is known.
 
     Raises:
         UserError: The Python or the weights are missing, or an option is out of range.
