@@ -14,9 +14,16 @@ from physagent_jax.perception.backends import DEPTH_ESTIMATORS, SEGMENTERS, TRAC
 from physagent_jax.run.models import MODELS, examine_model, find_card, warn_of_licences
 from physagent_jax.run.resolve import resolve
 from physagent_jax.run.spec import PerceptionChoice, RunSpec
+from physagent_jax.run.video_judges import JUDGES
 from tests.run.specs import small
 
-REGISTRIES = {"segmenter": SEGMENTERS, "depth": DEPTH_ESTIMATORS, "tracker": TRACKERS, "chat": CHAT_MODELS}
+REGISTRIES = {
+    "segmenter": SEGMENTERS,
+    "depth": DEPTH_ESTIMATORS,
+    "tracker": TRACKERS,
+    "chat": CHAT_MODELS,
+    "judge": JUDGES,
+}
 
 
 @pytest.fixture(autouse=True)

@@ -16,6 +16,7 @@ from physagent_jax.cli.materials import Materials
 from physagent_jax.cli.models import Models
 from physagent_jax.cli.plan import Plan
 from physagent_jax.cli.run import Run
+from physagent_jax.cli.score import Score
 from physagent_jax.cli.simulate import ImportPhysGaussian, Simulate
 from physagent_jax.core.errors import UserError
 
@@ -132,5 +133,6 @@ COMMANDS = {
     "import-physgaussian": ImportPhysGaussian,
     "schema": Schema,
     "report": Report,
+    "score": Score,
     "doctor": Doctor,
 }

@@ -17,6 +17,7 @@ _TITLES = {
     "tracker": "--tracker: follows its points",
     "clip": "CLIPsim: compares pictures with a sentence",
     "chat": "--llm: language models",
+    "judge": "physagent score --judge: scores of finished runs by others",
 }
 
 

@@ -26,7 +26,8 @@ class ModelCard:
     """A model, or an implementation without weights, that a run may choose.
 
     Attributes:
-        role: Its part: "segmenter", "depth" or "tracker" of perception, "chat" (`--llm`), or "clip" (CLIPsim).
+        role: Its part: "segmenter", "depth" or "tracker" of perception, "chat" (`--llm`), "clip" (CLIPsim), or
+            "judge" (`physagent score`).
         name: The name by which it is chosen.
         what: What it does.
         code, weights: Licences.
@@ -143,6 +144,36 @@ MODELS = (
         extra="clip",
         given="the folder that the caller names",
         fetch="hf download openai/clip-vit-base-patch32 --local-dir '{place}/clip-vit-base-patch32'",
+    ),
+    ModelCard(
+        "judge",
+        "videophy2",
+        "VideoPhy-2 AutoEval: semantic adherence and physical commonsense of a video, on a GPU",
+        code="MIT",
+        weights="MIT",
+        size="14.3 GB",
+        given="the folders that --folder (VIDEOPHY2 of its repository) and --weights name, and --python",
+        fetch="git clone https://github.com/Hritikbansal/videophy && hf download videophysics/videophy_2_auto",
+    ),
+    ModelCard(
+        "judge",
+        "phyjudge",
+        "PhyJudge-9B: prompt alignment, temporal order, persistence and physical laws, on a GPU with 24 GB",
+        code="not stated",
+        weights="not stated",
+        size="167 MB, and those of its base model",
+        given="the folder that --folder names, and --python",
+        fetch="hf download NU-World-Model-Embodied-AI/phyjudge-9B",
+    ),
+    ModelCard(
+        "judge",
+        "served",
+        "a chat model that takes pictures, asked for the same two scores",
+        weights=CHOSEN,
+        size="none here",
+        packages=("openai", "httpx2"),
+        extra="llm",
+        given="the server's address, --llm http://HOST:PORT/v1",
     ),
     ModelCard(
         "chat",

@@ -5,9 +5,6 @@ Its package needs a NumPy below 2, which this one cannot share: another Python r
 
 from __future__ import annotations
 
-import os
-import shutil
-import subprocess
 import tempfile
 from pathlib import Path
 
@@ -15,9 +12,9 @@ import cv2
 import numpy as np
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.foreign_python import Foreign, find_python, run_python
 from physagent_jax.core.model_files import is_identifier, locate_folder
 from physagent_jax.core.npy import read_npz
-from physagent_jax.core.reading import shorten
 from physagent_jax.perception.backends.depth_anything import METRIC, check_height, scale_inverse
 from physagent_jax.perception.backends.still import anchor_depth
 from physagent_jax.perception.lift import keep_possible_depth
@@ -27,7 +24,8 @@ from physagent_jax.render.camera import Camera
 WEIGHTS = "depth-anything/DA3METRIC-LARGE"
 _SCRIPT = Path(__file__).with_name("depth_anything_3_process.py")
 _MOST_BYTES = 2**34  # of an answer
-_LAST_LINES = 3
+_TOLD = Foreign("`depth_anything_3`")
+_EXAMPLE = '{"name": "depth_anything_3", "options": {"python": "/path/venv/bin/python"}}'
 _RELATIVE = "Depth was estimated from the pictures by {}, in a unit of its own."
 
 
@@ -56,7 +54,7 @@ class DepthAnything3(DepthEstimator):
         timeout: float = 3600.0,
         ground_height: float | None = None,
     ):
-        self._python = _find_python(python)
+        self._python = find_python(python, _TOLD, _EXAMPLE)
         self._place = locate_folder(weights, "`depth_anything_3`", download=download is True)
         self.label = weights if is_identifier(weights) else Path(self._place).resolve().name
         if isinstance(timeout, bool) or not isinstance(timeout, int | float) or not 0 < timeout <= 86_400:
@@ -111,49 +109,13 @@ class DepthAnything3(DepthEstimator):
         return np.stack(resized), bool(metric)
 
     def _run(self, asked: str, answer: str) -> None:
-        """Run the other Python, without this one's own paths."""
-        own = ("PYTHONPATH", "PYTHONHOME", "VIRTUAL_ENV")
-        environment = {name: value for name, value in os.environ.items() if name not in own}
-        if not self._download:
-            environment["HF_HUB_OFFLINE"] = "1"
-        try:
-            done = subprocess.run(
-                # As standard input: beside the script lies a module with the name of the package.
-                [self._python, "-", asked, answer],
-                input=_SCRIPT.read_text(),
-                env=environment,
-                cwd=Path(asked).parent,
-                capture_output=True,
-                text=True,
-                errors="replace",
-                timeout=self._timeout,
-            )
-        except subprocess.TimeoutExpired:
-            raise UserError(
-                f"`depth_anything_3` took longer than {self._timeout:g} s", do="Raise its option `timeout`"
-            ) from None
-        except OSError as error:
-            raise UserError("`depth_anything_3` cannot be started", got=shorten(error)) from None
-        if done.returncode:
-            last = " | ".join(done.stderr.strip().splitlines()[-_LAST_LINES:]) or "it says nothing"
-            raise UserError(
-                f"`depth_anything_3` failed with exit code {done.returncode}",
-                got=shorten(last, 400),
-                do="Mend the Python that its option `python` names",
-            )
-
-
-def _find_python(python: object) -> str:
-    """The program that ``python`` names.
-
-    Raises:
-        UserError: It names none.
-    """
-    do = 'Give the option `python`: {"name": "depth_anything_3", "options": {"python": "/path/venv/bin/python"}}'
-    if python is None:
-        raise UserError(
-            "`depth_anything_3` needs a Python that has its package, whose NumPy is another", do=do
+        """Run the other Python; the script is its standard input: beside it lies a module with the package's name."""
+        run_python(
+            self._python,
+            ["-", asked, answer],
+            told=_TOLD,
+            folder=Path(asked).parent,
+            timeout=self._timeout,
+            script=_SCRIPT.read_text(),
+            environment={} if self._download else {"HF_HUB_OFFLINE": "1"},
         )
-    if not isinstance(python, str) or (found := shutil.which(os.path.expanduser(python))) is None:
-        raise UserError("`python` of `depth_anything_3` is no program", got=shorten(repr(python)), do=do)
-    return found
