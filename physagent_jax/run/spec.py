@@ -285,8 +285,10 @@ _PLACES = ("weights", "path", "python")
 
 def _locate(value: JsonValue, base_dir: Path) -> JsonValue:
     """A path that is there as an absolute one; names of a hub or of programs as they are."""
-    there = isinstance(value, str) and (base_dir / Path(value).expanduser()).exists()
-    return str((base_dir / Path(value).expanduser()).resolve()) if there else value
+    if not isinstance(value, str):
+        return value
+    path = base_dir / Path(value).expanduser()
+    return str(path.resolve()) if path.exists() else value
 
 
 VIDEO_SIZE = (1280, 720)

@@ -21,7 +21,7 @@ CANONICAL_FOCAL = 300.0  # [px] at which the metric model's answer is in metres,
 
 def main(asked: str, answer: str) -> None:
     """Answer what is asked."""
-    import torch
+    import torch  # pyright: ignore[reportMissingImports]
     from depth_anything_3.api import DepthAnything3  # pyright: ignore[reportMissingImports]
 
     with np.load(asked, allow_pickle=False) as file:

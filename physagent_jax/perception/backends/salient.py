@@ -120,7 +120,7 @@ def _load(file: Path, runtime: object) -> _Network:
             do=f"Known: auto, {', '.join(loaders)}",
         )
     missing: UserError | None = None
-    for name in loaders if runtime == "auto" else (runtime,):
+    for name in loaders if runtime == "auto" else (str(runtime),):
         try:
             package = import_package(name, "`salient`", EXTRA)
         except UserError as error:
@@ -137,7 +137,9 @@ def _load(file: Path, runtime: object) -> _Network:
 
 
 def _load_onnxruntime(package: Any, file: Path) -> _Network:
-    session = package.InferenceSession(str(file), providers=["CPUExecutionProvider"])
+    options = package.SessionOptions()
+    options.add_session_config_entry("session.intra_op.allow_spinning", "0")  # waiting threads leave others the cores
+    session = package.InferenceSession(str(file), options, providers=["CPUExecutionProvider"])
     fed, made = session.get_inputs()[0], session.get_outputs()[0]
     sides = [side if isinstance(side, int) else None for side in fed.shape[-2:]]
     return _Network(lambda x: session.run([made.name], {fed.name: x})[0], (sides[0], sides[1]))
