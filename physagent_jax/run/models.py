@@ -80,7 +80,7 @@ MODELS = (
         "salient",
         "a salient-object network in an ONNX file (ISNet, U2-Net): the most striking object of each picture",
         code="MIT (ONNX Runtime)",
-        weights="Apache-2.0 (ISNet, U2-Net)",
+        weights="that of the file (its carriers list ISNet as MIT or Apache-2.0)",
         size="179 MB",
         packages=("onnxruntime",),
         extra="salient",

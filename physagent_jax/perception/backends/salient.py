@@ -138,7 +138,9 @@ def _load(file: Path, runtime: object) -> _Network:
 
 def _load_onnxruntime(package: Any, file: Path) -> _Network:
     options = package.SessionOptions()
-    options.add_session_config_entry("session.intra_op.allow_spinning", "0")  # waiting threads leave others the cores
+    options.add_session_config_entry(
+        "session.intra_op.allow_spinning", "0"
+    )  # waiting threads leave others the cores
     session = package.InferenceSession(str(file), options, providers=["CPUExecutionProvider"])
     fed, made = session.get_inputs()[0], session.get_outputs()[0]
     sides = [side if isinstance(side, int) else None for side in fed.shape[-2:]]
