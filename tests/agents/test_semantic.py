@@ -145,6 +145,18 @@ def test_a_noun_is_the_object_if_its_file_or_kind_says_so():
     assert read("the robot moves in a circle", brief(object_name="scan_04")).unsure
 
 
+def test_a_noun_for_any_object_is_the_only_one():
+    """A likeness may be of anything, a noun for a class of things of what may belong to it; the acting one is another."""
+    queen = brief(object_name="nefertiti")
+    for words in ("bust", "statue", "sculpture", "animal", "vehicle", "toy", "thing", "figure", "queen", "lady"):
+        assert not read(f"push the {words} to the left", queen).unsure
+    pot = brief(object_name="teapot", object_kind="vessel", object_nouns=("teapot", "cup"))
+    for words, known in dict(container=True, toy=True, car=False, animal=False, lady=False).items():
+        assert bool(read(f"push the {words} to the left", pot).unsure) is not known
+    pushed = read("a woman pushes the statue to the left", queen)
+    assert pushed.ignored == ("woman",) and not pushed.unsure
+
+
 def test_opposite_ends_of_a_sequence_do_not_overlap():
     """Parts of a sequence follow each other and fill the clip."""
     actions = read("squeeze it, then stretch it, then twist it, then push it up").force_field.actions
