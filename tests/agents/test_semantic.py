@@ -148,7 +148,18 @@ def test_a_noun_is_the_object_if_its_file_or_kind_says_so():
 def test_a_noun_for_any_object_is_the_only_one():
     """A likeness may be of anything, a noun for a class of things of what may belong to it; the acting one is another."""
     queen = brief(object_name="nefertiti")
-    for words in ("bust", "statue", "sculpture", "animal", "vehicle", "toy", "thing", "figure", "queen", "lady"):
+    for words in (
+        "bust",
+        "statue",
+        "sculpture",
+        "animal",
+        "vehicle",
+        "toy",
+        "thing",
+        "figure",
+        "queen",
+        "lady",
+    ):
         assert not read(f"push the {words} to the left", queen).unsure
     pot = brief(object_name="teapot", object_kind="vessel", object_nouns=("teapot", "cup"))
     for words, known in dict(container=True, toy=True, car=False, animal=False, lady=False).items():

@@ -32,7 +32,9 @@ def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
     ]  # "pot with lid", of a pot and a lid
     name = name if is_telling(" ".join(name)) else _split(brief.object_name)
     own = set(_add_plurals([*name, *_split(brief.object_kind)]))
-    generic = [w for w, kinds in read_sections()["generic_nouns"].items() if brief.object_kind in kinds.split()]
+    generic = [
+        w for w, kinds in read_sections()["generic_nouns"].items() if brief.object_kind in kinds.split()
+    ]
     nouns = {
         word
         for word in _add_plurals([*brief.object_nouns, *generic, *get_set("likenesses")])

@@ -68,6 +68,7 @@ class Motion:
         coasts: Whether it goes on by itself unless a way is told.
         droops: Whether only what is limp does it.
         lets_go: Whether what was held falls, if nothing else was done to it.
+        alone: The motion that it is where nothing was done before; empty = none.
         skill: Name of the skill that it stands for; None = what its effect is compiled to.
     """
 
@@ -95,6 +96,7 @@ class Motion:
     coasts: bool = False
     droops: bool = False
     lets_go: bool = False
+    alone: str = ""
     skill: str | None = None
 
 
