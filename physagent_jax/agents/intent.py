@@ -156,7 +156,7 @@ class Clause(Strict):
         negated: Whether the sentence says that it does not happen.
         inherited: Whether the motion is understood from the clause before ("push it left, then right").
         stays: Whether the result is held ("and hold it there").
-        even: Whether it goes at one speed.
+        pace: Whether it goes at one speed, or begins and ends at once.
         elsewhere: Whether the object ends at another place: "away", "aside", "off the table".
         said: The words in the sentence that name the motion.
     """
@@ -176,7 +176,7 @@ class Clause(Strict):
     negated: bool = False
     inherited: bool = False
     stays: bool = False
-    even: bool = False
+    pace: Literal["", "even", "sudden"] = ""
     elsewhere: bool = False
     said: Word = ""
     text: Word = ""

@@ -146,7 +146,7 @@ def test_a_noun_is_the_object_if_its_file_or_kind_says_so():
 
 
 def test_a_noun_for_any_object_is_the_only_one():
-    """A likeness may be of anything, a noun for a class of things of what may belong to it; the acting one is another."""
+    """A likeness may be of anything, a class of things only of what may belong to it; who acts is another."""
     queen = brief(object_name="nefertiti")
     for words in (
         "bust",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from physagent_jax.agents.compiler.amounts import find_effort, find_held_magnitude
+from physagent_jax.agents.compiler.amounts import find_effort
 from physagent_jax.agents.compiler.directions import find_lean_axis
 from physagent_jax.agents.compiler.events import BY_DEFAULT
 from physagent_jax.agents.compiler.steady import (
@@ -24,6 +24,7 @@ from physagent_jax.forces.calibration import (
     find_tipping,
 )
 from physagent_jax.forces.schema import ActionType
+from physagent_jax.motion.efforts import find_held_magnitude
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import add, dot, normalise, scale
 from physagent_jax.motion.windows import divide
@@ -82,7 +83,7 @@ def _find_blow(task: Task, count: int, rises: bool) -> float:
         return event.strength
     if rises:
         return effort  # what weight stops rises by M body lengths (`forces.opposition`)
-    if task.builder.anchored and (held := find_held_magnitude(event.amount, event.effect, brief)):
+    if task.builder.anchored and (held := find_held_magnitude(event.amount, brief)):
         return held
     seconds = (task.window[1] - task.window[0]) * brief.frame_dt / count
     return effort * find_reference_time(False, brief.seconds) / max(seconds, brief.frame_dt)

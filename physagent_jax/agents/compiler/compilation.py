@@ -16,6 +16,7 @@ from physagent_jax.agents.compiler.skills import compile_slots
 from physagent_jax.agents.compiler.words import look_up, suggest_motions
 from physagent_jax.agents.intent import Intent
 from physagent_jax.agents.lexicon import Effect, read_lexicon
+from physagent_jax.agents.materials import SOFT, find_meaning
 from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.core.errors import UserError
@@ -50,7 +51,7 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
         raise _refuse(unknown, brief)
     clauses = apply_holding(known, intent.held)
     anchor = choose_anchor(intent.held, clauses)
-    anchor = find_support(clauses, brief) if anchor.kind is None else anchor
+    anchor = find_support(clauses, brief, _is_soft(intent, brief)) if anchor.kind is None else anchor
     anchored = anchor.kind in ("base", "top") or (brief.anchored is not None and anchor.kind != "none")
     builder = ForceFieldBuilder(brief, anchored, intent.surroundings.gravity, notes=list(intent.notes))
     builder.obstacles += resolve_obstacles(intent.surroundings.solids, None, brief)
@@ -85,6 +86,12 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
         not_understood=intent.unknown,
         notes=tuple(dict.fromkeys(builder.notes)),
     )
+
+
+def _is_soft(intent: Intent, brief: SceneBrief) -> bool:
+    """Return whether a tap makes the object wobble."""
+    meanings = map(find_meaning, intent.materials)
+    return brief.object_kind in SOFT or any(each is not None and each.preset in SOFT for each in meanings)
 
 
 def _refuse(unknown: list[Event], brief: SceneBrief) -> UserError:

@@ -161,6 +161,12 @@ class Event:
         return any(way.phrase == "back" for way in self.pick(WayKind.TO))
 
     @property
+    def is_quick(self) -> bool:
+        """Return whether it is over in an instant: a flinch, or a turn that is sudden."""
+        turns = self.effect in (Effect.TURN, Effect.LEAN) and not self.when.lasts
+        return self.motion.quick or turns and self.clause.pace == "sudden"
+
+    @property
     def is_upwards(self) -> bool:
         """Return whether it goes up."""
         return any(way.names == ("up",) for way in self.pick(WayKind.TO))

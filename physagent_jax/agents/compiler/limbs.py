@@ -47,14 +47,15 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     return choose_parts(known, roles, side, is_plural(part.text))
 
 
-def find_support(clauses: Sequence[Event], brief: SceneBrief) -> AnchorRequest:
-    """The hold of a free object of which parts alone are to move, and its shape does not show them.
+def find_support(clauses: Sequence[Event], brief: SceneBrief, soft: bool = False) -> AnchorRequest:
+    """The hold of a free object of which parts alone are to move, and its shape does not show them; or that wobbles.
 
-    What acts on a region of it would otherwise take the whole along.
+    What acts on a region of it would otherwise take the whole along; so would a tap on what is ``soft``.
     """
     acting = [each for each in clauses if each.effect not in (Effect.STILL, Effect.HOLD, Effect.RELEASE)]
     free = brief.may_be_held and brief.world == "ground" and brief.anchored is None
-    if not free or not acting or not all(_names_unseen_part(each, brief) for each in acting):
+    wobbles = soft and all(each.motion.wobbles for each in acting)
+    if not free or not acting or not (wobbles or all(_names_unseen_part(each, brief) for each in acting)):
         return AnchorRequest()
     return AnchorRequest(kind="base", words=acting[0].words)
 
@@ -120,30 +121,21 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
             force_field=field,
             expectations=tuple(expectations),
             anchor=anchor,
-            evidence=tuple(_follow(each, kept) for each in reply.evidence if _is_kept(each, kept)),
+            evidence=_follow(reply.evidence, kept),
             notes=(*reply.notes, note),
         )
     )
 
 
-def _is_kept(item: Evidence, kept: list[int]) -> bool:
-    """Return whether an item is about something else than an action that a constraint has replaced."""
-    index = _find_action(item)
-    return index is None or index in kept
-
-
-def _follow(item: Evidence, kept: list[int]) -> Evidence:
-    """Evidence of an action at the action's new place."""
-    index = _find_action(item)
-    if index is None:
-        return item
-    _, dot, name = item.field.partition(".")
-    return item.model_copy(update=dict(field=f"actions[{kept.index(index)}]{dot}{name}"))
-
-
-def _find_action(item: Evidence) -> int | None:
-    group, _, index = item.field.partition(".")[0].rstrip("]").partition("[")
-    return int(index) if group == "actions" else None
+def _follow(items: Sequence[Evidence], kept: list[int]) -> tuple[Evidence, ...]:
+    """Evidence at the actions' new places, without that of actions which a constraint has replaced."""
+    places = {f"actions[{old}]": f"actions[{new}]" for new, old in enumerate(kept)}
+    found = []
+    for item in items:
+        place, dot, name = item.field.partition(".")
+        if place in places or not place.startswith("actions["):
+            found.append(item.model_copy(update=dict(field=f"{places.get(place, place)}{dot}{name}")))
+    return tuple(found)
 
 
 def _drive(

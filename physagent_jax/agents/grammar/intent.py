@@ -71,7 +71,7 @@ def _make_clause(clause: Clause, clauses: list[Clause]) -> intent.Clause:
             negated=clause.negated and not held,
             inherited=clause.inherited,
             stays=clause.stays,
-            even=bool(clause.select(MentionKind.EVEN)),
+            pace=next((str(m.value) for m in clause.select(MentionKind.PACE)), ""),
             elsewhere=clause.elsewhere,
             said=_cut(clause.words),
             text=_cut(" ".join(m.words for m in sorted(mentions, key=lambda m: m.first))),

@@ -69,6 +69,7 @@ class Motion:
         droops: Whether only what is limp does it.
         lets_go: Whether what was held falls, if nothing else was done to it.
         alone: The motion that it is where nothing was done before; empty = none.
+        quick: Whether it is over in an instant.
         skill: Name of the skill that it stands for; None = what its effect is compiled to.
     """
 
@@ -97,6 +98,16 @@ class Motion:
     droops: bool = False
     lets_go: bool = False
     alone: str = ""
+    quick: bool = False
+
+    @property
+    def wobbles(self) -> bool:
+        """Return whether what is soft only wobbles: it is tapped or shaken."""
+        tapped = (
+            self.effect in (Effect.STRIKE, Effect.PUSH) and self.strength < 1.0 and self.direction is None
+        )
+        return self.effect is Effect.SWAY or tapped
+
     skill: str | None = None
 
 
@@ -189,7 +200,7 @@ class Lexicon:
     degrees: dict[str, float]
     comparatives: dict[str, float]
     manners: frozenset[str]
-    even: frozenset[str]
+    paces: dict[str, Literal["even", "sudden"]]
     numbers: dict[str, float]
     fractions: dict[str, float]
     repeats: dict[str, Repeat]

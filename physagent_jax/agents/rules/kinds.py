@@ -18,6 +18,7 @@ from physagent_jax.forces.calibration import (
     MAGNITUDE_MAX,
     MAGNITUDE_MIN,
     PRESCRIBED_TRAVEL,
+    QUICK,
     TRAVEL,
     TURN,
     find_magnitude,
@@ -416,7 +417,9 @@ def _lead(wish: Wish) -> _Replaced:
         effort = _find_way(wish, seconds) / TRAVEL
     over = turns and told and told.target > _OVER and abs(cosine(way, brief.directions.up)) < _VERTICAL
     needed = find_magnitude(effort, max(seconds, brief.frame_dt), brief.seconds, braked=True)
-    if not (hands or expectation.even or over) and (not told or needed <= MAGNITUDE_MAX):
+    if not (hands or expectation.even or over) and (
+        needed <= MAGNITUDE_MAX or not (told or seconds <= QUICK + brief.frame_dt)
+    ):
         return None
     effort *= wish.reference * (1.0 if turns else TRAVEL / PRESCRIBED_TRAVEL)  # magnitude times frames
     kept_up = hands or not turns and cosine(way, brief.directions.up) > _VERTICAL
