@@ -42,6 +42,9 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     interpret(event, _find_measure(events, event), builder.brief)
     _measure_return(event, events)
     event = _put_under_gravity(event, builder.gravity)
+    thrown = bool(events) and (events[-1].motion.gravity or events[-1].effect is Effect.JUMP)
+    if thrown and event.phrase in ("come back down", "go back down"):
+        event = _make_another(event, "land")  # "toss it up and let it come back down"
     if events and events[-1].effect is Effect.FALL and event.effect is Effect.FALL:
         last = events[-1]
         if event.is_bare:

@@ -176,8 +176,10 @@ def _is_named_here(spot: _Spot, named: bool, taken: list[str]) -> bool:
 def _is_a_particle(spot: _Spot) -> bool:
     """A particle that tells where a motion ends, in no known phrase ("slides off the table"); a fall ends below."""
     falls = spot.motion is not None and spot.motion.effect in (Effect.FALL, Effect.TOPPLE)
-    wall = any(m.kind is MentionKind.SOLID for m in spot.mentions[spot.index : spot.index + 4])
-    return spot.word in get_set("particles") and not falls and not wall
+    lifted = spot.word == "off" and spot.motion is not None and spot.motion.bound
+    behind = {m.kind for m in spot.mentions[spot.index : spot.index + 4]}
+    told = MentionKind.SOLID in behind or spot.get(1) == "to" and MentionKind.DIRECTION in behind
+    return spot.word in get_set("particles") and not (falls or lifted or told)
 
 
 def _is_a_known_word(spot: _Spot) -> bool:

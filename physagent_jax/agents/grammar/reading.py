@@ -60,6 +60,20 @@ def _read_once(reader: Reader, at: int) -> Mention | None:
     return reader.make_mention(MentionKind.JOIN, join, reader.get_text(at), [at])
 
 
+def _read_nothing(reader: Reader, at: int) -> Mention | None:
+    """Reads "first nothing, then it falls": a time in which it is still."""
+    if reader.get_text(at) != "nothing" or reader.get_text(at + 1) not in (
+        ",",
+        ";",
+        ".",
+        "then",
+        "for",
+        "at",
+    ):
+        return None
+    return reader.make_mention(MentionKind.VERB, LEXICON.motions["wait"], "wait", [at])
+
+
 def _read_prevention(reader: Reader, at: int) -> Mention | None:
     """Reads "keep it from falling": it does not fall."""
     after = reader.tokens[at + 1] if at + 1 < len(reader.tokens) else None
@@ -107,7 +121,10 @@ def _read_quantity(reader: Reader, at: int) -> Mention | None:
 
 
 def _read_ordinal(reader: Reader, at: int) -> Mention | None:
-    """Reads "the second time", "the second harder": one of several strokes."""
+    """Reads "the second time", "the second harder": one of several strokes; and "two kicks ... and one from above"."""
+    if reader.get_text(at) in ("one", "another") and reader.get_text(at - 1) in ("and", "then", ","):
+        if reader.get_text(at + 1) in ("from", "to"):
+            return reader.make_mention(MentionKind.ORDINAL, 1, "one", [at])
     order = read_sections()["ordinals"].get(reader.get_text(at))
     if order is None or reader.get_text(at - 1) != "the":
         return None
@@ -171,6 +188,7 @@ def _read_count(reader: Reader, at: int) -> Mention | None:
 _READERS: tuple[Callable[[Reader, int], Mention | None], ...] = (
     read_solid,
     _read_once,
+    _read_nothing,
     _read_prevention,
     _read_state,
     _read_manner,
