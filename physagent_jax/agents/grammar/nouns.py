@@ -32,14 +32,7 @@ def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
     ]  # "pot with lid", of a pot and a lid
     name = name if is_telling(" ".join(name)) else _split(brief.object_name)
     own = set(_add_plurals([*name, *_split(brief.object_kind)]))
-    generic = [
-        w for w, kinds in read_sections()["generic_nouns"].items() if brief.object_kind in kinds.split()
-    ]
-    nouns = {
-        word
-        for word in _add_plurals([*brief.object_nouns, *generic, *get_set("likenesses")])
-        if not _has_other_meaning(word) and word not in parts
-    }
+    nouns = {w for w in _add_plurals(brief.object_nouns) if not _has_other_meaning(w) and w not in parts}
     tokens = tokenise(sentence)
     texts = [token.text for token in tokens]
     own |= _find_halves(name, texts)
