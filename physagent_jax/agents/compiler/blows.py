@@ -6,7 +6,6 @@ import math
 from dataclasses import replace
 
 from physagent_jax.agents.compiler.amounts import find_effort
-from physagent_jax.agents.compiler.directions import find_lean_axis
 from physagent_jax.agents.compiler.events import BY_DEFAULT
 from physagent_jax.agents.compiler.steady import (
     BRAKED_BEFORE,
@@ -24,6 +23,7 @@ from physagent_jax.forces.calibration import (
     find_tipping,
 )
 from physagent_jax.forces.schema import ActionType
+from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_held_magnitude
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import add, dot, normalise, scale

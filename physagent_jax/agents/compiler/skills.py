@@ -6,7 +6,6 @@ from dataclasses import replace
 
 from physagent_jax.agents.compiler.blows import compile_fall, compile_jump, compile_strike, compile_topple
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
-from physagent_jax.agents.compiler.directions import find_lean_axis
 from physagent_jax.agents.compiler.schedule import Slot
 from physagent_jax.agents.compiler.steady import Task, add_steady, make_impulse_window, shorten
 from physagent_jax.agents.lexicon import Effect
@@ -14,6 +13,7 @@ from physagent_jax.forces.calibration import MAGNITUDE_MAX, QUICK, SWING
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.forces.skills import find_skill
 from physagent_jax.forces.slabs import make_end_region
+from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_strain_magnitude, find_swing_magnitude
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import dot, scale

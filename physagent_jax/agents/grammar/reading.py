@@ -18,7 +18,7 @@ from physagent_jax.agents.grammar.measures import (
 )
 from physagent_jax.agents.grammar.mentions import Mention, MentionKind, Reader, get_last_motion
 from physagent_jax.agents.grammar.nouns import read_named_part, read_part, read_solid
-from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
+from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set, read_sections
 from physagent_jax.agents.lexicon import Effect, Join, Repeat
 
 _MOST_STROKES = 1000  # a count beyond any clip's frames means nothing more than "very often"
@@ -45,6 +45,9 @@ def _read_at(reader: Reader, at: int) -> Mention:
         return reader.make_mention(MentionKind.JOIN, join, token.text, [at])
     if (part := read_named_part(reader, at)) is not None:
         return part
+    before, one = reader.get_text(at - 1), token.text.removesuffix("s")
+    if one != token.text and one in reader.names and NUMBERS.get(before, 0.0) > 1:  # there is one object
+        return reader.make_mention(MentionKind.UNKNOWN, None, f"{before} {token.text}", [at])
     if token.text in reader.names and (token.lemma not in LEXICON.motions or reader.is_after_determiner(at)):
         return reader.make_mention(MentionKind.FUNCTION, None, token.text, [at])
     found = (read(reader, at) for read in _READERS)
