@@ -162,9 +162,10 @@ class Event:
 
     @property
     def is_quick(self) -> bool:
-        """Return whether it is over in an instant: a flinch, or a turn that is sudden."""
-        turns = self.effect in (Effect.TURN, Effect.LEAN) and not self.when.lasts
-        return self.motion.quick or turns and self.clause.pace == "sudden"
+        """Return whether it is over in an instant: a flinch, or a turn or a way over the ground that is sudden."""
+        goes = self.effect is Effect.PUSH and self.motion.direction is None and not self.is_upwards
+        sudden = self.clause.pace == "sudden" and not (self.when.lasts or self.parts or self.is_in_wind)
+        return self.motion.quick or sudden and (goes or self.effect in (Effect.TURN, Effect.LEAN))
 
     @property
     def is_upwards(self) -> bool:

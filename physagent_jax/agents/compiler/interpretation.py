@@ -77,8 +77,6 @@ def _choose_motion(event: Event, brief: SceneBrief) -> tuple[Motion, str]:
         phrase = "move"  # "it coasts to the left"; else it goes on by itself
     elif effect is Effect.ROLL and has_wheels(brief):
         phrase = "push"  # its wheels turn, and it does not
-    elif effect is Effect.PUSH and event.clause.pace == "sudden" and not (motion.direction or event.parts):
-        return motion if event.is_upwards else replace(motion, effect=Effect.STRIKE), phrase
     elif effect is Effect.SWELL and (told or event.pick(WayKind.LINE, WayKind.PLANE)):
         return replace(motion, effect=Effect.SCALE), phrase  # "expands horizontally", "grows upwards"
     else:

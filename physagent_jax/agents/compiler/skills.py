@@ -39,7 +39,11 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
             builder.obstacles += [each for each in event.obstacles if each not in builder.obstacles]
             after = [event for later in following for event in later.events]
             first, end = slot.window
-            end = min(end, first + QUICK / builder.brief.frame_dt) if event.is_quick else end
+            end = (
+                min(end, first + QUICK / builder.brief.frame_dt)
+                if event.is_quick and (event.motion.quick or not builder.anchored)
+                else end
+            )
             task = Task(event, (first, end), after, builder)
             if event.motion.skill is not None and not event.repeat.alternate:
                 _compile_by_skill(task, event.motion.skill)
