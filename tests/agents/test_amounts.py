@@ -71,7 +71,7 @@ def test_what_stays_so_stays(prompt):
     ],
 )
 def test_a_leap_aside_is_low_and_near(prompt, way, reach):
-    """What leaves the ground with a blow rises and lands as a thrown body does (`forces.opposition`); in lengths."""
+    """A leap aside rises and lands as a thrown body does (`forces.opposition`); in body lengths."""
     (leap,) = read(prompt, ground()).force_field.actions
     up, aside = leap.vector[2], abs(leap.vector[way])
     rises = leap.magnitude * up**3
