@@ -170,6 +170,8 @@ def test_long_sentences_are_read_in_time():
         ("flick the jelly robot from the left", True),
         ("poke the robot, which is made of jelly", True),
         ("the robot wobbles like jelly", True),
+        ("nudge the jelly robot to the left", True),
+        ("the jelly robot creeps to the left", False),
         ("kick the jelly robot to the left", False),
         ("tap the wooden robot", False),
         ("tap the jelly robot, then lift it", False),
@@ -179,4 +181,5 @@ def test_what_is_soft_wobbles_on_its_base(prompt, held):
     """A tap makes jelly wobble; loose on the ground, all of it would slide away, or fall over as it sways."""
     reply = read(prompt, brief(world="ground", may_be_held=True))
     assert (reply.anchor.kind == "base") is held
+    assert not held or all(each.sudden or each.kind.value == "sway" for each in reply.expectations)
     assert not reply.unsure

@@ -8,6 +8,7 @@ sentence moves limbs alone the rest is held.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from physagent_jax.agents.compiler.directions import sum_directions
 from physagent_jax.agents.compiler.events import Event, KnownPart
@@ -57,6 +58,9 @@ def find_support(clauses: Sequence[Event], brief: SceneBrief, soft: bool = False
     wobbles = soft and all(each.motion.wobbles for each in acting)
     if not free or not acting or not (wobbles or all(_names_unseen_part(each, brief) for each in acting)):
         return AnchorRequest()
+    for each in acting:
+        if wobbles and each.motion.taps:
+            each.verb = replace(each.motion, effect=Effect.STRIKE)
     return AnchorRequest(kind="base", words=acting[0].words)
 
 

@@ -70,6 +70,7 @@ class Motion:
         lets_go: Whether what was held falls, if nothing else was done to it.
         alone: The motion that it is where nothing was done before; empty = none.
         quick: Whether it is over in an instant.
+        taps: Whether it is a blow to what is soft.
         skill: Name of the skill that it stands for; None = what its effect is compiled to.
     """
 
@@ -99,14 +100,13 @@ class Motion:
     lets_go: bool = False
     alone: str = ""
     quick: bool = False
+    taps: bool = False
 
     @property
     def wobbles(self) -> bool:
         """Return whether what is soft only wobbles: it is tapped or shaken."""
-        tapped = (
-            self.effect in (Effect.STRIKE, Effect.PUSH) and self.strength < 1.0 and self.direction is None
-        )
-        return self.effect is Effect.SWAY or tapped
+        light = self.effect is Effect.STRIKE and self.strength < 1.0 and not self.gravity
+        return self.effect is Effect.SWAY or self.taps or light
 
     skill: str | None = None
 
