@@ -9,7 +9,7 @@ from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.schema import Evidence
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.schema import Action, VelocityConstraint, is_too_short
+from physagent_jax.forces.schema import Action, is_too_short
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, ObstacleRequest, SceneBrief
 from physagent_jax.motion.vectors import clamp
 from physagent_jax.motion.windows import Window
@@ -77,19 +77,3 @@ class ForceFieldBuilder:
         if round(end) > round(first):
             return (float(round(first)), float(round(end)))
         return (self.brief.last - 1.0, self.brief.last) if is_too_short(first, end) else (first, end)
-
-
-def describe_skill(skill: Action | VelocityConstraint) -> dict[str, str]:
-    """Describe the fields of a skill in words."""
-    name = "action_type" if isinstance(skill, Action) else "constraint_type"
-    return {
-        name: getattr(skill, name).value,
-        "vector": _format(skill.vector),
-        "magnitude": f"{skill.magnitude:g}",
-        "active_time": _format(skill.active_time),
-        "region": getattr(skill.region, "kind", ""),
-    }
-
-
-def _format(values: Vector | Window | None) -> str:
-    return "whole clip" if values is None else "[" + ", ".join(f"{round(v, 3):g}" for v in values) + "]"

@@ -6,7 +6,7 @@ lexicon maps a word to takes precedence over whatever else an agent thinks of it
 
 from __future__ import annotations
 
-from physagent_jax.agents.compiler.builder import ForceFieldBuilder, describe_skill
+from physagent_jax.agents.compiler.builder import ForceFieldBuilder
 from physagent_jax.agents.compiler.events import Event
 from physagent_jax.agents.compiler.interpretation import resolve_obstacles
 from physagent_jax.agents.compiler.limbs import drive_limbs, find_support
@@ -20,6 +20,7 @@ from physagent_jax.agents.materials import SOFT, find_meaning
 from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.core.errors import UserError
+from physagent_jax.forces.description import describe_entry
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.parts import explain_missing, list_names
 from physagent_jax.motion.schema import MotionKind, SceneBrief, WorldRequest
@@ -189,5 +190,5 @@ def _follow(item: Evidence, places: dict[str, str], force_field: ForceField) -> 
     if group != "constraints":
         return item.model_copy(update={"field": new + dot + name})
     name = "constraint_type" if name == "action_type" else name
-    values = describe_skill(force_field.constraints[int(index)])
+    values = describe_entry(force_field.constraints[int(index)])
     return item.model_copy(update={"field": f"{new}.{name}", "value": values.get(name, item.value)})

@@ -11,12 +11,13 @@ import math
 from dataclasses import dataclass
 
 from physagent_jax.agents.compiler.amounts import MOST, find_effort, find_word_effort
-from physagent_jax.agents.compiler.builder import MAX_ACTIONS, ForceFieldBuilder, describe_skill
+from physagent_jax.agents.compiler.builder import MAX_ACTIONS, ForceFieldBuilder
 from physagent_jax.agents.compiler.events import BY_DEFAULT, Event
 from physagent_jax.agents.compiler.schedule import find_frames, has_to_stop
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, find_magnitude
+from physagent_jax.forces.description import describe_entry
 from physagent_jax.forces.schema import Action, ActionType
 from physagent_jax.motion.efforts import find_held_magnitude
 from physagent_jax.motion.schema import Amount, MotionKind, SceneBrief
@@ -74,7 +75,7 @@ class Task:
             return
         place = f"actions[{len(builder.actions)}]"
         builder.actions.append(action)
-        for name, value in describe_skill(action).items():
+        for name, value in describe_entry(action).items():
             if source := event.sources.get(name):
                 builder.add_evidence(source.words, f"{place}.{name}", value, source.why)
 
