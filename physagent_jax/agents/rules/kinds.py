@@ -411,15 +411,15 @@ def _lead(wish: Wish) -> _Replaced:
         return None  # what is led does nothing else
     first, end = wish.get_span(causes)[0], min(expectation.window[1], wish.brief.last)
     seconds, hands = (end - first) * brief.frame_dt, _find_hand(wish, first)
+    quick = expectation.even and seconds <= QUICK + brief.frame_dt
+    usual = brief.seconds if quick else seconds  # what is sudden goes as far as in all of the clip
     if turns:
-        effort = math.radians((told or expect_rotation(expectation, False, seconds=seconds)).target) / TURN
+        effort = math.radians((told or expect_rotation(expectation, False, seconds=usual)).target) / TURN
     else:
-        effort = _find_way(wish, seconds) / TRAVEL
+        effort = _find_way(wish, usual) / TRAVEL
     over = turns and told and told.target > _OVER and abs(cosine(way, brief.directions.up)) < _VERTICAL
     needed = find_magnitude(effort, max(seconds, brief.frame_dt), brief.seconds, braked=True)
-    if not (hands or expectation.even or over) and (
-        needed <= MAGNITUDE_MAX or not (told or seconds <= QUICK + brief.frame_dt)
-    ):
+    if not (hands or expectation.even or over) and (not told or needed <= MAGNITUDE_MAX):
         return None
     effort *= wish.reference * (1.0 if turns else TRAVEL / PRESCRIBED_TRAVEL)  # magnitude times frames
     kept_up = hands or not turns and cosine(way, brief.directions.up) > _VERTICAL
@@ -429,7 +429,9 @@ def _lead(wish: Wish) -> _Replaced:
     hand = _prescribe(causes[0], way, size, (first, until), _find_next(wish, end))
     reason = "at one speed" if expectation.even else "no force in range starts and stops it in that time"
     reason = "a torque would let it tumble" if over else "it is kept up" if hands else reason
-    far = effort <= 1.01 * MAGNITUDE_MAX * (until - first)
+    if quick:
+        hand = hand.model_copy(update={"gain": max(round(effort / (size * (until - first)), 3), 1.0)})
+    far = effort <= 1.01 * hand.gain * MAGNITUDE_MAX * (until - first)
     short = "" if far else ", as far as the fastest goes in that time"
     return _put(_hold_until(wish, hands, first), causes, hand), f"{reason}, so it is led there{short}"
 
