@@ -24,6 +24,11 @@ OPTIONS = {
     "object.opacity_threshold": "--opacity-threshold",
     "object.splat_encoding": "--splat-encoding",
     "object.parts": "--part",
+    "object.photo.box": "--image-box",
+    "object.photo.mask_path": "--image-mask",
+    "object.photo.segmenter": "--image-segmenter",
+    "object.photo.depth": "--image-depth",
+    "object.photo.fov_degrees": "--image-fov",
     "prompt": "--prompt",
     "preset": "--preset",
     "overrides.frame_count": "--frames",
@@ -78,6 +83,10 @@ def to_spec(options: Mapping[str, Any]) -> RunSpec:
     """
     from physagent_jax.run.spec import RunSpec
 
+    if options["image"] is not None:
+        if options["object"] is not None:
+            raise UserError("`--object` and `--image` both say what moves", do="Pass one of them")
+        options = {**options, "object": options["image"]}
     missing = [f"--{name}" for name in ("object", "prompt") if options[name] is None]
     if missing:
         raise UserError(f"{' and '.join(missing)} must be given", do="Give them, or --spec file.json")
@@ -93,6 +102,8 @@ def to_spec(options: Mapping[str, Any]) -> RunSpec:
         values["anchor.point"], values["anchor.half_size"] = box[:3], box[3:]
     try:
         tree = _nest(values)
+        if options["image"] is not None:
+            tree["object"].setdefault("photo", {})
         tree["agents"]["model"] = model
         tree["save"]["video_size"] = video_size  # None too says something here
         return RunSpec.model_validate(tree)
@@ -224,6 +235,10 @@ def describe_unknown(reply: SemanticReply) -> str:
 
 def _check_pairs(options: Mapping[str, Any]) -> None:
     """Refuse options that exclude each other, or that mean nothing without another."""
+    beside = [name for name in _OF_AN_IMAGE if options[name] is not None and options["image"] is None]
+    if beside:
+        option = _name_option(beside[0])
+        raise UserError(f"`{option}` means nothing without `--image`", do="Pass --image, or leave it out")
     if options["physgm"] is not None and options["material"] is not None:
         raise UserError(
             "`--physgm` and `--material` both say what the object is made of", do="Pass one of them"
@@ -241,6 +256,7 @@ def _check_pairs(options: Mapping[str, Any]) -> None:
             raise UserError(f"`--anchor {kind}` needs a {kind}", do=f"Pass {option} {example}")
 
 
+_OF_AN_IMAGE = ("image_box", "image_mask", "image_segmenter", "image_depth", "image_fov")
 _ASKING = {"reader": ("model", "both"), "planner": ("chat", "both"), "executor": ("chat",)}
 
 

@@ -35,8 +35,14 @@ class Plan:
     pictures would not show, is refused: exit code 2.
     """
 
-    object: Path
+    object: Path | None = None
     """3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply)."""
+    image: Path | None = None
+    """In place of `--object`: a photo, as for `physagent run`."""
+    image_box: tuple[float, float, float, float] | None = None
+    """As for `physagent run`."""
+    image_mask: Path | None = None
+    """As for `physagent run`."""
     prompt: str | None = None
     """The wanted motion, in everyday English."""
     sentence: tyro.conf.Positional[str | None] = None

@@ -16,19 +16,21 @@ from physagent_jax.motion.schema import AnchorRequest, WorldRequest
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.holding import check_hold, find_hold
 from physagent_jax.run.material import resolve_material
+from physagent_jax.run.photo import make_photo
 from physagent_jax.run.prompt import read_mask
 from physagent_jax.run.provenance import hash_settings
 from physagent_jax.run.rigidity import RIGID_NOTE, STIFF_NOTE, is_hard, is_stiffened, keeps_shape, make_rigid
 from physagent_jax.run.sentence_material import SaidMaterial, choose_said_material
 from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
-from physagent_jax.run.up_axis import explain_up, find_up
+from physagent_jax.run.up_axis import UPRIGHT, explain_up, find_up
 from physagent_jax.scene.anchor import MASK_BYTES
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.broad_side import find_broad_side
 from physagent_jax.scene.card import ObjectCard, load_card
-from physagent_jax.scene.config import Anchor, CameraConfig, Domain, Material, SignedAxis, Source
+from physagent_jax.scene.config import Anchor, CameraConfig, Domain, Material, Photo, SignedAxis, Source
 from physagent_jax.scene.config.material import MODEL_PARAMETERS
-from physagent_jax.scene.load import hash_file
+from physagent_jax.scene.config.photo import ELEVATION
+from physagent_jax.scene.load import hash_file, is_photo
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import (
     PRIORS,
@@ -191,13 +193,15 @@ def resolve(
     if spec.anchor.mask_path is not None:
         check_regular(base_dir / spec.anchor.mask_path, most=MASK_BYTES, what="the anchor mask")
     card = load_card(path)
+    photo = None if source is not None else make_photo(spec, path, sha256, base_dir)
     known = spec.object if source is None else spec.object.model_copy(update=dict(up=source.up))
-    up = find_up(known, card, base_dir)
+    up = UPRIGHT if is_photo(path) else find_up(known, card, base_dir)
     try:
         preset = resolve_preset(spec)
-        found = source or _make_source(spec, card, path, sha256, up.axis)
+        found = source or _make_source(spec, card, path, sha256, up.axis, photo)
         anchor = resolve_anchor(spec.anchor, found.kind, base_dir=base_dir)
-        source = source or level(found, preset.domain, anchor, WORLDS[spec.world])
+        if source is None:  # a photo is seen from its own camera, with which it would be turned
+            source = found if photo is not None else level(found, preset.domain, anchor, WORLDS[spec.world])
         material, warnings = resolve_material(spec.material, source.kind, preset, base_dir=base_dir)
         template = SceneTemplate(
             prompt=spec.prompt,
@@ -302,7 +306,9 @@ def _choose_friction(spec: RunSpec) -> float:
     return FRICTION if spec.world == "ground" else 0.0
 
 
-def _make_source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str, up: SignedAxis) -> Source:
+def _make_source(
+    spec: RunSpec, card: ObjectCard, path: Path, sha256: str, up: SignedAxis, photo: Photo | None
+) -> Source:
     name = card.name or path.stem.replace("_", " ")
     kind = card.kind or guess_kind(name)
     if spec.object.kind is not None:
@@ -317,17 +323,20 @@ def _make_source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str, up: S
         splat_encoding=spec.object.splat_encoding,
         extent=spec.object.extent,
         parts=spec.object.parts,
+        photo=photo,
     )
 
 
 def _make_camera(choice: CameraChoice, card: ObjectCard, source: Source, domain: Domain) -> CameraConfig:
+    pictured = source.photo is not None
     given = [each for each in (choice.azimuth_degrees, card.azimuth_degrees) if each is not None]
-    azimuth = given[0] if given else find_broad_side(source, domain)
+    azimuth = given[0] if given else 0.0 if pictured else find_broad_side(source, domain)
+    stated = (choice.elevation_degrees, source.photo and source.photo.elevation_degrees, ELEVATION)
     return CameraConfig(
         azimuth_degrees=azimuth,
-        elevation_degrees=choice.elevation_degrees,
+        elevation_degrees=next(each for each in stated if each is not None),
         follow=choice.follow,
-        turn=choice.azimuth_degrees is None,
+        turn=choice.azimuth_degrees is None and not pictured,
     )
 
 
