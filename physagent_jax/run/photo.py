@@ -18,7 +18,7 @@ from physagent_jax.run.spec import Implementation, PhotoChoice, RunSpec
 from physagent_jax.scene.config import Photo
 from physagent_jax.scene.config.photo import ELEVATION
 from physagent_jax.scene.load import is_photo, refuse_photo
-from physagent_jax.scene.photo.lift import find_focal
+from physagent_jax.scene.photo.lens import find_focal
 from physagent_jax.scene.photo.picture import Picture, read_picture
 
 MIDDLE = 0.1  # of the sides, left free around the box by which a segmenter is told where the object is

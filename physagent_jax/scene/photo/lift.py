@@ -21,19 +21,16 @@ from physagent_jax.core.npy import read_npy
 from physagent_jax.core.reading import shorten
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.scene.config.photo import Photo
+from physagent_jax.scene.photo.colours import fill_hole, find_colours, shrink
 from physagent_jax.scene.photo.foreground import find_foreground
-from physagent_jax.scene.photo.picture import ASSUMED_FOCAL, MOST_BYTES, Picture, read_picture
+from physagent_jax.scene.photo.lens import STEEPEST, Lens, find_focal
+from physagent_jax.scene.photo.picture import MOST_BYTES, Picture, read_picture
 from physagent_jax.scene.photo.solid import STEEP, Solid, Surface, find_surface, inflate
-from physagent_jax.scene.surfels import make_surfels
+from physagent_jax.scene.surfels import FLATNESS, OPAQUE, SH_DC
 
 FRONT = 30_000  # points that the camera sees at most
 RADIUS = 0.55  # standard deviation over the spacing of points
-RIM = 2.0  # [steps] from the outline, up to where colours are mixed with the background's
-BACK_BLUR = 0.04  # of the mask's longer side: the back shows the front's colours, out of focus,
-TURNED = 0.5  # of the depth behind the middle, from where on all of it is
 MOST_RELIEF = 1.0  # of the mask's longer side, by which a depth that is given may reach to and fro
-PLATE = 400  # [px] longer side at which the hole behind the object is filled
-FRINGE, SOFT = 0.012, 0.04  # of that: margin of the hole, and blur of what is made up
 
 
 @dataclasses.dataclass(frozen=True)
@@ -90,81 +87,55 @@ def _lift_cached(path: Path, photo: str, base_dir: Path, stamps: tuple) -> Lifte
 
 def _lift(picture: Picture, photo: Photo, base_dir: Path) -> Lifted:
     mask = find_foreground(picture, photo, base_dir)
+    height, width = mask.shape
     focal = find_focal(picture, photo) * max(mask.shape)
     step = max(float(np.sqrt(mask.sum() / FRONT)), 1.0)
-    size = [max(round(side / step), 2) for side in mask.shape[1::-1]]
-    steps = np.array([mask.shape[1] / size[0], mask.shape[0] / size[1]])  # [px] along columns and rows
-    small = _shrink(mask.astype(np.float32), size) > 0.5
+    size = [max(round(side / step), 2) for side in (width, height)]
+    steps = np.array([width / size[0], height / size[1]])
+    small = shrink(mask.astype(np.float32), size) > 0.5
     square = inflate(small)
-    middle, depth = np.zeros_like(square), None
+    lean = max(photo.elevation_degrees - STEEPEST, 0.0)
+    middle = np.zeros_like(square)
     if photo.depth_path is not None:
-        depth = _shrink(_read_depth(base_dir / photo.depth_path, mask), size)
+        depth = shrink(_read_depth(base_dir / photo.depth_path, mask), size)
         relief = focal / steps[0] * (depth / np.median(depth[small]) - 1)
         most = MOST_RELIEF * max(np.ptp(np.argwhere(small), axis=0))
         middle = np.where(small, np.clip(relief, -most, most) + np.sqrt(square), 0.0)
-    surface = find_surface(Solid(small, square, middle))
-    turn = _find_turn(0.0 if depth is not None else photo.elevation_degrees)
-    points, sizes = _unproject(surface, steps, mask.shape, focal, turn)
-    if depth is not None:
-        turn = _find_turn(photo.elevation_degrees)
-        points = points @ _find_turn(0.0).T @ turn
-    points = _stand(points, surface)
-    normals = surface.normals @ turn
-    cloud = _make_discs(
-        points,
-        normals / np.linalg.norm(normals, axis=1, keepdims=True),
-        RADIUS * surface.spacing * sizes,
-        np.where(surface.front, 1 / np.maximum(np.abs(surface.normals[:, 2]), STEEP), 1.0),
-        turn[2],
-        _find_colours(surface, _shrink(picture.rgb.astype(np.float32) / 255, size), small, middle),
+        lean = photo.elevation_degrees
+    lens, solid = Lens(focal, mask.shape, steps, photo.elevation_degrees, lean), Solid(small, square, middle)
+    surface = find_surface(solid)
+    rgb = find_colours(surface, solid, shrink(picture.rgb.astype(np.float32) / 255, size), RADIUS)
+    notes, plate = _explain(picture, photo, mask), fill_hole(picture.rgb, mask)
+    return Lifted(
+        _make_discs(surface, lens, rgb), lens.turn, focal / height, width / height, plate, mask, notes
     )
-    height, width = mask.shape
-    notes = _explain(picture, photo, mask)
-    return Lifted(cloud, turn, focal / height, width / height, _fill_hole(picture.rgb, mask), mask, notes)
 
 
-def _make_discs(
-    points: np.ndarray,
-    normals: np.ndarray,
-    radius: np.ndarray,
-    stretch: np.ndarray,
-    forward: np.ndarray,
-    rgb: np.ndarray,
-) -> GaussianCloud:
-    """Discs in the surface, drawn out along the slope so that one pixel of the photo is one pixel of them.
+def _make_discs(surface: Surface, lens: Lens, rgb: np.ndarray) -> GaussianCloud:
+    """Discs in the surface, one pixel of the photo each where the camera sees them.
 
-    Args:
-        points: Centres, shape (n, 3).
-        normals: Unit normals, shape (n, 3).
-        radius: Standard deviations across the slope, shape (n,).
-        stretch: Factors of those along it, shape (n,).
-        forward: The camera's direction, along which the slope runs, shape (3,).
-        rgb: Colours in [0, 1], shape (n, 3).
+    They are laid out on the grid, drawn out along the slope there, and brought into the frame by the derivatives of
+    the way there. What lies behind the front's lowest point, and lower, is raised to it: the foot is level.
     """
-    across = np.cross(normals, forward)
-    level = np.linalg.norm(across, axis=1) < 1e-6
-    across[level] = np.cross(normals[level], [1.0, 0.3, 0.2])
+    normals, count = surface.normals, len(surface.normals)
+    across = np.cross(normals, [0.0, 0.0, 1.0])
+    across[np.linalg.norm(across, axis=1) < 1e-6] = [1.0, 0.0, 0.0]
     across /= np.linalg.norm(across, axis=1, keepdims=True)
-    frames = np.stack([np.cross(across, normals), across, normals], axis=2)
-    quats = Rotation.from_matrix(frames).as_quat(scalar_first=True)
-    cloud = make_surfels(points, normals, radius, rgb)
-    scales = np.asarray(cloud.scales) * np.stack(
-        [stretch, np.ones_like(stretch), np.ones_like(stretch)], axis=1
+    along = np.cross(across, normals)
+    radius = RADIUS * surface.spacing
+    stretch = np.where(surface.front, 1 / np.maximum(np.abs(normals[:, 2]), STEEP), 1.0)
+    axes = np.stack([stretch[:, None] * along, across, FLATNESS * normals], axis=2) * radius[:, None, None]
+    frames, scales, _ = np.linalg.svd(lens.find_derivatives(surface.places) @ axes)
+    frames[:, :, 2] *= np.linalg.det(frames)[:, None]
+    points = lens.unproject(surface.places)
+    points[:, 2] = np.maximum(points[:, 2], points[surface.front, 2].min())
+    return GaussianCloud(
+        means=to_device(points, np.float32),
+        quats=to_device(Rotation.from_matrix(frames).as_quat(scalar_first=True), np.float32),
+        scales=to_device(scales, np.float32),
+        opacities=to_device(np.full(count, OPAQUE), np.float32),
+        sh=to_device(((np.clip(rgb, 0, 1) - 0.5) / SH_DC)[:, None, :], np.float32),
     )
-    return dataclasses.replace(
-        cloud, quats=to_device(quats, np.float32), scales=to_device(scales, np.float32)
-    )
-
-
-def find_focal(picture: Picture, photo: Photo) -> float:
-    """The focal length over the longer side: as it was given, else as EXIF data tell it, else assumed."""
-    if photo.fov_degrees is not None:
-        return 0.5 / np.tan(0.5 * np.radians(photo.fov_degrees))
-    return picture.focal or ASSUMED_FOCAL
-
-
-def _shrink(values: np.ndarray, size: list[int]) -> np.ndarray:
-    return np.asarray(cv2.resize(values, size, interpolation=cv2.INTER_AREA))
 
 
 def _read_depth(path: Path, mask: np.ndarray) -> np.ndarray:
@@ -182,78 +153,6 @@ def _read_depth(path: Path, mask: np.ndarray) -> np.ndarray:
         )
     at = ndimage.distance_transform_edt(~known, return_distances=False, return_indices=True)
     return fitted[tuple(np.asarray(at))]
-
-
-def _find_turn(elevation: float) -> np.ndarray:
-    """From (right, away, up) to (right, down, forward) of a camera that looks down by ``elevation`` [degrees]."""
-    sin, cos = np.sin(np.radians(elevation)), np.cos(np.radians(elevation))
-    return np.array([[1, 0, 0], [0, -sin, -cos], [0, cos, -sin]])
-
-
-def _unproject(
-    surface: Surface, steps: np.ndarray, shape: tuple[int, int], focal: float, turn: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Points in the frame of this module, shape (n, 3), and the length of a step there, shape (n,).
-
-    The middle of the solid stands upright, at the distance of the focal length on the optical axis; depth runs along
-    the rays, so that each point stays on its pixel.
-    """
-    height, width = shape
-    pixels = (surface.places[:, :2] + 0.5) * steps
-    rays = np.column_stack([(pixels - [width / 2, height / 2]) / focal, np.ones(len(pixels))]) @ turn
-    upright = turn[2, 1] / np.maximum(rays[:, 1], 0.05)
-    scale = upright * (1 + surface.places[:, 2] * steps[0] / focal)
-    return rays * (focal * scale)[:, None], np.abs(scale) * steps.mean()
-
-
-def _stand(points: np.ndarray, surface: Surface) -> np.ndarray:
-    """The points with a level foot: what lies behind the front's lowest point, and lower, is hidden by it."""
-    lowest = points[surface.front, 2].min()
-    points = points.copy()
-    points[:, 2] = np.maximum(points[:, 2], lowest)
-    return points
-
-
-def _find_colours(surface: Surface, rgb: np.ndarray, mask: np.ndarray, middle: np.ndarray) -> np.ndarray:
-    """Colours in [0, 1], shape (n, 3): the photo's in front, those within the outline at the sides, blurred behind."""
-    inner = ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1] > RIM  # type: ignore[index]
-    if not inner.any():
-        inner = mask
-    at = ndimage.distance_transform_edt(~inner, return_distances=False, return_indices=True)
-    clean = rgb[tuple(np.asarray(at))]
-    clean = np.clip(2 * clean - _blur(clean, RADIUS), 0, 1)  # Gaussians of that size blur the picture again
-    sigma = BACK_BLUR * max(np.ptp(np.argwhere(mask), axis=0))
-    cover = np.repeat(mask[..., None].astype(float), 3, axis=2)
-    blurred = _blur(clean * cover, sigma) / np.maximum(_blur(cover, sigma), 1e-3)
-    column, row = (
-        np.clip(np.rint(surface.places[:, axis]).astype(int), 0, mask.shape[1 - axis] - 1) for axis in (0, 1)
-    )
-    behind = surface.places[:, 2] - middle[row, column]
-    share = np.clip(behind / (TURNED * max(behind.max(), 1e-9)), 0, 1)[:, None]
-    return share * blurred[row, column] + (1 - share) * clean[row, column]
-
-
-def _blur(rgb: np.ndarray, sigma: float) -> np.ndarray:
-    return ndimage.gaussian_filter(rgb, (sigma, sigma, 0))
-
-
-def _fill_hole(rgb: np.ndarray, mask: np.ndarray) -> np.ndarray:
-    """The photo without the object: the hole is filled from its edge (Telea 2004), on a reduced picture."""
-    scale = min(1.0, PLATE / max(mask.shape))
-    size = [max(round(side * scale), 2) for side in mask.shape[1::-1]]
-    margin = max(round(FRINGE * max(size)), 1)
-    hole = (_shrink(mask.astype(np.float32), size) > 0).astype(np.uint8)
-    hole = np.asarray(cv2.dilate(hole, np.ones((2 * margin + 1, 2 * margin + 1), np.uint8)))
-    filled = cv2.inpaint(_shrink(rgb, size), hole, 3, cv2.INPAINT_TELEA)
-    depth = ndimage.distance_transform_edt(hole)
-    deep = np.clip(np.asarray(depth) / (SOFT * max(size)), 0, 1)[..., None]
-    soft = cv2.GaussianBlur(
-        filled, (0, 0), SOFT * max(size)
-    )  # streaks that meet in the middle are no picture
-    filled = (deep * soft + (1 - deep) * filled).astype(np.float32)
-    large = cv2.resize(filled, mask.shape[::-1], interpolation=cv2.INTER_CUBIC)
-    share = cv2.resize(hole.astype(np.float32), mask.shape[::-1], interpolation=cv2.INTER_LINEAR)[..., None]
-    return np.rint(share * large + (1 - share) * rgb).astype(np.uint8)
 
 
 def _explain(picture: Picture, photo: Photo, mask: np.ndarray) -> tuple[str, ...]:
