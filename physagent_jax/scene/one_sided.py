@@ -11,12 +11,19 @@ import numpy as np
 from scipy import ndimage
 
 SINGLE = 0.93  # share of the columns that hold one wall
-BULGE = 0.15  # of the shorter side of the outline, by which the rim lies behind the most forward part at least
+BULGE = (
+    0.15  # of the shorter side of the outline, by which the rim lies behind the most forward part at least
+)
 BEHIND = 0.85  # share of the rim that lies behind the middle
 FULL = 0.5  # of the walls' cells, from which on the inside has been found without this
 FAR = 0.9  # quantile of the rim's depth at which the matter ends
 STRAYS = 0.02  # share of the columns that may lie before the most forward part
-SIDES = {"-y": (1, 1), "+y": (1, -1), "-x": (0, 1), "+x": (0, -1)}  # axis, and the direction of sight along it
+SIDES = {
+    "-y": (1, 1),
+    "+y": (1, -1),
+    "-x": (0, 1),
+    "+x": (0, -1),
+}  # axis, and the direction of sight along it
 
 
 def find_behind(wall: np.ndarray, inside: np.ndarray) -> tuple[str, np.ndarray] | None:
@@ -52,7 +59,9 @@ def _look(view: np.ndarray) -> np.ndarray | None:
     rows, columns = np.nonzero(outline)
     breadth = min(np.ptp(rows), np.ptp(columns)) + 1
     most = np.quantile(depth[outline], STRAYS)
-    last = view.shape[0] - 1 - view[::-1].argmax(axis=0)  # of each column's wall: the rim itself runs along the sight
+    last = (
+        view.shape[0] - 1 - view[::-1].argmax(axis=0)
+    )  # of each column's wall: the rim itself runs along the sight
     if np.median(last[rim]) - most < BULGE * breadth:
         return None
     if (last[rim] > np.median(depth[outline & ~rim])).mean() < BEHIND:

@@ -35,7 +35,7 @@ MOST_RELIEF = 1.0  # of the mask's longer side, by which a depth that is given m
 
 @dataclasses.dataclass(frozen=True)
 class Lifted:
-    """What a photo gives.
+    """The object in a photo, lifted, and what is left of the photo.
 
     Attributes:
         cloud: Gaussians in the frame of this module.
