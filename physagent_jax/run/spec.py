@@ -45,10 +45,12 @@ class PhotoChoice(Cutout):
     Attributes:
         segmenter: Who finds the object in it, of `perception.backends`; None = GrabCut.
         depth: Who estimates how far away each pixel is; None = nobody: the outline is inflated.
+        elevation_degrees: Height of its camera above the horizon; None = `camera.elevation_degrees`.
     """
 
     segmenter: Implementation | None = None
     depth: Implementation | None = None
+    elevation_degrees: Elevation | None = None
 
     @model_validator(mode="after")
     def _check_known(self) -> PhotoChoice:

@@ -23,13 +23,11 @@ class Cutout(Strict):
         box: Corners (x0, y0, x1, y1) of a box that holds the object [px].
         mask_path: Picture of the same size or shape that is bright on the object, or ``.npy`` of one bool per pixel.
         fov_degrees: Field of view along the longer side; None = the file's EXIF data, else an assumed one.
-        elevation_degrees: Height of the camera above the horizon; None = `camera.elevation_degrees`.
     """
 
     box: tuple[Pixel, Pixel, Pixel, Pixel] | None = None
     mask_path: Path | None = None
     fov_degrees: FieldOfView | None = None
-    elevation_degrees: Elevation | None = None
 
     @model_validator(mode="after")
     def _check_box(self):

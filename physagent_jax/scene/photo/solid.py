@@ -93,7 +93,10 @@ def find_surface(solid: Solid) -> Surface:
     Along depth each cell of the front has one, so that the photo is kept pixel by pixel. Lines along columns and rows
     fill in what is steep: those count where the normal points along them most. Behind, they are `COARSER`.
     """
-    mask, square, middle = solid.mask, solid.square, solid.middle
+    # One more cell all around: a solid that the picture cuts off is closed at its edge.
+    square, middle = (np.pad(each, 1, mode="edge") for each in (solid.square, solid.middle))
+    solid = Solid(np.pad(solid.mask, 1), square, middle)
+    mask = solid.mask
     half = np.sqrt(np.where(mask, square, 0.0))
     slopes = [np.gradient(each) for each in (square, _extend(middle, mask))]
     low, high = np.where(mask, middle - half, np.inf), np.where(mask, middle + half, -np.inf)
@@ -121,7 +124,7 @@ def find_surface(solid: Solid) -> Surface:
         for axis in (0, 1):
             parts += _cross(solid, inside, level, axis, find_normals)
     return Surface(
-        np.concatenate([places for places, *_ in parts]),
+        np.concatenate([places for places, *_ in parts]) - [1, 1, 0],
         np.concatenate([normal for _, normal, *_ in parts]),
         np.concatenate([np.full(len(places), float(spacing)) for places, _, spacing, _ in parts]),
         np.concatenate([np.full(len(places), seen) for places, *_, seen in parts]),
