@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
@@ -342,9 +343,10 @@ def _make_camera(choice: CameraChoice, card: ObjectCard, source: Source, domain:
 
 def _describe_identity(template: SceneTemplate) -> dict:
     """The values behind names and defaults: a later version, or another card, may use other ones."""
+    places: Any = {"path": True, "photo": {"mask_path", "depth_path"}}
     return {
         "preset": {name: getattr(template.preset, name).model_dump(mode="json") for name in _PRESET_PARTS},
-        "source": template.source.model_dump(mode="json", exclude={"path"}),
+        "source": template.source.model_dump(mode="json", exclude=places),
         "material": template.material.model_dump(mode="json"),
         "camera": template.camera.model_dump(mode="json"),
         "anchor": template.anchor.model_dump(mode="json", exclude={"mask_path"}),

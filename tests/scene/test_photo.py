@@ -206,6 +206,22 @@ def test_models_are_asked_by_name_and_their_answers_kept(folder, monkeypatch, tm
     assert front == pytest.approx(np.asarray(lifted.cloud.means)[:, 1].max() - 35, abs=12), "a wall, inflated"
 
 
+def test_another_box_is_another_run_and_another_place_of_the_mask_is_not(folder, tmp_path):
+    def identify(**photo):
+        chosen = {"path": str(folder / "ball.png"), "photo": photo}
+        return resolve(RunSpec.model_validate({"object": chosen, "prompt": ""})).inputs
+
+    assert identify(box=(40, 20, 120, 110)) != identify(box=(40, 20, 120, 112))
+    for name in ("a.npy", "b.npy"):
+        np.save(tmp_path / name, MASKS["ball"])
+    first, second = (identify(mask_path=str(tmp_path / name)) for name in ("a.npy", "b.npy"))
+    assert first == second
+    located = RunSpec.model_validate(
+        {"object": {"path": "ball.png", "photo": {"mask_path": "a.npy"}}, "prompt": ""}
+    ).located(tmp_path)
+    assert located.object.photo.mask_path == str(tmp_path / "a.npy")
+
+
 def test_only_models_that_there_are_can_be_named(folder):
     with pytest.raises(UserError, match="nobody"):
         pa.load_object(folder / "ball.png", photo={"segmenter": "nobody"})
