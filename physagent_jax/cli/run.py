@@ -40,7 +40,7 @@ class Run:
     image_mask: Path | None = None
     """Picture of the size of --image that is bright on its object, or .npy of one bool per pixel."""
     image_segmenter: str | None = None
-    """Segmenter that finds the object in --image (`physagent doctor` lists them); default: GrabCut."""
+    """Segmenter that finds the object in --image; default: GrabCut."""
     image_depth: str | None = None
     """Estimator of the depth in --image; default: none, the outline is inflated."""
     image_fov: float | None = None

@@ -48,16 +48,17 @@ def make_photo(spec: RunSpec, path: Path, sha256: str, base_dir: Path) -> Photo 
         fov_degrees=choice.fov_degrees,
         elevation_degrees=next(each for each in stated if each is not None),
     )
-    if choice.segmenter is None and choice.depth is None:
+    segmenter, depth = choice.segmenter, choice.depth
+    if segmenter is None and depth is None:
         return photo
     picture, found = read_picture(path), {}
-    if choice.segmenter is not None:
-        key = (sha256, choice.segmenter.model_dump_json(), str(choice.box))
-        found["mask_path"] = _keep(key, lambda: _segment(choice.segmenter, picture, photo))
+    if segmenter is not None:
+        key = (sha256, segmenter.model_dump_json(), str(choice.box))
+        found["mask_path"] = _keep(key, lambda: _segment(segmenter, picture, photo))
         found["box"] = None
-    if choice.depth is not None:
-        key = (sha256, choice.depth.model_dump_json(), str(choice.fov_degrees))
-        found["depth_path"] = _keep(key, lambda: _estimate(choice.depth, picture, photo))
+    if depth is not None:
+        key = (sha256, depth.model_dump_json(), str(choice.fov_degrees))
+        found["depth_path"] = _keep(key, lambda: _estimate(depth, picture, photo))
     return photo.model_copy(update=found)
 
 

@@ -55,7 +55,7 @@ def _look(view: np.ndarray) -> np.ndarray | None:
         return None
     depth = view.argmax(axis=0)
     whole = np.asarray(ndimage.binary_fill_holes(outline))
-    rim = outline & ~np.asarray(ndimage.binary_erosion(whole, iterations=2))
+    rim = outline & ~np.asarray(ndimage.binary_erosion(whole, iterations=2), bool)
     rows, columns = np.nonzero(outline)
     breadth = min(np.ptp(rows), np.ptp(columns)) + 1
     most = np.quantile(depth[outline], STRAYS)

@@ -116,7 +116,7 @@ def _start_in_middle(rgb: np.ndarray) -> np.ndarray:
     y, x = np.mgrid[:height, :width]
     off = ((x + 0.5) / width - 0.5) ** 2 + ((y + 0.5) / height - 0.5) ** 2
     weighed = away * np.exp(-0.5 * off / SPREAD**2)
-    level = np.uint8(np.clip(255 * weighed / max(float(weighed.max()), 1e-6), 0, 255))
+    level = np.asarray(np.clip(255 * weighed / max(float(weighed.max()), 1e-6), 0, 255), np.uint8)
     chosen = cv2.threshold(level, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)[1] > 0
     labels = np.where(chosen, cv2.GC_PR_FGD, cv2.GC_PR_BGD).astype(np.uint8)
     labels[border] = cv2.GC_BGD
@@ -158,10 +158,10 @@ def _read_mask(path: Path, picture: Picture) -> np.ndarray:
     else:
         given = read_npy(path, most=MOST_BYTES, what=what)
         size = given.shape[::-1]
-    if size != picture.size:
+    if size != picture.size or given.dtype.kind not in "biuf":
         raise UserError(
-            f"{what} {shorten(path)} is of another size",
-            got=f"{' x '.join(map(str, size))}, beside an image of {' x '.join(map(str, picture.size))}",
+            f"{what} {shorten(path)} is of another size or kind",
+            got=f"{given.dtype}, {' x '.join(map(str, size))}, beside an image of {' x '.join(map(str, picture.size))}",
             do="Give a picture that is bright on the object, or .npy of one bool per pixel",
         )
     fitted = cv2.resize(

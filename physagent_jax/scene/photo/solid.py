@@ -79,7 +79,7 @@ def inflate(mask: np.ndarray) -> np.ndarray:
         (np.ones(len(row)), (row, column)), shape=(count, count)
     )
     square = np.zeros(padded.shape)
-    square[padded] = spsolve(matrix.tocsc(), np.full(count, ROUNDNESS))
+    square[padded] = np.asarray(spsolve(matrix.tocsc(), np.full(count, ROUNDNESS)))
     inner = square[1:-1, 1:-1]
     fitted = np.zeros(mask.shape)
     height = min(len(fitted), len(inner))

@@ -65,6 +65,7 @@ CLASSES = {
         FuzzClass("prompts", 360),
         FuzzClass("steps", 80),
         FuzzClass("pictures", 80),
+        FuzzClass("photos", 60),
         FuzzClass("commands", 240),
     )
 }
