@@ -30,6 +30,7 @@ from physagent_jax.scene.surfels import FLATNESS, OPAQUE, SH_DC
 
 FRONT = 30_000  # points that the camera sees at most
 RADIUS = 0.55  # standard deviation over the spacing of points
+LEAST_DEPTH = 1e-9  # in any unit; less is no depth, nor is more than its inverse
 MOST_RELIEF = 1.0  # of the mask's longer side, by which a depth that is given may reach to and fro
 
 
@@ -143,10 +144,9 @@ def _read_depth(path: Path, mask: np.ndarray) -> np.ndarray:
     depth = read_npy(path, most=MOST_BYTES, what="the image's depth")
     if depth.ndim != 2 or depth.dtype.kind != "f":
         raise UserError(f"{shorten(path)} is no depth of each pixel", got=f"{depth.dtype}, {depth.shape}")
-    fitted = np.asarray(
-        cv2.resize(depth.astype(np.float32), mask.shape[::-1], interpolation=cv2.INTER_NEAREST)
-    )
-    known = mask & np.isfinite(fitted) & (fitted > 0)
+    depth = np.where((depth > LEAST_DEPTH) & (depth < 1 / LEAST_DEPTH), depth, 0).astype(np.float32)
+    fitted = np.asarray(cv2.resize(depth, mask.shape[::-1], interpolation=cv2.INTER_NEAREST))
+    known = mask & (fitted > 0)
     if not known.any():
         raise UserError(
             "the image's depth says nothing of the object", do="Choose another estimator, or none"
