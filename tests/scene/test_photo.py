@@ -1,5 +1,6 @@
 """One photo as an object: cut out, lifted, seen again from its own camera."""
 
+import json
 import warnings
 
 import numpy as np
@@ -12,7 +13,16 @@ from physagent_jax.perception.backends import DEPTH_ESTIMATORS, SEGMENTERS
 from physagent_jax.perception.protocols import Depth, DepthEstimator, Masks, Segmenter
 from physagent_jax.run.resolve import resolve
 from physagent_jax.run.spec import RunSpec
-from physagent_jax.scene.config import CameraConfig, Photo, SceneConfig, Source
+from physagent_jax.scene.body import make_scene_body
+from physagent_jax.scene.config import (
+    CameraConfig,
+    Filling,
+    Photo,
+    SceneConfig,
+    Source,
+    dump_scene,
+    parse_scene,
+)
 from physagent_jax.scene.load import load_object
 from physagent_jax.scene.photo.lift import lift_photo
 from physagent_jax.scene.photo.solid import inflate
@@ -147,6 +157,23 @@ def test_a_photo_keeps_its_shape_within_the_video(loaded):
         assert not view.is_of(CameraConfig(**other)), "other cameras show the usual stage"
     camera = view.make_camera((1280, 720))
     assert (camera.width, camera.height) == (960, 720)
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_scene_file_replays_from_the_photo(folder, loaded):
+    source = loaded["ball"].source.model_copy(update=dict(path="ball.png"))
+    config = SceneConfig(source=source, filling=Filling(max_particles=500))
+    body = make_scene_body(parse_scene(json.loads(dump_scene(config))), folder)
+    assert (body.photo.lifted.plate == loaded["ball"].body.photo.lifted.plate).all()
+    np.testing.assert_array_equal(np.asarray(body.cloud.sh), np.asarray(loaded["ball"].body.cloud.sh))
+
+
+@pytest.mark.usefixtures("quick_plans")
+def test_a_photo_can_be_inspected(folder):
+    found = pa.inspect_object(folder / "ball.png")
+    assert found.up.axis == "+z" and found.up.known
+    assert any("made up" in note for note in found.notes)
+    assert "--image" in found.command and "--up" not in found.command
 
 
 def test_what_is_made_up_is_said(folder):
