@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import ndimage
 
+FEWEST = 16  # cells across the outline; in fewer, the front and the back of a thin object are one wall
 SINGLE = 0.93  # share of the columns that hold one wall
 BULGE = (
     0.15  # of the shorter side of the outline, by which the rim lies behind the most forward part at least
@@ -58,6 +59,8 @@ def _look(view: np.ndarray) -> np.ndarray | None:
     rim = outline & ~np.asarray(ndimage.binary_erosion(whole, iterations=2), bool)
     rows, columns = np.nonzero(outline)
     breadth = min(np.ptp(rows), np.ptp(columns)) + 1
+    if breadth < FEWEST:
+        return None
     most = np.quantile(depth[outline], STRAYS)
     last = (
         view.shape[0] - 1 - view[::-1].argmax(axis=0)

@@ -65,6 +65,11 @@ def test_a_flag_and_a_bent_leaf_stay_thin(recwarn):
     assert not recwarn.list
 
 
+def test_what_is_thin_on_the_grid_is_not_judged(recwarn):
+    fill(make_ball(lambda n: n[:, 1] < 0), Filling(cells=10), dx=DX)
+    assert not recwarn.list
+
+
 def test_whole_meshes_are_not_taken_for_one_sided_ones(recwarn, shared_data):
     domain = Domain(size=2.0, cells=64)
     for name, up in (("spot.obj", "+y"), ("bunny.obj", "+y")):
