@@ -45,7 +45,7 @@ def find_foreground(picture: Picture, photo: Photo, base_dir: Path) -> np.ndarra
         mask = _read_mask(base_dir / photo.mask_path, picture)
     else:
         mask = _drop_specks(_cut_out(picture.rgb, _scale_box(photo, picture)))
-    _check(mask)
+    _check(mask, picture.name)
     return mask
 
 
@@ -170,21 +170,17 @@ def _read_mask(path: Path, picture: Picture) -> np.ndarray:
     return np.asarray(fitted) > 0.5
 
 
-def _check(mask: np.ndarray) -> None:
+def _check(mask: np.ndarray, name: str) -> None:
     """Refuse a mask that shows no object that can be lifted."""
     count, help_it = int(mask.sum()), "Say where the object is by --image-box x0 y0 x1 y1 or --image-mask"
     if count == 0:
-        raise UserError(
-            "no object stands out in the image", got="no pixel that is not background", do=help_it
-        )
+        raise UserError(f"no object stands out in {name}", got="no pixel that is not background", do=help_it)
     if mask[0].any() and mask[-1].any() and mask[:, 0].any() and mask[:, -1].any():
         raise UserError(
-            "the object in the image touches all of its borders: its outline is not in the picture",
+            f"the object in {name} touches all of its borders: its outline is not in the picture",
             got=f"{mask.mean():.0%} of the image",
             do=f"{help_it}, or give a photo with room around it",
         )
     if count < max(FEWEST, LEAST * mask.size):
         got = f"{count} pixels of {mask.shape[1]} x {mask.shape[0]}"
-        raise UserError(
-            "the object in the image is too small to be lifted", got=got, do=f"{help_it}, or crop"
-        )
+        raise UserError(f"the object in {name} is too small to be lifted", got=got, do=f"{help_it}, or crop")

@@ -30,11 +30,13 @@ class Picture:
     Attributes:
         rgb: Its colours, uint8, shape (h, w, 3), the longer side at most `LONGEST`.
         size: Width and height of the file's picture, upright [px].
+        name: The file, for messages.
         focal: Focal length over the longer side, as EXIF data tell it; None = they do not.
     """
 
     rgb: np.ndarray
     size: tuple[int, int]
+    name: str
     focal: float | None
 
 
@@ -70,7 +72,9 @@ def read_picture(path: Path) -> Picture:
         shrunk = (max(round(side * LONGEST / max(size)), 1) for side in size)
         reduced = upright.resize((next(shrunk), next(shrunk)), Image.Resampling.LANCZOS)
     white = Image.new("RGBA", reduced.size, (255, 255, 255, 255))
-    return Picture(np.asarray(Image.alpha_composite(white, reduced).convert("RGB")), size, focal)
+    return Picture(
+        np.asarray(Image.alpha_composite(white, reduced).convert("RGB")), size, shorten(path), focal
+    )
 
 
 def _find_focal(picture) -> float | None:
