@@ -15,7 +15,10 @@ SEGMENTERS = Registry(
     {"rgbd": f"{_HERE}.rgbd:RgbdSegmenter", "colour": f"{_HERE}.colour:ColorSegmenter"},
 )
 DEPTH_ESTIMATORS = Registry("`perception.depth`", {"sensor": f"{_HERE}.depth_sensor:DepthSensor"})
-TRACKERS = Registry("`perception.tracker`", {"flow": f"{_HERE}.flow:FlowTracker"})
+TRACKERS = Registry(
+    "`perception.tracker`",
+    {"flow": f"{_HERE}.flow:FlowTracker", "gmflow": f"{_HERE}.gmflow:GmflowTracker"},
+)
 
 
 def make_backends(
