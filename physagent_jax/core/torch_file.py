@@ -60,7 +60,9 @@ def read_torch_file(path: str | Path, *, most: int) -> dict[str, np.ndarray]:
             raise UserError(f"the checkpoint {path} is refused: {error}", do=_CONVERT) from None
         except Exception as error:  # of a mutilated zip or pickle, whose readers raise a dozen kinds
             reason = str(error)[:120] or type(error).__name__
-            raise UserError(f"the checkpoint {path} is no file of `torch.save` ({reason})", do=_CONVERT) from None
+            raise UserError(
+                f"the checkpoint {path} is no file of `torch.save` ({reason})", do=_CONVERT
+            ) from None
     return tensors
 
 
@@ -111,7 +113,9 @@ class _Reader:
                 case "NONE" | "NEWTRUE" | "NEWFALSE":
                     stack.append({"NEWTRUE": True, "NEWFALSE": False}.get(opcode.name))
                 case "EMPTY_TUPLE" | "EMPTY_LIST" | "EMPTY_DICT":
-                    stack.append({"EMPTY_TUPLE": tuple, "EMPTY_LIST": list, "EMPTY_DICT": dict}[opcode.name]())
+                    stack.append(
+                        {"EMPTY_TUPLE": tuple, "EMPTY_LIST": list, "EMPTY_DICT": dict}[opcode.name]()
+                    )
                 case "MARK":
                     marks.append(len(stack))
                 case "TUPLE":

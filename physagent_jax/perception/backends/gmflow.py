@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import hashlib
 from functools import partial
 from pathlib import Path
@@ -47,7 +46,9 @@ class GmflowTracker(flow.FlowTracker):
     def __init__(self, weights: str, round_trip: float = 3.0):
         super().__init__(round_trip=round_trip)
         if not isinstance(weights, str):
-            raise UserError("`weights` of the tracker gmflow must be the path of a file", got=repr(weights)[:80])
+            raise UserError(
+                "`weights` of the tracker gmflow must be the path of a file", got=repr(weights)[:80]
+            )
         tensors = read_tensors(Path(weights))
         self._graph, self._weights = nnx.split(make_network(tensors))
         digest = hashlib.sha256()
@@ -77,7 +78,9 @@ class GmflowTracker(flow.FlowTracker):
                 found = (error < self.round_trip) & flow.find_inside(masks[t], moved)
                 tracks[t], good = moved, np.zeros(len(queries), bool)
                 for _ in range(2):  # the second time against a picture that is turned back by better points
-                    anchored = self._anchor_tracks(first, current, masks[0], tracks[0], tracks[t], found | good)
+                    anchored = self._anchor_tracks(
+                        first, current, masks[0], tracks[0], tracks[t], found | good
+                    )
                     good = np.isfinite(anchored[:, 0])
                     tracks[t] = np.where(good[:, None], anchored, moved)
                 seen = (found | good) & flow.find_inside(masks[t], tracks[t])
@@ -91,7 +94,12 @@ class GmflowTracker(flow.FlowTracker):
         return Tracks(tracks, sure > 0, sure)
 
     def _search(
-        self, shown: np.ndarray, frame: np.ndarray, window: np.ndarray, expected: np.ndarray, queries: np.ndarray
+        self,
+        shown: np.ndarray,
+        frame: np.ndarray,
+        window: np.ndarray,
+        expected: np.ndarray,
+        queries: np.ndarray,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Positions of ``queries`` in ``frame`` [px], shape (N, 2), and the error of the way back, shape (N,)."""
         seen = _look_through(frame, _chain(expected, window))

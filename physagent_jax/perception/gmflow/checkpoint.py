@@ -24,7 +24,9 @@ from physagent_jax.perception.gmflow.network import Gmflow, GmflowConfig
 MOST_BYTES = 512 * MIB  # the published ones have 18
 _LEAVES = {"kernel": "weight", "scale": "weight"}
 _AXES = {2: (1, 0), 4: (2, 3, 1, 0)}  # of a kernel in the file: torch keeps outputs first, and pixels last
-_OTHER = "Give a checkpoint of GMFlow (Xu et al. 2022), with refinement or without, not of GMFlow+ or UniMatch"
+_OTHER = (
+    "Give a checkpoint of GMFlow (Xu et al. 2022), with refinement or without, not of GMFlow+ or UniMatch"
+)
 
 
 def read_tensors(path: Path) -> dict[str, np.ndarray]:
@@ -55,7 +57,9 @@ def read_config(tensors: Mapping[str, np.ndarray]) -> GmflowConfig:
         ("mixtures", "upsampler.2.weight"),
     ):
         if name not in tensors or tensors[name].ndim < 2 or not tensors[name].size:
-            raise UserError("these weights are of another network than GMFlow: one is missing", got=name, do=_OTHER)
+            raise UserError(
+                "these weights are of another network than GMFlow: one is missing", got=name, do=_OTHER
+            )
         sizes[what] = tensors[name].shape[0]
     blocks = {name.split(".")[2] for name in tensors if name.startswith("transformer.layers.")}
     return GmflowConfig(
@@ -88,9 +92,13 @@ def make_network(tensors: Mapping[str, np.ndarray]) -> Gmflow:
         if leaf == "kernel" and values.ndim in _AXES:
             values = values.transpose(_AXES[values.ndim])
         if values.shape != wanted.shape:
-            raise UserError(f"`{name}` must have the shape {wanted.shape} as GMFlow has", got=values.shape, do=_OTHER)
+            raise UserError(
+                f"`{name}` must have the shape {wanted.shape} as GMFlow has", got=values.shape, do=_OTHER
+            )
         made[path] = wanted.replace(jnp.asarray(values))
         names.add(name)
     if others := sorted(set(tensors) - names):
-        raise UserError("the checkpoint has weights that are not of GMFlow", got=", ".join(others[:3]), do=_OTHER)
+        raise UserError(
+            "the checkpoint has weights that are not of GMFlow", got=", ".join(others[:3]), do=_OTHER
+        )
     return nnx.merge(graph, nnx.from_flat_state(made))

@@ -62,7 +62,9 @@ def mask_shifted(height: int, width: int, splits: int) -> np.ndarray:
     return np.where(cells[:, :, None] == cells[:, None, :], 0.0, -100.0).astype(np.float32)
 
 
-def attend(queries: jax.Array, keys: jax.Array, values: jax.Array, mask: jax.Array | None = None) -> jax.Array:
+def attend(
+    queries: jax.Array, keys: jax.Array, values: jax.Array, mask: jax.Array | None = None
+) -> jax.Array:
     """Softmax attention with one head, over the last but one axis."""
     scores = queries @ keys.mT / math.sqrt(queries.shape[-1])
     return jax.nn.softmax(scores if mask is None else scores + mask) @ values
@@ -100,7 +102,9 @@ def match_globally(first: jax.Array, second: jax.Array) -> jax.Array:
         Flow [cells] from ``first`` to ``second``, then from ``second`` to ``first``; shape (2 batch, height, width, 2).
     """
     batch, height, width, channels = first.shape
-    likeness = first.reshape(batch, -1, channels) @ second.reshape(batch, -1, channels).mT / math.sqrt(channels)
+    likeness = (
+        first.reshape(batch, -1, channels) @ second.reshape(batch, -1, channels).mT / math.sqrt(channels)
+    )
     grid = make_grid(height, width)
     shares = jax.nn.softmax(jnp.concatenate([likeness, likeness.mT]))
     return (shares @ grid.reshape(-1, 2)).reshape(-1, height, width, 2) - grid
@@ -167,9 +171,7 @@ def warp(features: jax.Array, flow: jax.Array) -> jax.Array:
         x, y = (low[..., 0] + dx).astype(int), (low[..., 1] + dy).astype(int)
         weight = (share[..., 0] if dx else 1 - share[..., 0]) * (share[..., 1] if dy else 1 - share[..., 1])
         weight = jnp.where((x >= 0) & (x < width) & (y >= 0) & (y < height), weight, 0.0)
-        taken = jax.vmap(lambda each, y, x: each[y, x])(
-            features, y.clip(0, height - 1), x.clip(0, width - 1)
-        )
+        taken = jax.vmap(lambda each, y, x: each[y, x])(features, y.clip(0, height - 1), x.clip(0, width - 1))
         total += weight[..., None] * taken
     return total
 

@@ -62,9 +62,7 @@ class GmflowConfig:
     @property
     def multiple(self) -> int:
         """Sides of pictures must be multiples of this [px]: whole windows at each scale."""
-        return max(
-            SCALES[k].splits * self.factor * 2 ** (self.scales - 1 - k) for k in range(self.scales)
-        )
+        return max(SCALES[k].splits * self.factor * 2 ** (self.scales - 1 - k) for k in range(self.scales))
 
 
 def _normalise(features: jax.Array) -> jax.Array:
