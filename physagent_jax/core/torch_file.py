@@ -1,7 +1,7 @@
 """Tensors of a file that `torch.save` wrote, read without torch and without running anything that the file says.
 
-Such a file is a zip archive: a pickle that names tensors, and one stored entry of numbers for each. A pickle is a program.
-This reader has a few of its instructions, which make tensors and containers of them, and refuses every other.
+Such a file is a zip archive: a pickle that names tensors, and one stored entry of numbers for each. A pickle is a
+program. This reader has a few of its instructions, which make tensors and containers of them, and refuses every other.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ class _Reader:
             raise _Refusal("its numbers have their highest byte first")
 
     def read(self) -> Any:
-        """What the pickle makes."""
+        """Run the pickle and return the result."""
         stack: list[Any] = []
         marks: list[int] = []
         memo: dict[int, Any] = {}

@@ -10,6 +10,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.torch_file import read_torch_file
 
 VALUES = np.arange(24, dtype=np.float32)
+DATA = VALUES.tobytes()
 
 
 def text(value):
@@ -44,7 +45,7 @@ def entries(**items):
     return b"}(" + b"".join(text(name) + value for name, value in items.items()) + b"u"
 
 
-def pack(path, body, data=VALUES.tobytes(), *, compression=zipfile.ZIP_STORED, **more):
+def pack(path, body, data=DATA, *, compression=zipfile.ZIP_STORED, **more):
     with zipfile.ZipFile(path, "w", compression) as archive:
         archive.writestr("archive/data.pkl", b"\x80\x02" + body + b".")
         archive.writestr("archive/data/0", data)

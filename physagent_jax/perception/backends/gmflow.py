@@ -126,7 +126,7 @@ def _frame(mask: np.ndarray) -> np.ndarray:
 
 
 def _look_through(picture: np.ndarray, window: np.ndarray) -> np.ndarray:
-    """What lies in a window, as `_frame` makes it, shape (_SIDE, _SIDE, 3)."""
+    """The part of a picture that lies in a window of `_frame`, shape (_SIDE, _SIDE, 3)."""
     step = np.sqrt(abs(np.linalg.det(window[:, :2])))
     if step > 1.5:  # fine texture would flicker
         picture = cv2.GaussianBlur(picture, None, 0.5 * step)

@@ -1,4 +1,7 @@
-"""Steps of GMFlow that have no weights: places, windows, matching, and looking up flow. Arrays have their channels last."""
+"""Steps of GMFlow that have no weights: places, windows, matching, and looking up flow.
+
+Arrays have their channels last.
+"""
 
 from __future__ import annotations
 
@@ -46,7 +49,7 @@ def merge(windows: jax.Array, splits: int) -> jax.Array:
 
 
 def mask_shifted(height: int, width: int, splits: int) -> np.ndarray:
-    """What keeps apart cells of shifted windows that do not touch in the picture: 0, or -100 between two such cells.
+    """The mask that keeps apart cells of shifted windows that do not touch in the picture: 0, or -100 between these.
 
     Returns:
         To be added to scores, shape (splits^2, cells of a window, cells of a window).
@@ -76,7 +79,9 @@ def attend_in_windows(
     """Attention of each cell to those of its window, shape (batch, height, width, channels).
 
     Args:
-        queries, keys, values: Shape (batch, height, width, channels).
+        queries: Features of the cells that ask, shape (batch, height, width, channels).
+        keys: Features of the cells that are asked.
+        values: Features that these tell.
         splits: Windows along a side.
         shifted: Whether the windows lie half a window further.
     """
@@ -96,7 +101,8 @@ def match_globally(first: jax.Array, second: jax.Array) -> jax.Array:
     """Flow by the mean place of all cells of the other picture, weighted by likeness, both ways.
 
     Args:
-        first, second: Features, shape (batch, height, width, channels).
+        first: Features, shape (batch, height, width, channels).
+        second: Those of the other picture.
 
     Returns:
         Flow [cells] from ``first`` to ``second``, then from ``second`` to ``first``; shape (2 batch, height, width, 2).
@@ -114,7 +120,8 @@ def match_nearby(first: jax.Array, second: jax.Array, radius: int) -> jax.Array:
     """Flow by the mean place of the cells within ``radius``, weighted by likeness; the picture's alone count.
 
     Args:
-        first, second: Features, shape (batch, height, width, channels).
+        first: Features, shape (batch, height, width, channels).
+        second: Those of the other picture.
         radius: Half side of the square that is searched [cells].
 
     Returns:
@@ -132,7 +139,8 @@ def spread_nearby(queries: jax.Array, keys: jax.Array, flow: jax.Array, radius: 
     """Flow as a mean of the neighbours' flow, weighted by likeness; beyond the picture all is 0, and counts.
 
     Args:
-        queries, keys: Features, shape (batch, height, width, channels).
+        queries: Features of each cell, shape (batch, height, width, channels).
+        keys: Features by which its neighbours are judged.
         flow: Shape (batch, height, width, 2).
         radius: Half side of the neighbourhood [cells].
     """
@@ -148,7 +156,7 @@ def look_around(height: int, width: int, radius: int) -> jax.Array:
 
 
 def _map_around(values: jax.Array, radius: int, look) -> jax.Array:
-    """What ``look`` says of ``values`` moved by each step of `look_around`, stacked in front; 0 comes in at the edges."""
+    """Stack what ``look`` says of ``values`` moved by each step of `look_around`; 0 comes in at the edges."""
     _, height, width, _ = values.shape
     wide = jnp.pad(values, ((0, 0), (radius, radius), (radius, radius), (0, 0)))
     side = 2 * radius + 1
@@ -191,7 +199,7 @@ def blend_up(flow: jax.Array, scores: jax.Array, factor: int) -> jax.Array:
 
     Args:
         flow: [cells], shape (batch, height, width, 2).
-        scores: Of the nine cells for each pixel of a cell, shape (batch, height, width, 9 factor^2).
+        scores: Scores of the nine cells for each pixel of a cell, shape (batch, height, width, 9 factor^2).
         factor: Pixels along a cell's side.
 
     Returns:

@@ -1,7 +1,7 @@
 """GMFlow in Flax NNX: a convolutional encoder, a transformer that compares both pictures, and matching by likeness.
 
-Attributes are called as in the published checkpoints, so that a parameter's path is its name in the file (`checkpoint`).
-Pictures have their channels last. Flow is found both ways at once, as the features are the same.
+Attributes are called as in the published checkpoints, so that a parameter's path is its name in the file
+(`checkpoint`). Pictures have their channels last. Flow is found both ways at once, as the features are the same.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ WIDTHS = (64, 96, 128)
 """Channels of the encoder's levels."""
 
 _MEAN, _DEVIATION = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
-"""Of the colours of the pictures that it was trained with."""
+"""Mean and standard deviation of the colours of the pictures that published networks are shown first."""
 
 
 @dataclasses.dataclass(frozen=True)
 class Scale:
-    """How one resolution is searched.
+    """The search at one resolution.
 
     Attributes:
         splits: Windows of the transformer along a side.
@@ -210,7 +210,8 @@ class Gmflow(nnx.Module):
         """Flow from ``first`` to ``second`` and back [px], shape (batch, height, width, 2) each.
 
         Args:
-            first, second: Colours in [0, 1], shape (batch, height, width, 3), sides multiples of `config.multiple`.
+            first: Colours in [0, 1], shape (batch, height, width, 3), sides multiples of `config.multiple`.
+            second: The other picture.
         """
         pictures = (jnp.concatenate([first, second]) - jnp.asarray(_MEAN)) / jnp.asarray(_DEVIATION)
         flow = None
