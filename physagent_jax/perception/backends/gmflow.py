@@ -40,10 +40,12 @@ class GmflowTracker(flow.FlowTracker):
         round_trip: Largest forward-backward error of the network's flow [its pixels: the object has about 150].
 
     Raises:
-        UserError: There are no weights, or they are of another network.
+        UserError: There are no weights, they are of another network, or ``round_trip`` is no length.
     """
 
     def __init__(self, weights: str, round_trip: float = 3.0):
+        if isinstance(round_trip, bool) or not isinstance(round_trip, (int, float)) or not round_trip > 0:
+            raise UserError("`round_trip` of the tracker gmflow must be above 0", got=repr(round_trip)[:80])
         super().__init__(round_trip=round_trip)
         if not isinstance(weights, str):
             raise UserError(
