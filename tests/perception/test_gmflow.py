@@ -148,7 +148,7 @@ def test_what_the_way_back_does_not_confirm_is_invisible(tiny, monkeypatch):
 
     monkeypatch.setattr(gmflow, "_match", match)
     monkeypatch.setattr(gmflow, "_SIDE", 96)
-    frames, masks, maps = draw_turning(3, 30.0)
+    frames, masks, maps = draw_turning(3, 40.0)
     _, visible, sure = follow(gmflow.GmflowTracker(str(tiny)), frames, masks, maps)
     assert visible[0].all() and not visible[1:].any() and not sure[1:].any()
 
@@ -196,5 +196,5 @@ def test_files_that_are_missing_or_no_checkpoint_are_refused(tmp_path):
             gmflow.GmflowTracker(str(tmp_path / weights))
     with pytest.raises(UserError, match="must be the path of a file"):
         gmflow.GmflowTracker(7)  # type: ignore[arg-type]
-    with pytest.raises(UserError, match="`round_trip` of the tracker gmflow must be above 0"):
-        gmflow.GmflowTracker("absent.pth", round_trip=-1.0)
+    with pytest.raises(UserError, match="`search_round_trip` of the tracker gmflow must be above 0"):
+        gmflow.GmflowTracker("absent.pth", search_round_trip=-1.0)
