@@ -60,7 +60,7 @@ def test_a_random_network_says_what_the_published_code_says(name):
 
 @pytest.mark.slow
 def test_the_published_weights_say_what_the_published_code_says(checkpoint):
-    """Where several places are alike, single precision decides: the published code too is 0.01 px off its double."""
+    """The same numbers, but where places are alike: there single precision decides, in the published code too."""
     network = make_network(read_tensors(Path(checkpoint)))
     assert network.config.multiple == 32
     for seed, expected in enumerate(EXPECTED["checkpoint"]):
