@@ -94,7 +94,7 @@ class _Reader:
         """Run the pickle and return the result."""
         stack: list[Any] = []
         marks: list[int] = []
-        memo: dict[int, Any] = {}
+        memo: dict[Any, Any] = {}
 
         def pop_marked() -> list[Any]:
             start = marks.pop()

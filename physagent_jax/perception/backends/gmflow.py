@@ -171,7 +171,7 @@ def _look_through(picture: np.ndarray, window: np.ndarray, size: tuple[int, int]
     """The part of a picture that lies in a window of `_frame`, shape (_SIDE, _SIDE, 3)."""
     step = float(np.sqrt(abs(np.linalg.det(window[:, :2]))))
     if step > 1.5:  # fine texture would flicker
-        picture = cv2.GaussianBlur(picture, None, 0.5 * step)
+        picture = cv2.GaussianBlur(picture, (0, 0), 0.5 * step)
     indices = window.copy()  # of pixels, whose centres are at +0.5
     indices[:, 2] += window[:, :2] @ (0.5, 0.5) - 0.5
     how = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP

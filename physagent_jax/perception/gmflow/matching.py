@@ -6,6 +6,7 @@ Arrays have their channels last.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -34,7 +35,7 @@ def encode_places(height: int, width: int, channels: int) -> np.ndarray:
     return np.concatenate([down, along], -1).astype(np.float32)
 
 
-def split(features: jax.Array, splits: int) -> jax.Array:
+def split(features: Any, splits: int) -> Any:
     """Cut pictures into ``splits`` x ``splits`` windows, shape (batch * splits^2, h, w, channels)."""
     batch, height, width, channels = features.shape
     cut = features.reshape(batch, splits, height // splits, splits, width // splits, channels)
@@ -88,11 +89,12 @@ def attend_in_windows(
     batch, height, width, channels = queries.shape
     shift = (height // splits // 2, width // splits // 2) if shifted else (0, 0)
     back = (-shift[0], -shift[1])
-    cut = [
+    asking, asked, telling = (
         split(jnp.roll(each, back, (1, 2)), splits).reshape(batch, splits**2, -1, channels)
         for each in (queries, keys, values)
-    ]
-    told = attend(*cut, jnp.asarray(mask_shifted(height, width, splits)) if shifted else None)
+    )
+    mask = jnp.asarray(mask_shifted(height, width, splits)) if shifted else None
+    told = attend(asking, asked, telling, mask)
     window = (height // splits, width // splits)
     return jnp.roll(merge(told.reshape(-1, *window, channels), splits), shift, (1, 2))
 

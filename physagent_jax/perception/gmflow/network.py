@@ -97,10 +97,10 @@ class Encoder(nnx.Module):
     def __init__(self, config: GmflowConfig, rngs: nnx.Rngs):
         self.conv1 = nnx.Conv(3, WIDTHS[0], (7, 7), 2, padding=3, use_bias=False, rngs=rngs)
         strides = (1, 2, 2 if config.scales == 1 else 1)
-        taken = (WIDTHS[0], *WIDTHS)
-        for k, (given, stride) in enumerate(zip(WIDTHS, strides)):
-            blocks = [Residual(taken[k], given, stride, rngs), Residual(given, given, 1, rngs)]
-            setattr(self, f"layer{k + 1}", nnx.List(blocks))
+        self.layer1, self.layer2, self.layer3 = (
+            nnx.List([Residual(taken, given, stride, rngs), Residual(given, given, 1, rngs)])
+            for taken, given, stride in zip((WIDTHS[0], *WIDTHS), WIDTHS, strides)
+        )
         self.conv2 = nnx.Conv(WIDTHS[-1], config.channels, (1, 1), rngs=rngs)
         if config.scales > 1:  # the same weights at each scale
             size = (config.channels, config.channels, (3, 3))
@@ -214,7 +214,7 @@ class Gmflow(nnx.Module):
             second: The other picture.
         """
         pictures = (jnp.concatenate([first, second]) - jnp.asarray(_MEAN)) / jnp.asarray(_DEVIATION)
-        flow = None
+        flow = here = None
         for features, scale in zip(self.backbone(pictures), SCALES):
             here, there = jnp.split(features, 2)
             if flow is not None:
@@ -232,6 +232,7 @@ class Gmflow(nnx.Module):
                 assert scale.search is not None
                 flow = flow + matching.match_nearby(here, there, scale.search)
             flow = self.feature_flow_attn(here, flow, scale.spread)
+        assert flow is not None and here is not None
         hidden = jax.nn.relu(self.upsampler["0"](jnp.concatenate([flow, here], -1)))
         fine = matching.blend_up(flow, self.upsampler["2"](hidden), self.config.factor)
         there_and_back = jnp.split(fine, 2)
