@@ -46,6 +46,7 @@ OPTIONS = {
     "agents.semantic.options.form": "--form",
     "agents.planner.name": "--planner",
     "agents.executor.name": "--executor",
+    "perception": "--perception",
     "rounds": "--max-iterations",
     "probe": "--probe",
     "seed": "--seed",

@@ -107,6 +107,9 @@ class Run:
     """Agent that judges the motion; chat: a model; both: a success needs rules and model."""
     executor: Literal["rules", "chat"] = "rules"
     """Agent that rewrites the force field; chat: a model, inside the hard rules."""
+    perception: str = "rgbd"
+    """Backends that measure the pictures; rgbd: with the renderer's depth channel, as a depth camera has; rgb: from
+    pictures alone. Backends by name follow, as in rgb,tracker=NAME (roles: segmenter, depth, tracker)."""
     llm: str | None = None
     """The language model: http://HOST:PORT/v1 of a server, a GGUF file, or a folder with a model. A key comes from the
     environment alone."""

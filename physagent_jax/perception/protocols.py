@@ -160,13 +160,49 @@ class Depth:
             ``scale_known``, else in a unit that is the same in all frames.
         scale_known: Whether the unit is a metre. Lengths in body lengths do not depend on it.
         uncertainty: Standard deviation in the unit of ``z``, shape (T, H, W); None = not told.
+        relief_known: Whether the form of the surface is seen. If not, ``z`` is a form that fits the outline, and turns
+            out of the picture plane and stretch along the line of sight are not observable.
+        drift: Standard deviation of the object's distance against that in frame 0, in the unit of ``z``, shape (T,);
+            None = as small as that of ``z`` is.
         notes: What weakened it, a sentence each, for the report.
     """
 
     z: np.ndarray
     scale_known: bool = True
     uncertainty: np.ndarray | None = None
+    relief_known: bool = True
+    drift: np.ndarray | None = None
     notes: tuple[str, ...] = ()
+
+
+@dataclasses.dataclass(frozen=True)
+class Setting:
+    """The facts of a scene that are known beside its camera.
+
+    Attributes:
+        up: World up, unit vector, shape (3,).
+        ground: Height along ``up`` of the ground that the object touches in frame 0 [m]; None = it touches none.
+        length: Nominal length of the object's longest side [m]; None = unknown.
+    """
+
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    ground: float | None = None
+    length: float | None = None
+
+
+@dataclasses.dataclass(frozen=True)
+class Cues:
+    """The cues to distance beside the pixels' colours.
+
+    Attributes:
+        masks: The object, bool, shape (T, H, W).
+        clip: Follows points.
+        setting: Facts of the scene.
+    """
+
+    masks: np.ndarray
+    clip: EncodedClip
+    setting: Setting
 
 
 class DepthEstimator(Backend, Protocol):
@@ -178,14 +214,27 @@ class DepthEstimator(Backend, Protocol):
     spread over flipped or rescaled pictures can stand for it.
     """
 
-    def estimate(self, frames: np.ndarray, camera: Camera, measured: np.ndarray | None) -> Depth:
-        """Depth of every pixel.
+    @property
+    def takes_measured(self) -> bool:
+        """Return whether it uses a measured channel: without, `perceive` passes none, to no other backend either."""
+        return False
+
+    @property
+    def takes_cues(self) -> bool:
+        """Return whether it needs the object's outline and tracks: `perceive` then segments first, without depth."""
+        return False
+
+    def estimate(
+        self, frames: np.ndarray, camera: Camera, measured: np.ndarray | None, cues: Cues | None = None
+    ) -> Depth:
+        """Depth of every pixel. An estimator that does not take cues may leave that argument out.
 
         Args:
             frames: Pictures, uint8, shape (T, H, W, 3).
             camera: Where they were taken from.
             measured: z-depth that a camera measured [m], nan or 0 where there is no surface, shape (T, H, W); None =
                 the camera has no such channel.
+            cues: Outline, tracks and facts of the scene.
 
         Raises:
             UserError: It needs a measured channel and there is none.

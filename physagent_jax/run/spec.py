@@ -245,6 +245,9 @@ class PromptChoice(Strict):
 class PerceptionChoice(Strict):
     """The choice of backends: segmenter, depth estimator, tracker.
 
+    Also given as text: "rgbd", with a depth channel; "rgb", from pictures alone; or what differs from one of them, as
+    in "rgb,tracker=NAME".
+
     Attributes:
         segmenter, depth, tracker: By name.
         prompt: Which object is meant; None = the one that stands out, if the segmenter has to be told.
@@ -254,6 +257,11 @@ class PerceptionChoice(Strict):
     depth: Implementation = Implementation(name="sensor")
     tracker: Implementation = Implementation(name="flow")
     prompt: PromptChoice | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_text(cls, value: Any) -> Any:
+        return backends.parse_choice(value) if isinstance(value, str) else value
 
     @model_validator(mode="after")
     def _check_known(self) -> PerceptionChoice:
