@@ -15,7 +15,7 @@ from physagent_jax.perception.schema import MotionReport
 from physagent_jax.perception.uncertainty import NINETY
 
 TOUCHING = 0.02
-"""What comes so near to the floor touches it [m]."""
+"""Distance from the floor within which an object touches it [m]."""
 SEEN_SHIFT, SEEN_TURN = 0.1, 10.0
 """Directions are compared from these on [body lengths], [deg]."""
 

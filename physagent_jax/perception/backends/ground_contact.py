@@ -28,8 +28,7 @@ AGREE = 3.0
 """The two cues agree within so many standard deviations: the object then touches the ground."""
 FOOT = 0.1
 """Share of the outline's height at its lower end whose width tells the depth of the foot."""
-_NOTE = "Distance is told by the contact with the ground and by apparent size; the form is assumed from the outline."
-_BY_SIZE = "Distance is told by apparent size; the form is assumed from the outline."
+_NOTE = "No depth is measured: distance is told by {}apparent size, and the form is assumed from the outline."
 
 
 @dataclasses.dataclass(frozen=True)
@@ -65,9 +64,9 @@ class GroundContact(DepthEstimator):
         if setting.ground is not None:
             contact, noise = _measure_contact(masks, camera, setting.up, setting.ground)
         longest = max(cv2.boundingRect(masks[0].astype(np.uint8))[2:]) / focal
-        first = float(contact[0])
+        first, source = float(contact[0]), "the contact with the ground"
         if not np.isfinite(first):
-            first = (setting.length or 1.0) / longest
+            first, source = (setting.length or 1.0) / longest, "its nominal length" if setting.length else ""
         low, high = _measure_scales(frames, masks, camera, cues.clip)
         front = first * (1 - FRONT * float(rounded[0].max()))  # what is tracked lies in front of the outline
         near, far = first + front * (1 / high - 1), first + front * (1 / low - 1)
@@ -78,11 +77,11 @@ class GroundContact(DepthEstimator):
         spread = np.hypot(spread, drift)[:, None, None]
         return Depth(
             z,
-            scale_known=bool(np.isfinite(contact[0])) or setting.length is not None,
+            scale_known=bool(source),
             uncertainty=np.where(known, spread, nothing).astype(np.float32),
             relief_known=False,
             drift=drift,
-            notes=(_NOTE if np.isfinite(contact[0]) else _BY_SIZE,),
+            notes=(_NOTE.format(f"{source} and " if source else ""),),
         )
 
 
@@ -103,11 +102,11 @@ def _measure_contact(
     falls, found = -(cast_rays(camera) @ np.asarray(up)), np.full((2, len(masks)), np.nan)
     above, focal = camera.center @ np.asarray(up) - height, float(np.asarray(camera.K)[0, 0])
     with np.errstate(divide="ignore"):
-        ground = np.where(falls * above > 0, above / falls, np.inf)
+        ground = np.where(falls * above > 0, above / falls, np.nan)
     slope = np.abs(np.diff(ground, axis=0, append=ground[-1:]))
     for t, mask in enumerate(masks):
         y, x = np.nonzero(mask & np.isfinite(ground + slope))
-        if not len(y):
+        if not len(y) or mask[-1].any():  # its foot is below the picture
             continue
         lowest = np.argsort(ground[y, x], kind="stable")[len(y) // 2000]
         foot = y >= y.max() - FOOT * (np.ptp(y) + 1)
