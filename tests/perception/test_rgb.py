@@ -82,7 +82,8 @@ def test_an_approach_is_observed_on_the_ground_and_not_in_the_air():
     assert not whole.displacement_view_axis_observable and BY_SIZE in whole.unobservable.values()
     assert "translates 0.1" in floating.text  # upwards in the picture, as the camera looks down
     assert BY_SIZE in floating.text
-    assert floating.uncertainty.along * floating.object_size > 0.5
+    along = 0.5 * clip.camera.forward[1] / np.ptp(clip.particles[0], axis=0).max()
+    assert floating.uncertainty.along > along
 
 
 def test_a_turn_out_of_the_picture_plane_is_not_observable_and_one_in_it_is():
