@@ -185,7 +185,7 @@ class Setting:
         length: Nominal length of the object's longest side [m]; None = unknown.
     """
 
-    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    up: np.ndarray
     ground: float | None = None
     length: float | None = None
 

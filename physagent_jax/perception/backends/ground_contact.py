@@ -93,14 +93,14 @@ def _round_front(mask: np.ndarray) -> np.ndarray:
 
 
 def _measure_contact(
-    masks: np.ndarray, camera: Camera, up: tuple[float, float, float], height: float
+    masks: np.ndarray, camera: Camera, up: np.ndarray, height: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """z-depth of the foot if it touches the ground, and its standard deviation [m], each (T,); nan if not to be seen.
 
     What floats shows it too far away: its lowest point hides ground that lies behind it.
     """
-    falls, found = -(cast_rays(camera) @ np.asarray(up)), np.full((2, len(masks)), np.nan)
-    above, focal = camera.center @ np.asarray(up) - height, float(np.asarray(camera.K)[0, 0])
+    falls, found = -(cast_rays(camera) @ up), np.full((2, len(masks)), np.nan)
+    above, focal = camera.center @ up - height, float(np.asarray(camera.K)[0, 0])
     with np.errstate(divide="ignore"):
         ground = np.where(falls * above > 0, above / falls, np.nan)
     slope = np.abs(np.diff(ground, axis=0, append=ground[-1:]))
