@@ -18,8 +18,8 @@ OFF_MIDDLE = 0.03
 """Error of the middle across the view, which a turn makes a shift [body lengths]."""
 HIDDEN = 0.07
 """Error of the middle along the view, where a side is hidden [body lengths]."""
-ASSUMED_SHIFT = 0.06
-"""Error of a shift by a form that is thicker or thinner than assumed, and of the middle by a turn [1]."""
+ASSUMED_SHIFT, ASSUMED_MIDDLE = 0.06, 0.18
+"""Error of a shift by a form that is thicker or thinner than assumed, and of the middle by its turn [body lengths]."""
 ASSUMED_TILT, ASSUMED_STRETCH = 8.0, 0.04
 """Turn out of the picture plane that an assumed form may hide [deg], and what it does to lengths [1]."""
 
@@ -69,10 +69,11 @@ def estimate_uncertainty(
     displacement = 0.008 + blur + 0.015 * hard.travel + 0.3 * hard.residual
     displacement += float(np.hypot(OFF_MIDDLE * 2 * np.sin(min(angle, np.pi) / 2), HIDDEN * tilt))
     if hard.assumed:
-        displacement += ASSUMED_SHIFT * (hard.travel + tilt)
+        displacement += ASSUMED_SHIFT * hard.travel + ASSUMED_MIDDLE * tilt
+    along = None if hard.drift is None else float(np.hypot(hard.drift, displacement))
     if not known:
         return Uncertainty(
-            displacement=displacement, along=hard.drift, frequency=_estimate_frequency(swing, frame_dt)
+            displacement=displacement, along=along, frequency=_estimate_frequency(swing, frame_dt)
         )
     rotation = 0.7 + np.degrees(2 * blur + 0.5 * hard.residual) + 0.12 * hard.turn + 0.3 * hard.links
     if hard.assumed:
@@ -82,7 +83,7 @@ def estimate_uncertainty(
     stretch = turning + max(0.02 + 2 * blur + hard.residual + 0.12 * tilt, hard.disagreement)
     return Uncertainty(
         displacement=displacement,
-        along=hard.drift,
+        along=along,
         rotation=rotation,
         axis=min(axis, 90.0),
         stretch=stretch,
