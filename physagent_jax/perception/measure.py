@@ -147,6 +147,7 @@ def perceive(
         spans,
         quality,
         threshold=max(VISIBLE, pixel),
+        blind=None if estimate.relief_known else camera.forward.astype(float),
     )
     turns = frames.rotation_from(0, len(rgb) - 1)
     assert frames.lengths is not None
@@ -255,9 +256,27 @@ def _segment(
 
 
 def _make_report(
-    frames: Frames, rest: np.ndarray, frame_dt, spans, quality, *, threshold: float
+    frames: Frames,
+    rest: np.ndarray,
+    frame_dt,
+    spans,
+    quality,
+    *,
+    threshold: float,
+    blind: np.ndarray | None = None,
 ) -> MotionReport:
-    """The report without its text; ``rest`` are surface points of frame 0 [m], shape (n, 3)."""
+    """The report without its text.
+
+    Args:
+        frames: Measures per frame.
+        rest: Surface points of frame 0 [m], shape (n, 3).
+        frame_dt: Seconds per frame [s].
+        spans: Windows.
+        quality: Confidence figures.
+        threshold: Least motion that is seen [body lengths].
+        blind: Line of sight along which no swing is told from noise, shape (3,); None = depth is measured.
+    """
+    path = frames.centroid if blind is None else frames.centroid - np.outer(frames.centroid @ blind, blind)
     turn = frames.rotation_from(0, len(frames.centroid) - 1)
     begun = timing.find_onset(_measure_distances(frames, rest, 0), threshold)
     volume = [frames.volume(t) for t in range(len(turn))]
@@ -273,7 +292,7 @@ def _make_report(
         rotation=tuple(None if v is None else tuple(np.degrees(v).tolist()) for v in turn),
         stretch=tuple(_to_matrix(frames.stretch_from(0, t)) for t in range(len(turn))),
         box=_measure_boxes(frames),
-        oscillation=timing.find_oscillation(frames.centroid, frame_dt, threshold + quality.fit_residual),
+        oscillation=timing.find_oscillation(path, frame_dt, threshold + quality.fit_residual),
         onset_frame=begun,
         settle_frame=timing.find_settling(_measure_distances(frames, rest, -1), threshold),
         quality=quality,

@@ -18,7 +18,7 @@ OFF_MIDDLE = 0.03
 """Error of the middle across the view, which a turn makes a shift [body lengths]."""
 HIDDEN = 0.07
 """Error of the middle along the view, where a side is hidden [body lengths]."""
-ASSUMED_SHIFT, ASSUMED_MIDDLE = 0.06, 0.18
+ASSUMED_SHIFT, ASSUMED_MIDDLE = 0.06, 0.28
 """Error of a shift by a form that is thicker or thinner than assumed, and of the middle by its turn [body lengths]."""
 ASSUMED_TILT, ASSUMED_STRETCH = 8.0, 0.04
 """Turn out of the picture plane that an assumed form may hide [deg], and what it does to lengths [1]."""
