@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from physagent_jax.cli.options import OPTIONS
 from physagent_jax.core.errors import UserError
 from physagent_jax.perception.backends import make_backends, parse_choice
 from physagent_jax.perception.measure import perceive
@@ -108,7 +107,6 @@ def test_a_choice_is_a_preset_and_what_differs_from_it():
     names = {role: getattr(spec.perception, role).name for role in ("segmenter", "depth", "tracker")}
     assert names == {"segmenter": "rgbd", "depth": "ground_contact", "tracker": "flow"}
     assert PerceptionChoice.model_validate("rgbd") == PerceptionChoice()
-    assert OPTIONS["perception"] == "--perception"
     for text in ("rgb+", "rgb,eyes=flow", "rgb,depth=guess"):
         with pytest.raises(ValueError, match="is not known"):
             PerceptionChoice.model_validate(text)
