@@ -15,8 +15,8 @@ from physagent_jax.perception import extents, fit, follow, lift, timing, uncerta
 from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.backends.colour import ColorSegmenter, find_border_colour, remove_specks
 from physagent_jax.perception.backends.depth_sensor import DepthSensor
-from physagent_jax.perception.backends.ground_contact import GroundContact
 from physagent_jax.perception.backends.flow import FlowTracker
+from physagent_jax.perception.backends.ground_contact import GroundContact
 from physagent_jax.perception.backends.rgbd import RgbdSegmenter
 from physagent_jax.perception.background import find_background
 from physagent_jax.perception.ends import Ends
@@ -24,12 +24,14 @@ from physagent_jax.perception.measure import perceive
 from physagent_jax.perception.overlay import draw_overlay
 from physagent_jax.perception.pieces import count_pieces
 from physagent_jax.perception.prompt import find_prompt
-from physagent_jax.perception.protocols import Cues, Setting, (
+from physagent_jax.perception.protocols import (
+    Cues,
     Depth,
     DepthEstimator,
     Masks,
     Segmenter,
     SegmentPrompt,
+    Setting,
     Tracker,
     Tracks,
 )
