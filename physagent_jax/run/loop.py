@@ -38,6 +38,7 @@ from physagent_jax.run.resolve import ResolvedRun
 from physagent_jax.run.rounds import Attempt, RoundMaker, Series
 from physagent_jax.run.stopping import STOP_REASONS, StopReason, explain_rest, find_stop
 from physagent_jax.run.store import PROBE, RunStore
+from physagent_jax.run.unknown_parts import UnknownPartError, draw_known
 from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.camera import make_reference_camera
 from physagent_jax.scene.coarse import coarsen
@@ -123,6 +124,9 @@ class _Loop:
         teller.observer.understood(reply)
         try:
             template, cost = self._place(reply, body, limits)
+        except UnknownPartError as error:
+            path = store.path.with_name(f"{store.path.name}.parts.png")  # a run folder holds a run
+            account.refuse(reading, draw_known(error, body, self._maker.template, path))
         except UserError as error:
             account.refuse(reading, error)
         store.begin()

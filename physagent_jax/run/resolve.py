@@ -21,6 +21,7 @@ from physagent_jax.run.provenance import hash_settings
 from physagent_jax.run.rigidity import RIGID_NOTE, STIFF_NOTE, is_hard, is_stiffened, keeps_shape, make_rigid
 from physagent_jax.run.sentence_material import SaidMaterial, choose_said_material
 from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
+from physagent_jax.run.unknown_parts import UnknownPartError
 from physagent_jax.run.up_axis import explain_up, find_up
 from physagent_jax.scene.anchor import MASK_BYTES
 from physagent_jax.scene.body import Body
@@ -96,10 +97,15 @@ class ResolvedRun:
             reply: What the sentence says of the scene; None = before it is read, for those who read it.
 
         Raises:
-            UserError: What is held cannot make a motion that the reply plans.
+            UserError: The reply is about a part that is not known, or what is held cannot make a motion that it plans.
         """
         if reply is None:
             return make_stand(self.template, body, keep_material=self.spec.material.says_stiffness)
+        if reply.unknown_parts:
+            brief = make_brief(self.template, parts=body.parts)
+            raise UnknownPartError(
+                reply.unknown_parts, brief, f"`physagent inspect {self.spec.object.path}` draws them"
+            )
         template, told = self._apply(reply)
         hold = self.find_hold(reply)
         held = () if hold is None else check_hold(hold, template.anchor, body, reply, self.base_dir)

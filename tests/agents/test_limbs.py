@@ -317,13 +317,12 @@ def test_a_part_that_nothing_tells_for_certain_is_a_doubt(sentence, parts, certa
     assert (read(sentence, *parts).unsure == ()) is certain
 
 
-def test_a_free_object_is_held_where_its_shape_does_not_show_the_part():
+@pytest.mark.parametrize("parts", [(HEAD, TAIL), (make_part("side", (0.1, 0, 0), (0.6, 0, 0.8)),) * 2])
+def test_a_part_that_the_shape_does_not_show_is_asked_for(parts):
     """A force on one side would take all of it along."""
-    scene = dict(world="ground", may_be_held=True)
-    assert read("lift the left wing", HEAD, TAIL, **scene).anchor.kind == "base"
-    assert read("pull the ears up", HEAD, TAIL, **scene).anchor.kind == "base"
-    assert read("lift the left wing", HEAD, TAIL, world="ground").anchor.kind is None
-    assert read("lift the robot", HEAD, TAIL, **scene).anchor.kind is None
+    assert read("lift the left wing", *parts).unknown_parts == ("left wing",)
+    assert read("pull the ears up", *parts).unknown_parts == ("ears",)
+    assert read("lift the robot", *parts).unknown_parts == ()
 
 
 def test_a_blow_on_the_end_of_a_part_tips_it_over_its_joint():

@@ -9,13 +9,13 @@ from __future__ import annotations
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder, describe_skill
 from physagent_jax.agents.compiler.events import Event
 from physagent_jax.agents.compiler.interpretation import resolve_obstacles
-from physagent_jax.agents.compiler.limbs import drive_limbs, find_support
+from physagent_jax.agents.compiler.limbs import drive_limbs
 from physagent_jax.agents.compiler.schedule import schedule
 from physagent_jax.agents.compiler.sequence import apply_holding, choose_anchor, make_events
 from physagent_jax.agents.compiler.skills import compile_slots
 from physagent_jax.agents.compiler.words import look_up, suggest_motions
 from physagent_jax.agents.intent import Intent
-from physagent_jax.agents.lexicon import Effect, read_lexicon
+from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.core.errors import UserError
@@ -50,7 +50,6 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
         raise _refuse(unknown, brief)
     clauses = apply_holding(known, intent.held)
     anchor = choose_anchor(intent.held, clauses)
-    anchor = find_support(clauses, brief) if anchor.kind is None else anchor
     anchored = anchor.kind in ("base", "top") or (brief.anchored is not None and anchor.kind != "none")
     builder = ForceFieldBuilder(brief, anchored, intent.surroundings.gravity, notes=list(intent.notes))
     builder.obstacles += resolve_obstacles(intent.surroundings.solids, None, brief)
@@ -81,6 +80,9 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
         materials=intent.materials,
         ignored=intent.ignored,
         unsure=tuple(dict.fromkeys(builder.unsure)),
+        unknown_parts=tuple(
+            dict.fromkeys([*(w for e in told for w in e.unknown_parts), *intent.unknown_parts])
+        ),
         evidence=tuple(builder.evidence),
         not_understood=intent.unknown,
         notes=tuple(dict.fromkeys(builder.notes)),
@@ -134,7 +136,7 @@ def _collect_doubts(intent: Intent, unknown: list[Event], builder: ForceFieldBui
         builder.unsure.append("How it falls without gravity is not understood.")
     builder.unsure += intent.doubts
     for word in intent.unknown:
-        part = word in read_lexicon().unplaced
+        part = word in intent.unknown_parts
         builder.unsure.append(
             explain_missing(word, builder.brief.parts) if part else f"'{word}' is not understood."
         )

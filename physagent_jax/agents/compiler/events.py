@@ -75,6 +75,7 @@ class Event:
         motion: What it comes to: the verb's, else the cause's, as what stands beside it makes it.
         ways, parts, excluded: Ways, parts that are acted on, and parts that are not.
         strengths: Words for strength, as `words.find_strength` knows them.
+        unknown_parts: Words for parts that the object does not show.
         doubts, notes: What was not understood and matters; what was assumed.
         repeat: Count and alternation.
         direction: Unit world direction, stretch axis or rotation axis; None if the motion needs none or acts in all
@@ -101,6 +102,7 @@ class Event:
     parts: list[KnownPart] = field(default_factory=list)
     excluded: list[KnownPart] = field(default_factory=list)
     strengths: list[tuple[str, float]] = field(default_factory=list)
+    unknown_parts: list[str] = field(default_factory=list)
     doubts: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     repeat: Repeat = Repeat()

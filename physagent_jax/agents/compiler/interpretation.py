@@ -281,11 +281,13 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
             event.motion = replace(event.motion, effect=Effect.PUSH, sign=1, skill=None)
             event.direction = brief.directions.down
         return
-    if place.role and (not place.names or place.names == ("up",) and stands_on_legs(brief.parts)):
+    nowhere = place.role and (not place.names or place.names == ("up",) and stands_on_legs(brief.parts))
+    shown = event.parts and sticks_out(named[0])
+    event.unknown_parts += [named[0].text] * bool(nowhere or shown)
+    if nowhere or shown and brief.parts:
         event.doubts.append(explain_missing(named[0].text, brief.parts))
+    if nowhere:
         return
-    if event.parts and brief.parts and sticks_out(named[0]):
-        event.doubts.append(explain_missing(named[0].text, brief.parts))
     event.part = normalise(sum_directions(place.names, brief))
     if not event.excludes_part:
         event.sources["region"] = ValueSource(named[0].text, "a part of the object")

@@ -7,11 +7,9 @@ sentence moves limbs alone the rest is held.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from physagent_jax.agents.compiler.directions import sum_directions
-from physagent_jax.agents.compiler.events import Event, KnownPart
-from physagent_jax.agents.lexicon import Effect, read_lexicon
+from physagent_jax.agents.compiler.events import KnownPart
+from physagent_jax.agents.lexicon import read_lexicon
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.forces.part import split_name
 from physagent_jax.forces.schema import ConstraintType, VelocityConstraint
@@ -25,6 +23,7 @@ _DONE = {
     ConstraintType.PARTICLE_ROTATION: "turns about its joint",
     ConstraintType.MOVING_PLATE: "is pressed by a plate of its size",
 }
+_ENDS = ("head", "tip", "crown", "neck")  # roles of what is there whether it sticks out or not
 _DRIVEN = (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE)
 
 
@@ -47,28 +46,9 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     return choose_parts(known, roles, side, is_plural(part.text))
 
 
-def find_support(clauses: Sequence[Event], brief: SceneBrief) -> AnchorRequest:
-    """The hold of a free object of which parts alone are to move, and its shape does not show them.
-
-    What acts on a region of it would otherwise take the whole along.
-    """
-    acting = [each for each in clauses if each.effect not in (Effect.STILL, Effect.HOLD, Effect.RELEASE)]
-    free = brief.may_be_held and brief.world == "ground" and brief.anchored is None
-    if not free or not acting or not all(_names_unseen_part(each, brief) for each in acting):
-        return AnchorRequest()
-    return AnchorRequest(kind="base", words=acting[0].words)
-
-
-def _names_unseen_part(event: Event, brief: SceneBrief) -> bool:
-    """Return whether a clause moves a part by a word for something that sticks out, which the shape does not show."""
-    part = event.parts[0] if event.parts else None
-    known = part is None or not sticks_out(part) or bool(find_limbs(part, brief))
-    return not known and part is not None and "down" not in part.place.names
-
-
 def sticks_out(part: KnownPart) -> bool:
     """Return whether a word means something that sticks out, whatever side it tells: no end of the object."""
-    return bool(roles := find_roles(part.phrase)) and roles[0] not in (*PLACES, "head")
+    return bool(roles := find_roles(part.phrase)) and roles[0] not in (*PLACES, *_ENDS)
 
 
 def find_roles(name: str) -> list[str]:

@@ -43,6 +43,7 @@ def make_intent(
         surroundings=_describe_surroundings(clauses, mentions),
         ignored=tuple(map(_cut, coverage.ignored)),
         unknown=tuple(map(_cut, coverage.doubtful)),
+        unknown_parts=tuple(map(_cut, coverage.parts)),
         doubts=tuple(doubts),
         notes=tuple(notes),
     )
