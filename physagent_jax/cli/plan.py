@@ -101,7 +101,7 @@ class Plan:
         with open_agents(run.spec, run.base_dir, record=self.record) as agents:
             reply = read_for_scene(run, body, agents.semantic.compile).value
         template, placed = run.place(body, reply)
-        after = make_brief(template, frames_fixed=run.frames_fixed, parts=body.parts)
+        after = make_brief(template, frames_fixed=run.frames_fixed, parts=run.list_parts(body))
         damped = damp(template, body)[1]
         pictured = ()
         if is_in_doubt(body):  # to draw a picture takes as long as all else

@@ -52,8 +52,13 @@ PartRole = Literal[
 ]
 
 
-PartOrigin = Literal["shape", "file", "option"]
-ORIGINS = {"shape": "found by its shape", "file": "named in the file", "option": "named by --part"}
+PartOrigin = Literal["shape", "place", "file", "option"]
+ORIGINS = {
+    "shape": "found by its shape",
+    "place": "told by its place",
+    "file": "named in the file",
+    "option": "named by --part",
+}
 Coordinate = Annotated[float, Field(ge=-1e12, le=1e12)]
 MOST_LETTERS = 60
 

@@ -23,7 +23,7 @@ _PLAIN = {place: f"part at the {place}" for place in PLACES} | {
 _SINGLE = ("head", "tail", "lid", "knob", "spout", "back")  # roles that an object has but one part of
 _CLEAR = 0.6  # confidence from which on a role is certain
 _MOST_SEEDS = 256  # of a region
-_RANK = {"option": 0, "file": 1, "shape": 2}
+_RANK = {"option": 0, "file": 1, "shape": 2, "place": 3}
 
 
 def label_parts(parts: Sequence[Part], table: DirectionTable) -> tuple[Part, ...]:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import dataclasses
 from pathlib import Path
 
+import numpy as np
 from pydantic import ValidationError
 
 from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.core.reading import check_regular, format_validation_error
 from physagent_jax.forces.calibration import FRICTION
+from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.holds import Hold
 from physagent_jax.motion.schema import AnchorRequest, WorldRequest
@@ -26,10 +28,12 @@ from physagent_jax.run.up_axis import explain_up, find_up
 from physagent_jax.scene.anchor import MASK_BYTES
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.broad_side import find_broad_side
+from physagent_jax.scene.camera import find_viewer_directions
 from physagent_jax.scene.card import ObjectCard, load_card
 from physagent_jax.scene.config import Anchor, CameraConfig, Domain, Material, SignedAxis, Source
 from physagent_jax.scene.config.material import MODEL_PARAMETERS
 from physagent_jax.scene.load import hash_file
+from physagent_jax.scene.parts import Frame, find_places
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import (
     PRIORS,
@@ -76,6 +80,17 @@ class ResolvedRun:
         """Return whether the clip's length is the user's, whatever the sentence asks for."""
         return self.spec.overrides.frame_count is not None
 
+    def list_parts(self, body: Body) -> tuple[Part, ...]:
+        """The parts of the object, and the regions that the sentence names by their place.
+
+        Args:
+            body: The object at rest.
+        """
+        table = find_viewer_directions(self.template.camera)
+        viewer = Frame(toward=np.asarray(table["toward"]), right=np.asarray(table["right"]))
+        points, words = np.asarray(body.particles.x, np.float64), split_name(self.spec.prompt or "")
+        return (*body.parts, *find_places(points, body.parts, words, self.template.source.name, viewer))
+
     def place_for_agents(self, body: Body, reply: SemanticReply | None = None) -> SceneTemplate:
         """The scene as `place` has it but for the stiffness, which agents are not told and which takes longest.
 
@@ -102,7 +117,7 @@ class ResolvedRun:
         if reply is None:
             return make_stand(self.template, body, keep_material=self.spec.material.says_stiffness)
         if reply.unknown_parts:
-            brief = make_brief(self.template, parts=body.parts)
+            brief = make_brief(self.template, parts=self.list_parts(body))
             raise UnknownPartError(
                 reply.unknown_parts, brief, f"`physagent inspect {self.spec.object.path}` draws them"
             )

@@ -91,7 +91,9 @@ class RoundMaker:
 
     def make_context(self, reading: SemanticReply, rounds: Sequence[Round]) -> AgentContext:
         """The context of an agent's call."""
-        brief = make_brief(self.template, frames_fixed=self._run.frames_fixed, parts=self.body.parts)
+        brief = make_brief(
+            self.template, frames_fixed=self._run.frames_fixed, parts=self._run.list_parts(self.body)
+        )
         brief = brief.model_copy(update={"may_be_held": self._run.spec.anchor.kind == "auto"})
         return AgentContext(self._run.spec.prompt, brief, self._skills, reading, tuple(rounds))
 

@@ -25,12 +25,15 @@ class UnknownPartError(UserError):
     def __init__(self, words: tuple[str, ...], brief: SceneBrief, inspect: str):
         self.words, self.brief = words, brief
         told = ", ".join(map(repr, words))
-        known = f"the parts that are known are {list_parts(brief.parts)}"
+        known = (
+            f"the parts that are known are {list_parts(brief.parts)}"
+            if brief.parts
+            else "no part of it is known"
+        )
         noun = split_name(words[0])[-1:] or ("part",)
         number = f"`--part {noun[0]}=N` (a number), " if brief.parts else ""
         super().__init__(
-            f"Where {told} is on the {brief.object_name}, is not known",
-            got=known if brief.parts else "no part of it is known",
+            f"Where {told} is on the {brief.object_name}, is not known: {known}",
             do=f"Say where it is: {number}`--part {noun[0]}=X,Y,Z` (a point) or "
             f"`--part {noun[0]}=X0,Y0,Z0,X1,Y1,Z1` (a box, in the file's units and axes); {inspect}",
         )

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from physagent_jax.agents.compiler import compile_intent
 from physagent_jax.agents.grammar.semantic import read_intent
+from physagent_jax.forces.calibration import HELD_TIME, PRESCRIBED_TRAVEL
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import CellsRegion, ConstraintType
 from physagent_jax.motion.schema import MotionKind
@@ -330,3 +331,32 @@ def test_a_blow_on_the_end_of_a_part_tips_it_over_its_joint():
     (constraint,) = read("hit the right arm from the right", RIGHT_ARM, HEAD).force_field.constraints
     assert constraint.constraint_type is ConstraintType.PARTICLE_ROTATION
     assert find_way(constraint, RIGHT_ARM)[2] > 0.29
+
+
+MUZZLE = make_limb("nose", (0, -0.05, 0), (0, -1, 0), roles=(), name="muzzle", origin="place", seated=True)
+
+
+@pytest.mark.parametrize(
+    ("sentence", "way", "length"),
+    [
+        ("pull the muzzle up", (0, 0, 1), 0.08),
+        ("push the muzzle to the left", (-1, 0, 0), 0.08),
+        ("push the muzzle back", (0, 1, 0), 0.03),
+    ],
+)
+def test_a_region_is_drawn_so_far_that_it_is_seen_with_a_soft_border(sentence, way, length):
+    """It has no joint to turn about: it moves itself, and its border goes along in part."""
+    reply = read(sentence, HEAD, MUZZLE)
+    (made,) = reply.force_field.constraints
+    first, last = made.active_time
+    assert made.constraint_type is ConstraintType.PARTICLE_TRANSLATION and made.bend is not None
+    assert dot(made.vector, way) > 0.99 and reply.anchor.kind == "rest" and not reply.unsure
+    assert made.magnitude * made.gain * (last - first) * 0.04 == pytest.approx(
+        length / PRESCRIBED_TRAVEL * HELD_TIME, rel=0.05
+    )
+
+
+def test_a_blow_on_the_front_drives_the_whole_away():
+    belly = MUZZLE.model_copy(update=dict(name="belly"))
+    assert read("hit the robot in the belly", HEAD, belly).anchor.kind is None
+    assert read("push the robot's belly to the left", HEAD, belly).anchor.kind == "rest"

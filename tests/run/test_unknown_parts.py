@@ -21,7 +21,7 @@ def spec_of(path, prompt, **choice):
 
 
 def test_a_run_stops_before_it_simulates_and_draws_the_parts(doll, tmp_path, monkeypatch):
-    """What `inspect` draws is tested with it: to render it takes long."""
+    """The picture is that of `inspect`, and is tested there: to render it takes long."""
     monkeypatch.setattr(unknown_parts, "draw_preview", lambda *_: np.zeros((4, 4, 3), np.uint8))
     monkeypatch.setattr(loop, "compile_ahead", lambda: None)
     with pytest.raises(UserError) as error:

@@ -261,8 +261,8 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
     if not named or event.effect is Effect.FALL and named[0].place.names == ("down",) and event.parts:
         return  # "lands on its feet", as it stood
     place, event.excludes_part = named[0].place, not event.parts
-    if event.parts:
-        event.limbs = find_limbs(named[0], brief)
+    if event.parts and not (event.effect is Effect.STRIKE and named[0].phrase in read_lexicon().fronts):
+        event.limbs = find_limbs(named[0], brief)  # a blow on the belly drives all of it away
     if event.limbs:
         doubt = explain_guess(named[0].text, brief.parts, event.limbs, plural=is_plural(named[0].text))
         event.doubts += filter(None, [doubt])

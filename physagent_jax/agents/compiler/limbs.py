@@ -132,6 +132,6 @@ def _drive(
     """The constraints that bring about a limb's motion, and the motion as it is then expected."""
     assert motion.limb is not None
     part = brief.parts[motion.limb]
-    slides = part.seated and LOOSE.issuperset(find_roles(part.name))
+    slides = part.seated and (part.origin == "place" or LOOSE.issuperset(find_roles(part.name)))
     later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > motion.window[0] + 0.5]
     return Turning(part, brief, frame_count, slides).drive(motion, min([frame_count - 1.0, *later]))
