@@ -121,7 +121,9 @@ def to_json(reply: SemanticReply, brief: SceneBrief) -> dict:
     """The line that ``--json`` prints; ``brief`` is the scene with what the sentence says of it."""
     shown = reply.model_dump(mode="json", exclude_none=True)
     return {
-        "parts": [each.model_dump(include={"label", "origin", "share"}) for each in brief.parts],
+        "parts": [
+            each.model_dump(include={"label", "origin", "confidence", "share"}) for each in brief.parts
+        ],
         "targets": shown["expectations"],
         "actions": shown["force_field"]["actions"],
         "constraints": shown["force_field"]["constraints"],

@@ -61,6 +61,7 @@ ORIGINS = {
 }
 Coordinate = Annotated[float, Field(ge=-1e12, le=1e12)]
 MOST_LETTERS = 60
+_SURE = 0.6  # confidence from which on a role is certain
 
 
 class PartChoice(Strict):
@@ -135,6 +136,11 @@ class Part(Strict):
     neck: Numbers = (0.0, 0.0, 0.0)
     confidence: float = Field(default=1.0, ge=0, le=1)
 
+    @property
+    def unsure(self) -> bool:
+        """Return whether its shape does not tell its role for certain."""
+        return self.confidence < _SURE
+
 
 def split_name(name: str) -> tuple[str, ...]:
     """The words and numbers of a name, in lower case, sides first: "Arm_L" is the left arm; none without letters."""
@@ -145,6 +151,9 @@ def split_name(name: str) -> tuple[str, ...]:
 
 
 def list_parts(parts: Sequence[Part]) -> str:
-    """All parts with their numbers, for messages: "1 head, 2 left arm"; "none" if there are none."""
-    told = [f"{index} {part.label or part.name or part.roles[0]}" for index, part in enumerate(parts, 1)]
+    """All parts with their numbers, for messages: "1 head, 2 left arm (unsure)"; "none" if there are none."""
+    told = [
+        f"{index} {part.label or part.name or part.roles[0]}{' (unsure)' if part.unsure else ''}"
+        for index, part in enumerate(parts, 1)
+    ]
     return ", ".join(told) or "none"

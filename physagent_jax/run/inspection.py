@@ -118,6 +118,7 @@ def _describe_parts(body: Body, parts: Sequence[Part]) -> tuple[FoundPart, ...]:
             number=number,
             label=part.label,
             origin=part.origin,
+            confidence=part.confidence,
             share=round(float(volume[mask].sum() / volume.sum()), 4),
             low=tuple(source[mask].min(0).tolist()),
             high=tuple(source[mask].max(0).tolist()),

@@ -296,6 +296,7 @@ def test_a_twist_of_a_part_goes_about_its_own_line():
     assert abs(find_turn(constraint)[0]) > 20 and np.abs(find_turn(constraint)[1:]).max() < 1e-6
 
 
+CHIN = dict(name="chin", roles=(), origin="place", seated=True)
 KNOB = make_part("side", (0.3, 0, 0), (1, 0, 0))
 
 
@@ -305,6 +306,8 @@ KNOB = make_part("side", (0.3, 0, 0), (1, 0, 0))
         ("raise the right arm", [HANGING[0], HANGING[1], HEAD], True),
         ("raise the right arm", [KNOB, HEAD], False),
         ("raise the right arm", [HANGING[1].model_copy(update=dict(confidence=0.3)), HEAD], False),
+        ("pull the chin down", [HEAD, TAIL.model_copy(update=CHIN)], True),
+        ("pull the chin down", [HEAD, TAIL.model_copy(update=CHIN | dict(confidence=0.3))], False),
         ("it wags its tail", [TAIL, make_part("tail", (0, 0.1, 0.1), (0, 0.9, 0.4))], False),
         ("raise the arms", [HANGING[1], HEAD], False),
         ("raise the right arm", [KNOB.model_copy(update=dict(name="arm", origin="option")), HEAD], True),

@@ -43,7 +43,7 @@ class Frame:
 
 @functools.cache
 def read_places() -> dict[str, dict[str, Any]]:
-    """Where each word is, by the word."""
+    """The rows of the table by their words."""
     text = (resources.files("physagent_jax.scene.parts") / "places.yaml").read_text("utf-8")
     return {word: row for row in yaml.safe_load(text) for word in row["words"].split(", ")}
 
@@ -83,7 +83,7 @@ def find_places(
 
 @dataclasses.dataclass(frozen=True)
 class _Parents:
-    """What regions lie on."""
+    """The parents that regions lie on."""
 
     points: np.ndarray
     parts: Sequence[Part]
