@@ -345,6 +345,7 @@ MUZZLE = make_limb("nose", (0, -0.05, 0), (0, -1, 0), roles=(), name="muzzle", o
         ("pull the muzzle up", (0, 0, 1), 0.08),
         ("push the muzzle to the left", (-1, 0, 0), 0.08),
         ("push the muzzle back", (0, 1, 0), 0.03),
+        ("press on the muzzle", (0, 1, 0), 0.03),
     ],
 )
 def test_a_region_is_drawn_so_far_that_it_is_seen_with_a_soft_border(sentence, way, length):

@@ -101,6 +101,21 @@ def test_of_a_ball_only_ends_are_found():
     assert names == ["nose", "forehead", "rim"]
 
 
+def test_a_figure_without_legs_has_its_belly_above_the_ground_and_no_hips(known):
+    points, parts = known["man"]
+    parts = tuple(part for part in parts if part.roles[0] != "leg")
+    assert find_places(points, parts, ("hip",), "", VIEWER) == ()
+    (belly,) = find_places(points, parts, ("belly",), "", VIEWER)
+    height = points[make_region_mask(belly.moved, points)][:, 2] - points[:, 2].min()
+    assert height.min() > 0.2 * np.ptp(points[:, 2])
+
+
+def test_the_head_of_a_tool_has_no_face(known):
+    points, parts = known["cat"]
+    handle = parts[0].model_copy(update=dict(roles=("handle",)))
+    assert find_places(points, (*parts, handle), ("muzzle", "forehead"), "hammer", VIEWER) == ()
+
+
 def test_a_part_that_is_named_or_sticks_out_is_no_region(known):
     points, parts = known["cat"]
     assert (

@@ -279,7 +279,7 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
             event.effect is Effect.SCALE and event.motion.sign < 0 and _is_upright(event.direction, brief)
         ):  # a part gives way downwards
             event.motion = replace(event.motion, effect=Effect.PUSH, sign=1, skill=None)
-            event.direction = brief.directions.down
+            event.direction = scale(limb.arm, -1.0) if part.origin == "place" else brief.directions.down
         return
     nowhere = place.role and (not place.names or place.names == ("up",) and stands_on_legs(brief.parts))
     shown = event.parts and sticks_out(named[0])

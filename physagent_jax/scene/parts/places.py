@@ -93,7 +93,8 @@ class _Parents:
 
     def find(self, word: str, row: dict[str, Any]) -> list[Part]:
         """The regions of a word."""
-        row = row | row.get("four", {}) if self._count("leg") > 2 else row
+        legs = self._count("leg")
+        row = row | row.get("four" if legs > 2 else "standing" if legs == 0 else "", {})
         found = []
         for parent, part in self._list(row["of"]):
             inside = parent & self._is_within(parent, part, row)
@@ -130,6 +131,8 @@ class _Parents:
         if of == "body":
             body = ~np.logical_or.reduce([~every, *limbs])
             return [(body, None)] if any(map(self._count, _FIGURE)) and body.any() else []
+        if of == "head" and self._count("handle"):
+            return []  # a hammer's head has no face
         found = [(mask, part) for mask, part in zip(self.masks, self.parts) if of in part.roles[:1]]
         if not found and of == "head" and self.name.lower().endswith(_OWN):
             return [(~np.logical_or.reduce([~every, *limbs]), None)]
