@@ -121,7 +121,8 @@ class _Loop:
         body = self._load_object()
         reading = self._read_sentence(body)
         reply = reading.value
-        teller.observer.understood(reply)
+        if not reply.unknown_parts:  # else the refusal says it all
+            teller.observer.understood(reply)
         try:
             template, cost = self._place(reply, body, limits)
         except UnknownPartError as error:
