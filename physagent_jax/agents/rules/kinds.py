@@ -35,6 +35,7 @@ MOVING = 0.6  # share of its window in which an end or a plate moves; in the res
 TURNING = 0.8  # the same of an end that is turned
 _VERTICAL = 0.7  # cosine
 _OVER = 120.0  # [degrees] about a level line, from where on something is turned over
+_TILT = 60.0  # [degrees] up to which what stands is tilted
 _OPPOSED = -0.7
 _NO_WAY = (0.0, 0.0, 0.0)
 
@@ -213,6 +214,12 @@ def _stands_on_its_end(wish: Wish, axis: Vector) -> bool:
     """Return whether the ground or a fixture is at one end of ``axis``: only the other end can then be moved freely."""
     bound = wish.brief.world == "ground" or wish.brief.anchored is not None
     return bound and abs(cosine(axis, wish.brief.directions.up)) > _VERTICAL
+
+
+def _stands_alone(wish: Wish) -> bool:
+    """Return whether the object stands on the ground as it was captured, and nothing else moves it."""
+    grounded = wish.brief.world == "ground" and not wish.force_field.default_drop
+    return grounded and not wish.list_other_begins()
 
 
 def _share_line(one: ExpectedMotion, other: ExpectedMotion) -> bool:
@@ -414,18 +421,25 @@ def _lead(wish: Wish) -> _Replaced:
         effort = math.radians((told or expect_rotation(expectation, False, seconds=seconds)).target) / TURN
     else:
         effort = _find_way(wish, seconds) / TRAVEL
-    over = turns and told and told.target > _OVER and abs(cosine(way, brief.directions.up)) < _VERTICAL
+    level = turns and abs(cosine(way, brief.directions.up)) < _VERTICAL
+    over = level and told and told.target > _OVER
+    tilts = level and math.degrees(effort * TURN) <= _TILT and _stands_alone(wish)
     needed = find_magnitude(effort, max(seconds, brief.frame_dt), brief.seconds, braked=True)
-    if not (hands or expectation.even or over) and (not told or needed <= MAGNITUDE_MAX):
+    if not (hands or expectation.even or over or tilts) and (not told or needed <= MAGNITUDE_MAX):
         return None
     effort *= wish.reference * (1.0 if turns else TRAVEL / PRESCRIBED_TRAVEL)  # magnitude times frames
     kept_up = hands or not turns and cosine(way, brief.directions.up) > _VERTICAL
     # What is let go at the end would be seen to fall.
     stop = max(min(end, brief.last - 1.0), first + 1.0) if kept_up else end
-    size, until = _spread_effort(effort, first, stop, share=1.0)
+    size, until = _spread_effort(effort, first, stop, share=MOVING if tilts else 1.0)
     hand = _prescribe(causes[0], way, size, (first, until), _find_next(wish, end))
+    if tilts and expectation.released and end + until - first <= brief.last:
+        hand = hand.model_copy(update={"held_until": end if end > until else None})
+        back = _prescribe(causes[0], scale(way, -1.0), size, (end, end + until - first), None)
+        return _put(wish, causes, hand, back), "it is tilted over its foot, and brought back"
     reason = "at one speed" if expectation.even else "no force in range starts and stops it in that time"
     reason = "a torque would let it tumble" if over else "it is kept up" if hands else reason
+    reason = "it would fall over by itself" if tilts else reason
     far = effort <= 1.01 * MAGNITUDE_MAX * (until - first)
     short = "" if far else ", as far as the fastest goes in that time"
     return _put(_hold_until(wish, hands, first), causes, hand), f"{reason}, so it is led there{short}"
