@@ -27,7 +27,7 @@ def test_options_say_what_a_spec_says(tmp_path, robot_path):
         video_size="160x90", follow=True, reader="model", form="by-clause", llm="http://127.0.0.1:8000/v1", model="m",
     )  # fmt: skip
     spec = small(
-        robot_path, "drop it", frames=12, particles=900, resolution=64, seed=7, rounds=2,
+        robot_path, "drop it", frames=12, particles=900, resolution=64, cells=None, seed=7, rounds=2,
         anchor=dict(kind="box", point=(2, 2, 2), half_size=(1, 1, 0.5)),
         material=dict(soften=3.0), save=dict(splats="spz", video_size=(160, 90)), camera=dict(follow=True),
         agents=dict(
