@@ -116,8 +116,8 @@ def programs_let_go():
     programs.release_programs()
 
 
-ALONE = (".obj", ".ply", ".stl", ".off")  # suffixes of meshes that need no other file,
-REFERRING = (b"mtllib", b"TextureFile")  # unless one of these is in them
+ALONE = (".obj", ".ply", ".stl", ".off", ".glb")  # suffixes of meshes that need no other file,
+REFERRING = (b"mtllib", b"TextureFile", b'"uri"')  # unless one of these is in them
 
 
 def sample_once(sample_mesh):
