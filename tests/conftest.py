@@ -134,10 +134,9 @@ def sample_once(sample_mesh):
         if key in kept:
             return kept[key]
         with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
             sampled = sample_mesh(path, **options)
         for each in caught:
-            warnings.warn(each.message, each.category, stacklevel=2)
+            warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
         if not caught:
             kept[key] = sampled
             if len(kept) > 16:

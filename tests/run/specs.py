@@ -9,7 +9,9 @@ from physagent_jax.run.spec import RunSpec
 LEFT = "a strong wind pushes the robot to the left"
 
 
-def small(object_path, prompt=LEFT, *, frames=10, particles=600, resolution=96, cells=48, **parts) -> RunSpec:
+def small(
+    object_path, prompt=LEFT, *, frames=10, particles=600, resolution=96, cells: int | None = 48, **parts
+) -> RunSpec:
     """A run that takes seconds; without a video for people unless ``save`` asks for one."""
     overrides = dict(frame_count=frames, max_particles=particles, width=resolution, height=resolution)
     overrides |= {} if cells is None else dict(cells=cells)
