@@ -46,7 +46,7 @@ class FuzzClass:
 CLASSES = {
     each.name: each
     for each in (
-        FuzzClass("gaussian_files", 480),
+        FuzzClass("gaussian_files", 400),
         FuzzClass("splat_layouts", 160),
         FuzzClass("compressed_plys", 80, "splat_formats", "make_compressed_ply"),
         FuzzClass("spz_files", 80, "splat_formats", "make_spz"),
@@ -57,7 +57,7 @@ CLASSES = {
         FuzzClass("motion_files", 200),
         FuzzClass("masks", 160),
         FuzzClass("cards", 120),
-        FuzzClass("scenes", 480),
+        FuzzClass("scenes", 400),
         FuzzClass("physgaussian", 160),
         FuzzClass("physgm", 120),
         FuzzClass("force_fields", 160),
