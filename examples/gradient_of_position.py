@@ -18,7 +18,7 @@ PUSH = {"actions": [{"action_type": "translation", "vector": [1, 0, 0], "magnitu
 
 def main(steps=3):
     """Return the distance to the target before each step [m]."""
-    loaded = pa.load_object(ROBOT, max_particles=300)
+    loaded = pa.load_object(ROBOT, max_particles=300, cells=32)
     scene = pa.build_scene(loaded, force_field=PUSH, world="free", frame_count=FRAMES)
     parameters = pa.ForceFieldParameters.of(scene.config.force_field, FRAMES)
     start = pa.trajectory(scene).x[0].mean(0)

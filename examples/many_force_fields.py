@@ -19,7 +19,7 @@ PUSH = {"actions": [{"action_type": "translation", "vector": [1, 0, 0], "magnitu
 
 def main():
     """Return the angle of the best push [degrees], and all distances to the target [m]."""
-    loaded = pa.load_object(ROBOT, max_particles=300)
+    loaded = pa.load_object(ROBOT, max_particles=300, cells=32)
     scene = pa.build_scene(loaded, force_field=PUSH, world="free", frame_count=FRAMES)
     (action,) = pa.ForceFieldParameters.of(scene.config.force_field, FRAMES).actions
     angles = np.arange(0, 360, 90)

@@ -54,6 +54,7 @@ def load_object(
     splat_encoding: str | None = None,
     extent: float = 1.0,
     parts: Sequence[Mapping[str, Any]] = (),
+    photo: Mapping[str, Any] | None = None,
     preset: str = "fast",
     cells: int | None = None,
     max_particles: int | None = None,
@@ -62,7 +63,7 @@ def load_object(
     """Read an object's file, place it in the domain and fill it with particles.
 
     Args:
-        path: 3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply).
+        path: 3D Gaussians (.ply, .spz, ...), a mesh (.obj, .glb, .stl, .ply) or a photo (.png, .jpg, ...).
         up: The file's own up axis ("-y"); None = its card's, else the format's ("+y" for glTF), else "+z".
         kind: Class with a physical prior ("plant", "food", ...); None = its card's, else from the file's name.
         opacity_threshold: Gaussians with a lower opacity are dropped.
@@ -70,6 +71,8 @@ def load_object(
             "plain-logit"); None = found from its content.
         extent: Its longest side in the domain [m].
         parts: Parts that are named for the sentence, each with the fields of `forces.part.PartChoice`.
+        photo: How the object of a photo is cut out and lifted: fields of `run.spec.PhotoChoice`; None = as what
+            stands out in it.
         preset: "fast" or "paper": domain, grid, particles, frames.
         cells: Cells along a side of the domain; None = the preset's.
         max_particles: Particles at most; None = the preset's.
@@ -87,6 +90,7 @@ def load_object(
             splat_encoding=splat_encoding,
             extent=extent,
             parts=tuple(parts),
+            photo=photo if photo is None else dict(photo),
         ),
         prompt="",
         preset=preset,

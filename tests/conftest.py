@@ -5,9 +5,13 @@ from __future__ import annotations
 import dataclasses
 import functools
 import gc
+import hashlib
 import os
 import shutil
+import sys
 import tempfile
+import warnings
+from collections import OrderedDict
 from pathlib import Path
 from typing import Any
 
@@ -112,6 +116,49 @@ def programs_let_go():
     programs.release_programs()
 
 
+ALONE = (".obj", ".ply", ".stl", ".off", ".glb")  # suffixes of meshes that need no other file,
+REFERRING = (b"mtllib", b"TextureFile", b'"uri"')  # unless one of these is in them
+
+
+def sample_once(sample_mesh):
+    """`sample_mesh`, but that the last meshes are known by their bytes; what warns is sampled each time."""
+    kept: OrderedDict[tuple, Any] = OrderedDict()
+
+    @functools.wraps(sample_mesh)
+    def sample(path, **options):
+        path = Path(path)
+        content = path.read_bytes() if path.suffix in ALONE and path.is_file() else None
+        if content is None or any(word in content for word in REFERRING):
+            return sample_mesh(path, **options)
+        key = (path.suffix, hashlib.sha256(content).digest(), *sorted(options.items()))
+        if key in kept:
+            return kept[key]
+        with warnings.catch_warnings(record=True) as caught:
+            sampled = sample_mesh(path, **options)
+        for each in caught:
+            warnings.warn_explicit(each.message, each.category, each.filename, each.lineno)
+        if not caught:
+            kept[key] = sampled
+            if len(kept) > 16:
+                kept.popitem(last=False)
+        return sampled
+
+    return sample
+
+
+@pytest.fixture(autouse=True, scope="session")
+def meshes_sampled_once():
+    """Sample a mesh once for all commands and tests that read it: a run reads its object up to four times."""
+    if "trimesh" not in sys.modules:  # which takes long to import: no test here makes a mesh
+        yield
+        return
+    from physagent_jax.scene import mesh
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(mesh, "sample_mesh", sample_once(mesh.sample_mesh))
+        yield
+
+
 @pytest.fixture
 def least_optimised():
     """Compile a test's programs with the fewest optimisations, where compiling takes much longer than running."""
@@ -124,12 +171,7 @@ def least_optimised():
 
 @pytest.fixture
 def quick_plans(monkeypatch):
-    """The preset `fast` with few particles in large cells and small pictures; weighing on a coarse grid.
-
-    A command reads its object several times: here a mesh is sampled once.
-    """
-    from physagent_jax.scene import mesh  # trimesh takes long to import
-
+    """The preset `fast` with few particles in large cells and small pictures; weighing on a coarse grid."""
     fast = PRESETS[PresetName.FAST]
     changes = dict(
         domain=dict(cells=48), filling=dict(max_particles=2500), rendering=dict(width=120, height=90)
@@ -137,7 +179,6 @@ def quick_plans(monkeypatch):
     parts = {name: getattr(fast, name).model_copy(update=change) for name, change in changes.items()}
     monkeypatch.setitem(PRESETS, PresetName.FAST, dataclasses.replace(fast, **parts))
     monkeypatch.setattr(burden, "MOST_CELLS", 60)
-    monkeypatch.setattr(mesh, "sample_mesh", functools.cache(mesh.sample_mesh))
 
 
 @pytest.fixture

@@ -40,7 +40,7 @@ def test_every_name_is_there_and_no_other():
 @pytest.fixture(scope="module")
 def robot(robot_path):
     with pytest.warns(UserWarning, match="thinly filled"):
-        return pa.load_object(robot_path, max_particles=600)
+        return pa.load_object(robot_path, max_particles=600, cells=48)
 
 
 @pytest.fixture(scope="module")

@@ -13,6 +13,8 @@ from physagent_jax.scene.config import load_scene
 from tests.gaussians.test_ply import save
 from tests.test_cli import no_cache, refused  # noqa: F401
 
+pytestmark = pytest.mark.usefixtures("quick_plans")
+
 
 def store(path, cloud, encode_scales, encode_opacities):
     """A cloud as a PLY with values encoded in one way or another."""

@@ -4,6 +4,7 @@ import dataclasses
 import sys
 import typing
 import warnings
+from pathlib import Path
 
 import pytest
 
@@ -13,10 +14,11 @@ from physagent_jax.cli.console import ConsoleObserver, tell_warnings_plainly
 from physagent_jax.cli.options import OPTIONS, to_spec
 from physagent_jax.cli.run import Run
 from physagent_jax.cli.simulate import Simulate
+from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.schema import Judgement, Verdict
 from physagent_jax.output.splats import WRITERS, SplatFormat
-from physagent_jax.run.spec import SaveChoice
+from physagent_jax.run.spec import PhotoChoice, SaveChoice
 from tests.run.specs import small
 
 
@@ -27,7 +29,7 @@ def test_options_say_what_a_spec_says(tmp_path, robot_path):
         video_size="160x90", follow=True, reader="model", form="by-clause", llm="http://127.0.0.1:8000/v1", model="m",
     )  # fmt: skip
     spec = small(
-        robot_path, "drop it", frames=12, particles=900, resolution=64, seed=7, rounds=2,
+        robot_path, "drop it", frames=12, particles=900, resolution=64, cells=None, seed=7, rounds=2,
         anchor=dict(kind="box", point=(2, 2, 2), half_size=(1, 1, 0.5)),
         material=dict(soften=3.0), save=dict(splats="spz", video_size=(160, 90)), camera=dict(follow=True),
         agents=dict(
@@ -38,10 +40,28 @@ def test_options_say_what_a_spec_says(tmp_path, robot_path):
     assert to_spec(vars(command)) == spec
 
 
+def test_an_image_stands_in_place_of_an_object(tmp_path, robot_path):
+    command = Run(
+        out=tmp_path, image=Path("cup.jpg"), image_box=(1, 2, 30, 40), image_fov=50, elevation=20, prompt="push it left"
+    )  # fmt: skip
+    spec = to_spec(vars(command))
+    assert spec.object.path == "cup.jpg" and spec.camera.elevation_degrees == 20
+    assert spec.object.photo == PhotoChoice(box=(1, 2, 30, 40), fov_degrees=50)
+    assert to_spec(vars(Run(out=tmp_path, image=Path("cup.jpg"), prompt="."))).object.photo == PhotoChoice()
+    for changes, match in (
+        (dict(object=robot_path), "both say what moves"),
+        (dict(image=None, object=robot_path), "means nothing without `--image`"),
+        (dict(image_box=(30, 2, 1, 40)), "x0 < x1"),
+        (dict(image_mask=Path("m.png")), "both say where the object is"),
+    ):
+        with pytest.raises(UserError, match=match):
+            to_spec(vars(dataclasses.replace(command, **changes)))
+
+
 def test_every_option_sets_a_field():
     """But those that say where, at what price, and how it is told; four together set `agents.model`."""
     beside = {"out", "spec", "record", "anchor_box", "max_minutes", "max_memory", "overwrite", "json_line"}
-    beside |= {"llm", "model", "eyes", "replay", "sentence"}
+    beside |= {"llm", "model", "eyes", "replay", "sentence", "image"}
     attributes = {option.removeprefix("--").replace("-", "_") for option in OPTIONS.values()}
     assert attributes | beside == {field.name for field in dataclasses.fields(Run)}
 

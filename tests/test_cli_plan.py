@@ -6,6 +6,7 @@ import pytest
 import trimesh
 
 from physagent_jax.cli import main
+from tests.scene.photos import make_ball_mask, write_photo
 
 quickly = pytest.mark.usefixtures("quick_plans")
 
@@ -38,6 +39,15 @@ def test_a_plan_in_json(robot_path, capsys):
     assert said["world"]["obstacles"][0]["kind"] == "wall"
     assert said["frames"] > 50 and said["seconds"] == pytest.approx((said["frames"] - 1) * 0.04)
     assert said["not_understood"] == ["melodiously"] and said["unsure"]
+
+
+@quickly
+def test_a_plan_of_a_photo_says_what_was_made_up(tmp_path, capsys):
+    write_photo(tmp_path / "ball.png", make_ball_mask())
+    assert main(["plan", "--image", str(tmp_path / "ball.png"), "push the ball to the left"]) == 0
+    told = capsys.readouterr().out
+    assert "one photo shows one side of an object" in told and "made up" in told
+    assert main(["plan", "--image", str(tmp_path / "gone.png"), "push it left"]) == 2
 
 
 @quickly

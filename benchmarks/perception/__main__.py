@@ -1,22 +1,25 @@
-"""`python -m benchmarks.perception [--json OUT] [--markdown OUT] [--quick]`: how right is what perception says?"""
+"""`python -m benchmarks.perception [--perception NAMES] [--json OUT] [--quick]`: how right is what perception says?"""
 
 from __future__ import annotations
 
 import dataclasses
+import json
 import sys
 from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
-from typing import Literal
+from typing import Annotated
 
 import tyro
 
 from benchmarks import harness
 from benchmarks.harness import RAW, Job, Row, number
-from benchmarks.perception.markdown import PAGE
+from benchmarks.perception.markdown import EARLIER, PAGE
 from benchmarks.perception.measure import measure
 from benchmarks.perception.motions import MOTIONS
 from benchmarks.perception.scenes import BACKGROUNDS, DISTANCES, NOISES, OBJECTS, compose, film
+from physagent_jax.perception.backends import make_backends, parse_choice
+from physagent_jax.perception.protocols import PerceptionBackends
 
 QUICK = (
     "nothing",
@@ -34,28 +37,33 @@ class Command(harness.Command):
 
     json: Path = RAW / "perception.json"
     """File of the raw rows; those of other parts are kept."""
-    parts: tuple[Literal["clips"], ...] = ("clips",)
-    """There is one."""
+    parts: Annotated[tuple[str, ...], tyro.conf.arg(name="perception")] = ("rgbd", "rgb")
+    """Choices of backends, as `physagent run --perception` takes them; each is a part of the rows."""
 
 
 def main() -> int:
     """Run the command line."""
     command = tyro.cli(Command)
-    return harness.main(command, {"clips": lambda: make_jobs(command.quick)}, PAGE)
+    known = json.loads(command.json.read_text()) if command.json.is_file() else {}
+    names = dict.fromkeys((*known, *command.parts))
+    if "rgbd" in names:
+        names.pop(EARLIER, None)
+    return harness.main(command, {name: partial(make_jobs, name, command.quick) for name in names}, PAGE)
 
 
-def make_jobs(quick: bool) -> list[Job]:
+def make_jobs(perception: str, quick: bool) -> list[Job]:
     """One per motion and object; quick: six motions, one object each."""
+    backends = make_backends(**parse_choice(perception))
     pairs = [(m, o) for m in MOTIONS for o in OBJECTS]
     if quick:
         pairs = [(m, OBJECTS[i % len(OBJECTS)]) for i, m in enumerate(QUICK)]
     mixed = sorted(
         range(len(pairs)), key=lambda k: 29 * k % len(pairs)
     )  # what is stopped early is a fair sample
-    return [Job(f"{o}: {m}", partial(show, m, o)) for m, o in (pairs[k] for k in mixed)]
+    return [Job(f"{o}: {m}", partial(show, backends, m, o)) for m, o in (pairs[k] for k in mixed)]
 
 
-def show(motion: str, name: str) -> Iterable[Row]:
+def show(backends: PerceptionBackends, motion: str, name: str) -> Iterable[Row]:
     """The rows of one motion and object: each background once; distances and noise take turns."""
     i, j = list(MOTIONS).index(motion), OBJECTS.index(name)
     rows = []
@@ -71,7 +79,7 @@ def show(motion: str, name: str) -> Iterable[Row]:
             "noise": noise,
         }
         rgb, depth = compose(sight, background, noise, seed=100 * i + 10 * j + b)
-        rows.append(row | measure(sight, MOTIONS[motion], rgb, depth))
+        rows.append(row | measure(sight, MOTIONS[motion], rgb, depth, backends, background == "room"))
     harness.say(f"{name}: {motion}: " + "; ".join(map(_summarise, rows)))
     return rows
 

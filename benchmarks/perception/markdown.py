@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 
 import numpy as np
@@ -10,9 +10,13 @@ import numpy as np
 from benchmarks.harness import Page, Result, Row, Rows, Tables, drop_fields, one_line, provenance, table
 
 KEYS = ("background", "noise", "distance", "object", "motion")
+EARLIER = "clips"
+"""Part of rows with "rgbd" from before backends were chosen."""
 Figure = tuple[str, str, float, str, str, Callable[[Row], bool]]
 FIGURES: tuple[Figure, ...] = (
     ("displacement", "3%", 0.03, "displacement", "displacement_stated", lambda row: True),
+    ("displacement across the sight", "3%", 0.03, "across", "across_stated", lambda row: "across" in row),
+    ("displacement along it", "10%", 0.10, "along", "along_stated", lambda row: "along" in row),
     ("direction", "5 deg", 5.0, "direction", "", lambda row: row["has_direction"]),
     ("rotation in the plane", "4 deg", 4.0, "rotation", "", lambda row: row["in_plane"]),
     ("rotation out of it", "8 deg", 8.0, "rotation", "", lambda row: not row["in_plane"]),
@@ -21,17 +25,19 @@ FIGURES: tuple[Figure, ...] = (
     ("stretch", "8%", 0.08, "stretch", "stretch_stated", lambda row: True),
     ("outline's stretch, unturned", "8%", 0.08, "outline", "outline_stated", lambda row: not row["turns"]),
     ("frequency", "5%", 0.05, "frequency", "frequency_stated", lambda row: row["swings"]),
+    ("depth of 95% of pixels [half widths]", "1", 1.0, "depth", "depth_stated", lambda row: "depth" in row),
 )
 
 
 def write_tables(result: Result) -> Tables:
-    """The tables of docs/perception.md."""
-    rows = result["clips"]["rows"] if "clips" in result else []
-    tables = {"runs": provenance(result, ("clips",))}
-    if rows:
-        tables["all"] = _summarise(rows)
-        tables |= {f"by {key}": _compare_by(rows, key) for key in KEYS}
-        tables["worst"] = _list_wrong(rows)
+    """The tables of docs/perception.md; a part of the rows is a choice of backends."""
+    named = {"rgbd" if part == EARLIER else part: section["rows"] for part, section in result.items()}
+    seen = {name: rows for name, rows in named.items() if rows}
+    tables = {"runs": provenance(result, tuple(result))}
+    if seen:
+        tables["all"] = _summarise(seen)
+        tables |= {f"by {key}": _compare_by(seen, key) for key in KEYS}
+        tables["worst"] = _list_wrong(seen)
     return tables
 
 
@@ -65,66 +71,62 @@ def _to_text(value: float | None) -> str:
     return "" if value is None else f"{value:.3g}"
 
 
-def _summarise(rows: Rows) -> str:
-    columns = ("figure", "limit", "clips", "within", "not observable", "covered")
+def _summarise(seen: Mapping[str, Rows]) -> str:
+    columns = ("perception", "figure", "limit", "clips", "within", "not observable", "covered")
     columns += ("median error", "nine of ten below", "median half width")
-    lines = []
-    for figure in FIGURES:
-        s = summarize(rows, figure)
-        within = _to_percent(s["within"]) if np.isfinite(figure[2]) else ""
-        lines.append(
-            [
-                figure[0],
-                figure[1],
-                s["clips"],
-                within,
-                *(_to_percent(s[key]) for key in ("unobservable", "covered")),
-            ]
-            + [_to_text(s[key]) for key in ("median", "ninth", "stated")]
-        )
-    still = [row for row in rows if row["motion"] == "nothing"]
-    text = f"\nRead as still where nothing moves: {sum(row['still'] for row in still)} of {len(still)}. "
-    swings = [row for row in rows if not row["swings"]]
-    text += f"A swing where there is none: {sum(row['false_swing'] for row in swings)} of {len(swings)}. "
-    text += f"More than one piece: {sum((row['pieces'] or 1) > 1 for row in rows)} of {len(rows)}.\n"
+    lines, text = [], ""
+    for name, rows in seen.items():
+        for figure in FIGURES:
+            s = summarize(rows, figure)
+            if not s["clips"]:
+                continue
+            within = _to_percent(s["within"]) if np.isfinite(figure[2]) else ""
+            shares = [_to_percent(s[key]) for key in ("unobservable", "covered")]
+            values = [_to_text(s[key]) for key in ("median", "ninth", "stated")]
+            lines.append([name, figure[0], figure[1], s["clips"], within, *shares, *values])
+        still = [row for row in rows if row["motion"] == "nothing"]
+        swings = [row for row in rows if not row["swings"]]
+        text += f"\n{name}: read as still where nothing moves: {sum(row['still'] for row in still)} of {len(still)}. "
+        text += f"A swing where there is none: {sum(row['false_swing'] for row in swings)} of {len(swings)}. "
+        text += f"More than one piece: {sum((row['pieces'] or 1) > 1 for row in rows)} of {len(rows)}.\n"
     return table(columns, lines) + text
 
 
-def _compare_by(rows: Rows, key: str) -> str:
+def _compare_by(seen: Mapping[str, Rows], key: str) -> str:
     figures = [figure for figure in FIGURES if np.isfinite(figure[2])]
-    columns = (key, "clips", *(figure[0] for figure in figures))
+    columns = (key, "perception", "clips", *(figure[0] for figure in figures))
     lines = []
-    for name in dict.fromkeys(row[key] for row in rows):
-        own = [row for row in rows if row[key] == name]
-        cells = [name, len(own)]
-        for figure in figures:
-            s = summarize(own, figure)
-            missing = f" ({_to_percent(s['unobservable'])} n. o.)" if s["unobservable"] else ""
-            cells.append(_to_percent(s["within"]) + missing)
-        lines.append(cells)
+    for value in dict.fromkeys(row[key] for rows in seen.values() for row in rows):
+        for name, rows in seen.items():
+            own = [row for row in rows if row[key] == value]
+            cells = [value, name, len(own)]
+            for figure in figures:
+                s = summarize(own, figure)
+                missing = f" ({_to_percent(s['unobservable'])} n. o.)" if s["unobservable"] else ""
+                cells.append(_to_percent(s["within"]) + missing)
+            if own:
+                lines.append(cells)
     return table(columns, lines)
 
 
-def _list_wrong(rows: Rows) -> str:
+def _list_wrong(seen: Mapping[str, Rows]) -> str:
     """The twenty clips whose displacement or rotation is farthest off, with what the report says."""
 
     def badness(row: Row) -> float:
         return max((row["displacement"] or 0) / 0.03, (row["rotation"] or 0) / (4 if row["in_plane"] else 8))
 
-    worst = sorted(rows, key=badness, reverse=True)[:20]
-    columns = ("clip", "displacement", "rotation", "stretch", "notes")
-    return table(
-        columns,
-        [
-            [
-                f"{row['motion']}: {row['object']}, {row['distance']}, {row['background']}, noise {row['noise']}"
-            ]
-            + [_to_text(row[key]) for key in ("displacement", "rotation", "stretch")]
-            + [one_line(" ".join(row["notes"]))]
-            for row in worst
-            if badness(row) > 1
-        ],
-    )
+    every = [(name, row) for name, rows in seen.items() for row in rows]
+    worst = sorted(every, key=lambda each: badness(each[1]), reverse=True)[:20]
+    columns = ("clip", "perception", "displacement", "rotation", "stretch", "notes")
+    lines = []
+    for name, row in worst:
+        clip = (
+            f"{row['motion']}: {row['object']}, {row['distance']}, {row['background']}, noise {row['noise']}"
+        )
+        figures = [_to_text(row[key]) for key in ("displacement", "rotation", "stretch")]
+        if badness(row) > 1:
+            lines.append([clip, name, *figures, one_line(" ".join(row["notes"]))])
+    return table(columns, lines)
 
 
 PAGE = Page(

@@ -9,17 +9,48 @@ from benchmarks.harness import Row
 from benchmarks.perception.motions import LOOK, RIGHT, Motion
 from benchmarks.perception.scenes import FRAME_DT, FRAMES, Sight
 from physagent_jax.core.rotations import polar
-from physagent_jax.perception.measure import perceive
+from physagent_jax.perception.measure import Perception, perceive
+from physagent_jax.perception.protocols import PerceptionBackends
 from physagent_jax.perception.schema import MotionReport
+from physagent_jax.perception.uncertainty import NINETY
 
+TOUCHING = 0.02
+"""Distance from the floor within which an object touches it [m]."""
 SEEN_SHIFT, SEEN_TURN = 0.1, 10.0
 """Directions are compared from these on [body lengths], [deg]."""
 
 
-def measure(sight: Sight, motion: Motion, rgb: np.ndarray, depth: np.ndarray) -> Row:
-    """Errors and stated uncertainties of one clip; a figure that the report does not have is None."""
-    report = perceive(rgb, depth, sight.camera, frame_dt=FRAME_DT).report
+def measure(
+    sight: Sight,
+    motion: Motion,
+    rgb: np.ndarray,
+    depth: np.ndarray,
+    backends: PerceptionBackends,
+    grounded: bool,
+) -> Row:
+    """Errors and stated uncertainties of one clip; a figure that the report does not have is None.
+
+    Args:
+        sight: The truth.
+        motion: Its motion.
+        rgb: Pictures, uint8, shape (T, H, W, 3).
+        depth: z-depth [m], shape (T, H, W).
+        backends: Backends that see them.
+        grounded: Whether there is a floor, which it then touches in frame 0 or not.
+    """
+    touches = grounded and sight.means[0, :, 2].min() < sight.floor + TOUCHING
+    seen = perceive(
+        rgb,
+        depth,
+        sight.camera,
+        frame_dt=FRAME_DT,
+        backends=backends,
+        ground=sight.floor if touches else None,
+        length=1.0,
+    )
+    report = seen.report
     return {
+        **_measure_depth(seen, sight),
         **_measure_displacement(report, sight),
         **_measure_rotation(report, motion),
         **_measure_stretch(report, motion),
@@ -32,20 +63,47 @@ def measure(sight: Sight, motion: Motion, rgb: np.ndarray, depth: np.ndarray) ->
     }
 
 
+def _measure_depth(seen: Perception, sight: Sight) -> Row:
+    """Error of an estimated depth that 95 % of the object's pixels stay below [half widths that it states]."""
+    z, spread = seen.depth.z, seen.depth.uncertainty
+    if spread is None:
+        return {}
+    known = np.isfinite(z) & (sight.alpha > 0.5) & seen.masks
+    if not known.any():
+        return {"depth": None, "depth_stated": None}
+    off = np.abs(z - sight.depth)[known] / (NINETY * spread[known])
+    return {"depth": float(np.quantile(off, 0.95)), "depth_stated": 1.0}
+
+
 def _measure_displacement(report: MotionReport, sight: Sight) -> Row:
-    """Largest error over the clip [true body lengths]; of the direction, in the frame of the largest shift [deg]."""
+    """Largest error over the clip [true body lengths]; of the direction, in the frame of the largest shift [deg].
+
+    Also that across the line of sight, and that along it; where that part is not observable, nor is the whole.
+    """
     true = (sight.means.mean(1) - sight.means[0].mean(0)) / sight.size
     scale = report.object_size / sight.size
     seen = np.array([(np.nan,) * 3 if c is None else c for c in report.centroid]) * scale
     found = {"displacement": None, "direction": None, "frames": int(np.isfinite(seen[:, 0]).sum())}
+    found |= {"across": None, "along": None}
+    observed = report.windows[0].displacement_view_axis_observable
+    stated, beside = report.uncertainty.displacement, report.uncertainty.along
     if np.isfinite(seen[-1]).all():
-        found["displacement"] = float(np.nanmax(np.linalg.norm(seen - true, axis=1)))
-    stated = report.uncertainty.displacement
-    found["displacement_stated"] = None if stated is None else stated * scale
+        off = seen - true
+        found["across"] = float(np.nanmax(np.linalg.norm(off - np.outer(off @ LOOK, LOOK), axis=1)))
+        if observed:
+            found["along"] = float(np.nanmax(np.abs(off @ LOOK)))
+            found["displacement"] = float(np.nanmax(np.linalg.norm(off, axis=1)))
+    whole = None if stated is None else float(np.hypot(stated, beside or 0.0))
+    for name, width in (
+        ("displacement", whole),
+        ("across", stated),
+        ("along", stated if beside is None else beside),
+    ):
+        found[f"{name}_stated"] = None if width is None else width * scale
     far = int(np.linalg.norm(true, axis=1).argmax())
     if np.linalg.norm(true[far]) < SEEN_SHIFT:
         return found | {"has_direction": False}
-    if np.isfinite(seen[far]).all():
+    if observed and np.isfinite(seen[far]).all():
         found["direction"] = _measure_angle(seen[far], true[far])
     return found | {"has_direction": True, "size_ratio": scale}
 

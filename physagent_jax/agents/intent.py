@@ -156,7 +156,7 @@ class Clause(Strict):
         negated: Whether the sentence says that it does not happen.
         inherited: Whether the motion is understood from the clause before ("push it left, then right").
         stays: Whether the result is held ("and hold it there").
-        even: Whether it goes at one speed.
+        pace: Whether it goes at one speed, or begins and ends at once.
         elsewhere: Whether the object ends at another place: "away", "aside", "off the table".
         said: The words in the sentence that name the motion.
     """
@@ -176,7 +176,7 @@ class Clause(Strict):
     negated: bool = False
     inherited: bool = False
     stays: bool = False
-    even: bool = False
+    pace: Literal["", "even", "sudden"] = ""
     elsewhere: bool = False
     said: Word = ""
     text: Word = ""
@@ -219,6 +219,7 @@ class Intent(Strict):
         materials: Words for what the object is made of: "jelly" in "a robot made of jelly".
         ignored: Words that do not bear on the motion: looks, scenery, camera, mood. No bar to success.
         unknown: Content words that are not understood and may bear on the motion.
+        unknown_parts: Those of them that stand for a part of the object.
         doubts: Plain sentences about what was not understood and would change the motion. Like ``unknown``, they
             bar a motion from being called a success.
         notes: Assumptions made, in plain sentences.
@@ -230,5 +231,6 @@ class Intent(Strict):
     materials: Annotated[tuple[Word, ...], _MANY] = ()
     ignored: Annotated[tuple[Word, ...], _MANY] = ()
     unknown: Annotated[tuple[Word, ...], _MANY] = ()
+    unknown_parts: Annotated[tuple[Word, ...], _MANY] = ()
     doubts: Annotated[tuple[Annotated[str, Field(max_length=1000)], ...], _MANY] = ()
     notes: Annotated[tuple[Annotated[str, Field(max_length=1000)], ...], _MANY] = ()

@@ -16,6 +16,8 @@ from physagent_jax.core.reading import read_packaged_yaml
 from physagent_jax.motion.schema import SceneBrief
 
 _UNKNOWN_KIND = "object"
+SOFT = ("jelly", "ecoflex")
+"""Presets of what wobbles when it is tapped."""
 _LONGEST = 3  # words of the longest name of a material
 _TOKEN = re.compile(r"[^\W\d_]+(?:'[^\W\d_]+)?|\d+|[^\w\s]")
 

@@ -42,6 +42,8 @@ class SemanticReply(Strict):
         not_understood: Content words that led to nothing.
         unsure: What was not understood and would change the motion, in plain sentences: no motion can then be called
             a success.
+        unknown_parts: Words for parts that the object does not show: nothing is made of the sentence until they are
+            known (`run.unknown_parts`).
         materials: Words for what the object is made of, as they stand in the sentence: "jelly" in "made of jelly".
         notes: Assumptions made, in plain sentences.
     """
@@ -55,6 +57,7 @@ class SemanticReply(Strict):
     evidence: tuple[Evidence, ...] = ()
     not_understood: tuple[str, ...] = ()
     unsure: tuple[str, ...] = ()
+    unknown_parts: tuple[str, ...] = ()
     materials: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
-from physagent_jax.core.errors import MissingPackageError, UserError
+from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import decode_json
 
 
@@ -88,18 +87,6 @@ class ChatModel(Protocol):
     def close(self) -> None:
         """Free what the model holds; it answers nothing afterwards."""
         ...
-
-
-def import_package(name: str, adapter: str, extra: str) -> Any:
-    """A package that an adapter needs, of an extra of this project.
-
-    Raises:
-        MissingPackageError: It is not installed.
-    """
-    try:
-        return importlib.import_module(name)
-    except ImportError as error:
-        raise MissingPackageError(f"the chat model `{adapter}` needs a package ({error})", extra) from None
 
 
 def read_json_or_none(text: str) -> Any | None:

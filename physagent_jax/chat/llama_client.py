@@ -11,9 +11,10 @@ from typing import Any
 
 from pydantic import Field
 
-from physagent_jax.chat.base import Messages, ModelError, Schema, import_package
+from physagent_jax.chat.base import Messages, ModelError, Schema
 from physagent_jax.chat.completions import format_message, format_schema
 from physagent_jax.chat.in_process import FileModel, FileOptions
+from physagent_jax.core.packages import import_package
 from physagent_jax.core.reading import check_regular, shorten
 
 _LARGEST_FILE = 2**41  # bytes
@@ -41,7 +42,7 @@ class LlamaModel(FileModel):
         self._options = chosen = LlamaOptions(**options)
         super().__init__("llama", chosen.path.stem, chosen.timeout)
         check_regular(chosen.path, most=_LARGEST_FILE, what="the model's file")
-        xllamacpp = import_package("xllamacpp", "llama", "llama")
+        xllamacpp = import_package("xllamacpp", "the chat model `llama`", "llama")
         self.key = secrets.token_hex(16)
         params = xllamacpp.CommonParams()
         params.model.path = str(chosen.path)

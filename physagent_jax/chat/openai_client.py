@@ -14,9 +14,10 @@ from urllib.parse import urlsplit
 
 from pydantic import Field
 
-from physagent_jax.chat.base import Generation, Messages, ModelError, Schema, import_package
+from physagent_jax.chat.base import Generation, Messages, ModelError, Schema
 from physagent_jax.chat.completions import format_message, format_schema, read_completion
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.packages import import_package
 from physagent_jax.core.reading import shorten
 from physagent_jax.core.strict import Seed, Strict
 
@@ -65,7 +66,9 @@ class OpenAIModel:
 
     def __init__(self, **options: Any):
         self._options = OpenAIOptions(**options)
-        openai, httpx = (import_package(name, "openai", "llm") for name in ("openai", "httpx2"))
+        openai, httpx = (
+            import_package(name, "the chat model `openai`", "llm") for name in ("openai", "httpx2")
+        )
         self.name, self.has_eyes = f"openai:{self._options.model}", self._options.eyes
         self.sleep: Callable[[float], None] = time.sleep
         self._openai, self._httpx = openai, httpx

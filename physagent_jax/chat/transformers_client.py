@@ -6,9 +6,10 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from physagent_jax.chat.base import Messages, ModelError, Schema, import_package
+from physagent_jax.chat.base import Messages, ModelError, Schema
 from physagent_jax.chat.in_process import FileModel, FileOptions
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.packages import import_package
 from physagent_jax.core.reading import shorten
 
 
@@ -39,8 +40,9 @@ class TransformersModel(FileModel):
         path, device, shown = chosen.path, chosen.device, shorten(chosen.path)
         if not (path / "config.json").is_file():
             raise UserError(f"there is no model in the folder {shown}", do="Name the one with config.json")
-        torch = self._torch = import_package("torch", "transformers", "models")
-        transformers = import_package("transformers", "transformers", "models")
+        what = "the chat model `transformers`"
+        torch = self._torch = import_package("torch", what, "models")
+        transformers = import_package("transformers", what, "models")
         if device == "auto":
             device = "cuda" if torch.cuda.is_available() else "cpu"
         local = {"local_files_only": True, "trust_remote_code": False}

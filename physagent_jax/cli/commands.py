@@ -13,8 +13,10 @@ import tyro
 from physagent_jax.cli.doctor import Doctor
 from physagent_jax.cli.inspect import Inspect
 from physagent_jax.cli.materials import Materials
+from physagent_jax.cli.models import Models
 from physagent_jax.cli.plan import Plan
 from physagent_jax.cli.run import Run
+from physagent_jax.cli.score import Score
 from physagent_jax.cli.simulate import ImportPhysGaussian, Simulate
 from physagent_jax.core.errors import UserError
 
@@ -127,8 +129,10 @@ COMMANDS = {
     "simulate": Simulate,
     "make": Make,
     "materials": Materials,
+    "models": Models,
     "import-physgaussian": ImportPhysGaussian,
     "schema": Schema,
     "report": Report,
+    "score": Score,
     "doctor": Doctor,
 }

@@ -108,7 +108,8 @@ def describe_inspection(found: Inspection) -> list[str]:
 
 def _describe_part(found: Inspection, part: FoundPart) -> str:
     low, high = (_format_place(found, each) for each in (part.low, part.high))
-    return f"{part.label}, {part.share:.1%} of it, {ORIGINS[part.origin]}, from ({low}) to ({high})"
+    told = ORIGINS[part.origin] + (f" ({part.confidence:.0%} sure)" if part.origin == "shape" else "")
+    return f"{part.label}, {part.share:.1%} of it, {told}, from ({low}) to ({high})"
 
 
 def _describe_pieces(found: Inspection) -> str:

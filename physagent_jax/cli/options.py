@@ -24,6 +24,11 @@ OPTIONS = {
     "object.opacity_threshold": "--opacity-threshold",
     "object.splat_encoding": "--splat-encoding",
     "object.parts": "--part",
+    "object.photo.box": "--image-box",
+    "object.photo.mask_path": "--image-mask",
+    "object.photo.segmenter": "--image-segmenter",
+    "object.photo.depth": "--image-depth",
+    "object.photo.fov_degrees": "--image-fov",
     "prompt": "--prompt",
     "preset": "--preset",
     "overrides.frame_count": "--frames",
@@ -46,6 +51,10 @@ OPTIONS = {
     "agents.semantic.options.form": "--form",
     "agents.planner.name": "--planner",
     "agents.executor.name": "--executor",
+    "perception.segmenter": "--segmenter",
+    "perception.depth": "--depth",
+    "perception.tracker": "--tracker",
+    "perception": "--perception",
     "rounds": "--max-iterations",
     "probe": "--probe",
     "seed": "--seed",
@@ -76,14 +85,23 @@ def to_spec(options: Mapping[str, Any]) -> RunSpec:
     Raises:
         UserError: An option is missing, out of range, excluded by another or meaningless without it.
     """
+    from physagent_jax.perception import backends
+    from physagent_jax.run.models import parse_choice
     from physagent_jax.run.spec import RunSpec
 
+    if options["image"] is not None:
+        if options["object"] is not None:
+            raise UserError("`--object` and `--image` both say what moves", do="Pass one of them")
+        options = {**options, "object": options["image"]}
     missing = [f"--{name}" for name in ("object", "prompt") if options[name] is None]
     if missing:
         raise UserError(f"{' and '.join(missing)} must be given", do="Give them, or --spec file.json")
     _check_pairs(options)
     values = {field: _simplify(options[_name_attribute(option)]) for field, option in OPTIONS.items()}
     values["object.parts"] = list(map(parse_part, options["part"]))
+    for role, name in backends.parse_choice(values.pop("perception")).items():
+        given = options[role]
+        values[f"perception.{role}"] = {"name": name} if given is None else parse_choice(role, given)
     values["overrides.height"] = values["overrides.width"]
     values["camera.follow"] = options["follow"] or None
     _check_model(options)
@@ -93,6 +111,8 @@ def to_spec(options: Mapping[str, Any]) -> RunSpec:
         values["anchor.point"], values["anchor.half_size"] = box[:3], box[3:]
     try:
         tree = _nest(values)
+        if options["image"] is not None:
+            tree["object"].setdefault("photo", {})
         tree["agents"]["model"] = model
         tree["save"]["video_size"] = video_size  # None too says something here
         return RunSpec.model_validate(tree)
@@ -224,6 +244,10 @@ def describe_unknown(reply: SemanticReply) -> str:
 
 def _check_pairs(options: Mapping[str, Any]) -> None:
     """Refuse options that exclude each other, or that mean nothing without another."""
+    beside = [name for name in _OF_AN_IMAGE if options[name] is not None and options["image"] is None]
+    if beside:
+        option = _name_option(beside[0])
+        raise UserError(f"`{option}` means nothing without `--image`", do="Pass --image, or leave it out")
     if options["physgm"] is not None and options["material"] is not None:
         raise UserError(
             "`--physgm` and `--material` both say what the object is made of", do="Pass one of them"
@@ -241,6 +265,7 @@ def _check_pairs(options: Mapping[str, Any]) -> None:
             raise UserError(f"`--anchor {kind}` needs a {kind}", do=f"Pass {option} {example}")
 
 
+_OF_AN_IMAGE = ("image_box", "image_mask", "image_segmenter", "image_depth", "image_fov")
 _ASKING = {"reader": ("model", "both"), "planner": ("chat", "both"), "executor": ("chat",)}
 
 

@@ -35,8 +35,14 @@ class Plan:
     pictures would not show, is refused: exit code 2.
     """
 
-    object: Path
+    object: Path | None = None
     """3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply)."""
+    image: Path | None = None
+    """In place of `--object`: a photo, as for `physagent run`."""
+    image_box: tuple[float, float, float, float] | None = None
+    """As for `physagent run`."""
+    image_mask: Path | None = None
+    """As for `physagent run`."""
     prompt: str | None = None
     """The wanted motion, in everyday English."""
     sentence: tyro.conf.Positional[str | None] = None
@@ -101,7 +107,7 @@ class Plan:
         with open_agents(run.spec, run.base_dir, record=self.record) as agents:
             reply = read_for_scene(run, body, agents.semantic.compile).value
         template, placed = run.place(body, reply)
-        after = make_brief(template, frames_fixed=run.frames_fixed, parts=body.parts)
+        after = make_brief(template, frames_fixed=run.frames_fixed, parts=run.list_parts(body))
         damped = damp(template, body)[1]
         pictured = ()
         if is_in_doubt(body):  # to draw a picture takes as long as all else
@@ -121,7 +127,9 @@ def to_json(reply: SemanticReply, brief: SceneBrief) -> dict:
     """The line that ``--json`` prints; ``brief`` is the scene with what the sentence says of it."""
     shown = reply.model_dump(mode="json", exclude_none=True)
     return {
-        "parts": [each.model_dump(include={"label", "origin", "share"}) for each in brief.parts],
+        "parts": [
+            each.model_dump(include={"label", "origin", "confidence", "share"}) for each in brief.parts
+        ],
         "targets": shown["expectations"],
         "actions": shown["force_field"]["actions"],
         "constraints": shown["force_field"]["constraints"],

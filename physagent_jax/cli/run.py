@@ -33,6 +33,18 @@ class Run:
     """Run folder to make."""
     object: Path | None = None
     """3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply)."""
+    image: Path | None = None
+    """In place of `--object`: a photo, whose object is cut out, given a back, and moved in the photo."""
+    image_box: tuple[float, float, float, float] | None = None
+    """Box (x0 y0 x1 y1, pixels) that holds the object in --image; default: what stands out in the middle."""
+    image_mask: Path | None = None
+    """Picture of the size of --image that is bright on its object, or .npy of one bool per pixel."""
+    image_segmenter: str | None = None
+    """Segmenter that finds the object in --image; default: GrabCut."""
+    image_depth: str | None = None
+    """Estimator of the depth in --image; default: none, the outline is inflated."""
+    image_fov: float | None = None
+    """Field of view along the longer side of --image, in degrees; default: its EXIF data, else 45."""
     prompt: str | None = None
     """The wanted motion, in everyday English."""
     sentence: tyro.conf.Positional[str | None] = None
@@ -48,8 +60,8 @@ class Run:
     """plant, food, robot, ... (decides material and anchor); default: its card, else from the file's name."""
     azimuth: float | None = None
     """The camera's place, in degrees about the vertical; default: the card's, else where the object is broad."""
-    elevation: float = 10.0
-    """The camera's height above the horizon, in degrees."""
+    elevation: float | None = None
+    """The camera's height above the horizon, in degrees; of --image, that of the photo's camera; default: 10."""
     follow: bool = False
     """Have the video's camera go along with the object; else it does so only if the object would be too small."""
     anchor: AnchorChoice = "auto"
@@ -107,6 +119,9 @@ class Run:
     """Agent that judges the motion; chat: a model; both: a success needs rules and model."""
     executor: Literal["rules", "chat"] = "rules"
     """Agent that rewrites the force field; chat: a model, inside the hard rules."""
+    perception: str = "rgbd"
+    """Backends that measure the pictures; rgbd: with the renderer's depth channel, as a depth camera has; rgb: from
+    pictures alone. Backends by name follow, as in rgb,tracker=NAME (roles: segmenter, depth, tracker)."""
     llm: str | None = None
     """The language model: http://HOST:PORT/v1 of a server, a GGUF file, or a folder with a model. A key comes from the
     environment alone."""
@@ -118,6 +133,12 @@ class Run:
     """Cassette that keeps every request to the model and its answer."""
     replay: Path | None = None
     """Cassette with the model's answers, in place of --llm."""
+    segmenter: str | None = None
+    """Model that finds the object in the pictures, NAME or NAME:PATH (`physagent models`); default: rgbd."""
+    depth: str | None = None
+    """Model that tells its distance, NAME or NAME:PATH; default: sensor."""
+    tracker: str | None = None
+    """Model that follows its points, NAME or NAME:PATH; default: flow."""
     probe: bool = False
     """First try force fields on a coarse version of the scene; the rounds then begin with the best of them."""
     seed: int = 0

@@ -41,3 +41,13 @@ def explain_unknown_name(what: str, name: object, known: Iterable[str], do: str 
 
 def _normalise(name: str) -> str:
     return name.strip().lower().replace("-", "_").replace(" ", "_")
+
+
+def count_slips(first: str, second: str) -> int:
+    """Letters to add, leave out or change to make one word of the other (Levenshtein)."""
+    row = list(range(len(second) + 1))
+    for i, a in enumerate(first, 1):
+        above, row[0] = row[0], i
+        for j, b in enumerate(second, 1):
+            above, row[j] = row[j], min(row[j] + 1, row[j - 1] + 1, above + (a != b))
+    return row[-1]

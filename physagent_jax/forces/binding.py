@@ -17,14 +17,15 @@ from jax.core import Tracer
 
 from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
-from physagent_jax.forces.opposition import find_balance, find_friction, find_righting
+from physagent_jax.forces.opposition import RISES, find_balance, find_resistance, find_righting
 from physagent_jax.forces.parameters import ActionParameters, Array
 from physagent_jax.forces.regions import grade_part, make_region_mask
 from physagent_jax.forces.schema import Action, CellsRegion, Opposition, SkillScaling, VelocityConstraint
 from physagent_jax.forces.sections import find_stress_concentration
-from physagent_jax.forces.terms import PushCompensation, TurnCompensation
+from physagent_jax.forces.terms import Balance, PushCompensation, TurnCompensation
 from physagent_jax.mpm.boundaries import HalfSpace
 from physagent_jax.mpm.constraints import GradedRotation, GradedTranslation, MovingPlate, PrescribedMotion
+from physagent_jax.mpm.fields import FOREVER
 
 PLATE_FRICTION = (
     0.4  # Coulomb's coefficient of a `moving_plate`: the material may spread under it, but not slip away
@@ -37,6 +38,12 @@ AFTER = (
 )
 _FEET = 0.05  # of the height, over which the feet fade out
 _UPRIGHT = 0.7  # cosine to the vertical
+STEADY = 0.7  # of the deceleration that tips it, with which what slides is led to rest
+BRAKING = 0.7  # [s] in which it comes to rest at the latest: a hand steadies it then
+RUBS = 0.9  # of friction's deceleration, at most: it is help against friction, and no brake
+BALANCING = 3.0  # times what its weight turns it by when it lies, up to which it is kept upright
+ROCKS = math.radians(2)  # by which what slides may rock
+TILTED = math.radians(20)  # at which what is led over its foot stands on its edge
 PAST = math.radians(5)  # beyond the balance up to which what tips over is driven
 _LEVEL = 0.7  # vertical component of an axis below which a turn tips
 _TINY = float(np.finfo(np.float32).tiny)
@@ -67,6 +74,8 @@ class Circumstances:
         frame_count: Frames of the clip.
         stroke: Its part in a series of pushes; None = it is a push of its own.
         turned: Whether something turns the object at the same time.
+        until: Frame at which the next entry begins.
+        tilted: Axis about which what stands is first tilted by a constraint, unit vector, shape (3,); None = it is not.
     """
 
     scaling: SkillScaling
@@ -74,6 +83,8 @@ class Circumstances:
     frame_count: int
     stroke: Stroke | None = None
     turned: bool = False
+    until: float = math.inf
+    tilted: np.ndarray | None = None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -164,6 +175,7 @@ class Binding:
         first, last = values.window
         self.window = self.leaf(first * frame_dt), self.leaf(last * frame_dt)
         self.instant = self.leaf((first + AFTER) * frame_dt)
+        self._until = min(about.until * frame_dt, FOREVER)
         pivot = getattr(timed, "pivot", None)
         self._pivot = None if pivot is None else rest.min(0) + np.asarray(pivot) * np.ptp(rest, axis=0)
         self._led, self._share = np.flatnonzero(self._mask), None
@@ -171,6 +183,8 @@ class Binding:
             part, share, middle = grade_part(bend, rest)
             self._led, self._share = np.flatnonzero(part), self.leaf(share)
             self._pivot = None if pivot is None else middle
+        if about.tilted is not None and self._pivot is None and self._stands:
+            self._pivot = self._find_foot_edge(about.tilted)
         hold_end = getattr(timed, "held_until", None)
         self._held_until = None if hold_end is None else self.leaf(hold_end * frame_dt)
         self._rigid = isinstance(timed.region, CellsRegion) and timed.region.rigid
@@ -187,6 +201,19 @@ class Binding:
     def opposition(self) -> Opposition | None:
         """The opposition that is made up for; None for a part that moves against the rest of the object."""
         return self.scaling.opposition if self.whole or self.scaling.share is not None else None
+
+    @property
+    def known_opposition(self) -> Opposition | None:
+        """The opposition that a push makes up for beforehand: the weight of what it lifts from the ground is felt."""
+        felt = self._stands and self.upwards >= RISES
+        opposition = self.opposition
+        return opposition.model_copy(update=dict(weight=0.0)) if felt and opposition else opposition
+
+    @property
+    def _opposition_of_the_whole(self) -> Opposition | None:
+        """The opposition that each particle of the whole feels; a part that leads it bears more (`scale_entry`)."""
+        opposition = self.opposition
+        return opposition and opposition.model_copy(update=dict(weight=self.share * opposition.weight))
 
     @property
     def directed(self) -> tuple[Array, Array]:
@@ -224,17 +251,59 @@ class Binding:
             before: Speed that it begins with [m/s].
             pulse: Whether it rises and falls as 1 - cos over its window.
         """
-        opposition = self.opposition
+        opposition = self._opposition_of_the_whole
         if opposition is None or not opposition.friction:
             return []
         size, way = self._split()
         push, start = self.leaf(k * self.share * size), self.leaf(np.zeros(()) if before is None else before)
-        friction = self.leaf(find_friction(opposition, way))
-        lever = self.leaf(0.0 if self._turned else opposition.lever)
+        resistance = self.leaf(find_resistance(opposition, way))
+        grounded = bool(opposition.lever) and not self._turned and self.upwards < RISES
+        lever = self.leaf(opposition.lever if grounded else 0.0)
         drag = self.leaf(opposition.damping_rate)
-        feet = None if self._turned or not opposition.lever else self._find_feet()
-        numbers = (self.leaf(way), friction, push, start, lever, drag)
-        return [PushCompensation(*numbers, *self.window, feet=feet, pulse=pulse)]
+        numbers = (self.leaf(way), resistance, push, start, lever, drag)
+        if not grounded:
+            return [PushCompensation(*numbers, *self.window, pulse=pulse)]
+        (begin, end), most = self.window, self.leaf(RUBS * resistance)
+        speed = jnp.abs(start + push * (end - begin))
+        brake = jnp.minimum(jnp.maximum(self.leaf(self._find_safe_rate()), speed / BRAKING), most)
+        rest = jnp.maximum(jnp.minimum(end + speed / brake, self._until), end)
+        return [
+            PushCompensation(
+                *numbers, begin, rest, feet=self._find_feet(), pulse=pulse, brake=brake, pushed=end
+            )
+        ]
+
+    def _find_safe_rate(self) -> float:
+        """Deceleration at which what slides along its own way does not trip [m/s^2]."""
+        opposition = self._opposition_of_the_whole
+        assert opposition is not None
+        axis = np.cross([0.0, 0.0, 1.0], self._way)
+        axis = axis / max(float(np.linalg.norm(axis)), _TINY)
+        balance, _ = find_balance(self._rest.astype(float), self._volume.astype(float), axis)
+        return STEADY * opposition.weight * math.tan(min(balance, 1.0))
+
+    def keep_balance(self) -> list:
+        """The force that keeps upright what stood and is pushed, lifted or thrown up, until something else acts.
+
+        What is pushed to and fro may rock until it is let go. What turns meanwhile, or rolls, is left alone.
+        """
+        opposition = self._opposition_of_the_whole
+        if opposition is None or not opposition.lever or self._turned:
+            return []
+        x, volume = self._rest.astype(float), self._volume.astype(float)
+        arm = x - np.average(x, axis=0, weights=volume)
+        spread = max(float(np.average((arm**2).sum(1), weights=volume)), _TINY)
+        most = BALANCING * opposition.weight * opposition.lever / spread
+        swings = self.stroke is not None and self.stroke.swings
+        slack = 0.0 if self.upwards >= RISES else ROCKS
+        start, end = self.window[1 if swings else 0], self.leaf(self._until)
+        return [Balance(self.leaf(self._rest), self.leaf(most), self.leaf(slack), start, end)]
+
+    def _find_foot_edge(self, axis: np.ndarray) -> np.ndarray:
+        """The point on which it stands when it is tilted about a level axis by `TILTED` [m], shape (3,)."""
+        x = self._rest.astype(float)
+        sunk = x[:, 2] - math.tan(TILTED) * (x @ np.cross(axis, [0.0, 0.0, 1.0]))
+        return x[sunk.argmin()]
 
     def _find_feet(self) -> jax.Array:
         """Weights of the particles that fade with their height over the lowest, with a mean of 1 by mass."""

@@ -57,6 +57,9 @@ REFERENCE_TIME = 2.0
 """[s] T of a free object, at most; a shorter clip is its own T. A longer clip leaves time for more, it does not make
 what happens in it slower."""
 
+QUICK = 0.5
+"""[s] that what is over in an instant takes: a flinch, a sudden turn. No force in range starts and stops it so soon."""
+
 HELD_TIME = 0.7
 """[s] T for what is held somewhere, whatever the clip's length: it cannot leave the picture and has to be bent, which a
 field of four tenths of gravity does to a plant of 1 m (2 L / T^2)."""

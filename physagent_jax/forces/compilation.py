@@ -12,10 +12,13 @@ from physagent_jax.forces.binding import Binding, Circumstances
 from physagent_jax.forces.pairs import find_pairs
 from physagent_jax.forces.parameters import ForceFieldParameters, check_entries
 from physagent_jax.forces.responses import scale_entry
-from physagent_jax.forces.schema import Action, ForceField, SkillScaling
+from physagent_jax.forces.schema import Action, ForceField, SkillScaling, VelocityConstraint
 from physagent_jax.forces.skills import get_skill
 from physagent_jax.forces.swinging import find_strokes
 from physagent_jax.mpm.protocols import Constraint
+
+_LEVEL, _PARALLEL = 0.3, 0.99  # vertical component of an axis; cosine of two
+_MOST_TILT = np.radians(70)  # turn up to which what stands is tilted over its foot, and not turned over
 
 
 def compile_force_field(
@@ -57,7 +60,9 @@ def compile_force_field(
         entry, values = getattr(field, group)[index], getattr(parameters, group)[index]
         turned = isinstance(entry, Action) and _is_turned_meanwhile(entry, field)
         stroke = strokes.get(index) if group == "actions" else None
-        about = Circumstances(scale_entry(scaling, entry), frame_dt, frame_count, stroke, turned)
+        scale, until = scale_entry(scaling, entry), _find_next_begin(entry, field)
+        tilted = _find_tilt_axis(entry, field, scaling.rotation * frame_dt)
+        about = Circumstances(scale, frame_dt, frame_count, stroke, turned, until, tilted)
         return Binding(entry, values, f"force_field.{group}[{index}]", rest, volume, about)
 
     pairs = {pair.first: pair for pair in find_pairs(field, scaling, rest)}
@@ -73,6 +78,33 @@ def compile_force_field(
                 other = None if pair.second is None else bind(group, pair.second)
                 constraints += skill.make_pair(bound, other, pair.sign)
     return tuple(forces), tuple(constraints)
+
+
+def _find_next_begin(entry: Action | VelocityConstraint, field: ForceField) -> float:
+    """Frame at which the next entry after one begins; infinity if none does."""
+    begin = (entry.active_time or (0.0,))[0]
+    others = [(each.active_time or (0.0,))[0] for each in (*field.actions, *field.constraints)]
+    return min((other for other in others if other > begin), default=np.inf)
+
+
+def _find_tilt_axis(entry: Action | VelocityConstraint, field: ForceField, rate: float) -> np.ndarray | None:
+    """Axis of the constraint by which a field first tilts the whole, if the entry turns it there or back; or None.
+
+    Args:
+        entry: The entry.
+        field: All of them.
+        rate: Turn per frame of a constraint with M = 1 [rad].
+    """
+    turns = [each for each in field.constraints if get_skill(each).is_axis and each.region is None]
+    if entry not in turns or len(turns) < len(field.constraints) + len(field.actions):
+        return None
+    first = min(turns, key=lambda each: (each.active_time or (0.0,))[0])
+    begin, end = first.active_time or (0.0, np.inf)
+    axis = np.copysign(1.0, first.magnitude) * np.asarray(first.vector)
+    level = all(
+        abs(each.vector[2]) < _LEVEL and abs(axis @ np.asarray(each.vector)) > _PARALLEL for each in turns
+    )
+    return axis if level and rate * abs(first.magnitude) * first.gain * (end - begin) <= _MOST_TILT else None
 
 
 def _is_turned_meanwhile(action: Action, field: ForceField) -> bool:

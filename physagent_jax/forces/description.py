@@ -69,3 +69,19 @@ def _describe_fields(schema: type[Action] | type[VelocityConstraint]) -> str:
 def _write_example() -> str:
     push = Action(action_type=ActionType.TRANSLATION, vector=(-1, 0, 0), magnitude=0.8, active_time=(0, 24))
     return json.dumps(ForceField(actions=(push,)).model_dump(mode="json", exclude_none=True))
+
+
+def describe_entry(skill: Action | VelocityConstraint) -> dict[str, str]:
+    """Describe the fields of one entry of a force field in words."""
+    name = "action_type" if isinstance(skill, Action) else "constraint_type"
+    return {
+        name: getattr(skill, name).value,
+        "vector": _format(skill.vector),
+        "magnitude": f"{skill.magnitude:g}",
+        "active_time": _format(skill.active_time),
+        "region": getattr(skill.region, "kind", ""),
+    }
+
+
+def _format(values: tuple[float, ...] | None) -> str:
+    return "whole clip" if values is None else "[" + ", ".join(f"{round(v, 3):g}" for v in values) + "]"

@@ -1,12 +1,12 @@
 """Compensation for pushes, blows and turns against which friction and weight work.
 
 The way s that M asks for is what counts: M = 1 means the same visible motion on the ground as in empty space. A push
-overcomes what opposes it and moves the object by what is left; when it ends, friction stops it. Weight that is lifted
-is made up for here. Friction, and the weight that holds the object upright, are made up for while they act
-(`forces.terms.friction`), because what it takes is seen only then. A blow gives the speed
-whose way is M s: with a deceleration c, v = sqrt(2 c M s), or v = M s / T + c T / 2 if it is still moving after T. So a
-throw rises by M s and comes down. Closed forms; what a part alone is given is not changed, since it moves against the
-rest of the object rather than over the ground.
+overcomes what opposes it and moves the object by what is left; when it ends, friction stops it. Friction, the weight of
+what is lifted from the ground, and that which holds the object upright, are made up for while they act
+(`forces.terms.friction`), because what it takes is seen only then. Other weight is made up for here. A blow gives the
+speed whose way is M s: with a deceleration c, v = sqrt(2 c M s), or v = M s / T + c T / 2 if it is still moving after
+T. So a throw rises by M s and comes down. Closed forms; what a part alone is given is not changed, since it moves
+against the rest of the object rather than over the ground.
 """
 
 from __future__ import annotations
@@ -38,6 +38,17 @@ def find_friction(opposition: Opposition, direction):
     up = direction[2]
     flat = xp.sqrt(xp.maximum(1 - up**2, 0.0))
     return xp.where(up < RISES, opposition.friction * flat, 0.0)
+
+
+def find_resistance(opposition: Opposition, direction):
+    """Deceleration that is made up for while a push along ``direction`` acts, unit vector, shape (3,) [m/s^2].
+
+    It is friction of what slides, and weight of what is lifted from the ground.
+    """
+    xp = _to_numpy(direction)
+    return find_friction(opposition, direction) + xp.where(
+        direction[2] < RISES, 0.0, opposition.weight * direction[2]
+    )
 
 
 def oppose_push(opposition: Opposition | None, k, magnitude, direction):

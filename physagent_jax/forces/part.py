@@ -52,10 +52,16 @@ PartRole = Literal[
 ]
 
 
-PartOrigin = Literal["shape", "file", "option"]
-ORIGINS = {"shape": "found by its shape", "file": "named in the file", "option": "named by --part"}
+PartOrigin = Literal["shape", "place", "file", "option"]
+ORIGINS = {
+    "shape": "found by its shape",
+    "place": "told by its place",
+    "file": "named in the file",
+    "option": "named by --part",
+}
 Coordinate = Annotated[float, Field(ge=-1e12, le=1e12)]
 MOST_LETTERS = 60
+_SURE = 0.6  # confidence from which on a role is certain
 
 
 class PartChoice(Strict):
@@ -130,6 +136,11 @@ class Part(Strict):
     neck: Numbers = (0.0, 0.0, 0.0)
     confidence: float = Field(default=1.0, ge=0, le=1)
 
+    @property
+    def unsure(self) -> bool:
+        """Return whether its shape does not tell its role for certain."""
+        return self.confidence < _SURE
+
 
 def split_name(name: str) -> tuple[str, ...]:
     """The words and numbers of a name, in lower case, sides first: "Arm_L" is the left arm; none without letters."""
@@ -140,6 +151,15 @@ def split_name(name: str) -> tuple[str, ...]:
 
 
 def list_parts(parts: Sequence[Part]) -> str:
-    """All parts with their numbers, for messages: "1 head, 2 left arm"; "none" if there are none."""
-    told = [f"{index} {part.label or part.name or part.roles[0]}" for index, part in enumerate(parts, 1)]
+    """All parts with their numbers, for messages: "1 head, 2 left arm (unsure)"; "none" if there are none."""
+    told = [
+        f"{index} {part.label or part.name or part.roles[0]}{' (unsure)' if part.unsure else ''}"
+        for index, part in enumerate(parts, 1)
+    ]
     return ", ".join(told) or "none"
+
+
+def is_plural(text: str) -> bool:
+    """Return whether a part's word means several."""
+    word = text.split()[-1].lower() if text.split() else ""
+    return word.endswith("s") or word == "feet"

@@ -234,12 +234,14 @@ class Holding(Strict):
     Attributes:
         compliance: Mean displacement per uniform acceleration [s^2], rows answer the world's axes.
         square: Mean product of these displacements [s^4]: how fast it swings; None = not known.
+        damping_ratio: Share of critical damping with which it swings; None = not known.
         shift: How far M = 1 is to move its centre [m].
         least, most: Limits of what a push's k may be [m/s^2].
     """
 
     compliance: tuple[_ComplianceRow, _ComplianceRow, _ComplianceRow]
     square: tuple[_SquareRow, _SquareRow, _SquareRow] | None = None
+    damping_ratio: Annotated[float, Field(ge=0, lt=1)] | None = None
     shift: Positive
     least: Positive
     most: Positive

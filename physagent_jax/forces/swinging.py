@@ -9,9 +9,10 @@ they took, swings the object about one place. With half a period h, M = 1 is to 
 t the time in which a push stops what the one before has set going: the steady state of a square wave. Each push also
 knows the speed that it begins with, which a brake has too: friction is made up for on the way from there.
 
-What is held, and a part of it, is an oscillator: pushes in time with it swing it far, quick ones hardly. With u its way
-per steady acceleration, and p u how far to either side the pushes of a train with k = 1 swing it, damped as
-`forces.holding.OVERSHOOT` says, k = s / (p u).
+What is held, and a part of it, is an oscillator with a way of u per steady acceleration: pushes in time with it would
+swing it farther each time, quick ones hardly. Where it turns back during a push, each gets the k that brings it to s
+on its side, or none if it swings that far by itself. Quicker ones get the same k = s / (p u), with p u how far to
+either side the pushes of a train with k = 1 swing it.
 """
 
 from __future__ import annotations
@@ -33,8 +34,11 @@ LEAST_PUSHES = 3  # out, back and to rest; two are a push and its brake
 _PARALLEL = 0.99  # cosine
 _GAP = 1.0  # [frames] between pushes that follow each other
 _BALANCE = 0.25  # of the strongest push: what the others may leave of its velocity
-_DAMPING = -np.log(OVERSHOOT - 1) / np.hypot(np.pi, np.log(OVERSHOOT - 1))  # ratio with that overshoot
+_DAMPING = -np.log(OVERSHOOT - 1) / np.hypot(
+    np.pi, np.log(OVERSHOOT - 1)
+)  # ratio with that overshoot, if unknown
 _SAMPLES = 16  # of a push, at which the way is looked at
+_TURNS = 0.8 * np.pi  # phase of its own swing that a push must last for it to turn back
 
 
 def find_strokes(
@@ -60,13 +64,17 @@ def find_strokes(
                 continue
             held, way = scaling.holding, numbers[0].vector
             if response is not None and response.answer is not None:
-                k = response.swing / (response.answer * _find_width(response.frequency, actions, spans))
+                shares = _find_shares(response.frequency, _DAMPING, actions, spans)
+                pushes = [response.swing / response.answer * each for each in shares]
             elif response is None and held is not None and held.square is not None and scaling.swing:
-                peak = find_way(held, way) * _find_width(find_frequency(held, way), actions, spans)
-                k = xp.minimum(scaling.swing / peak, held.most)
+                ratio = _DAMPING if held.damping_ratio is None else held.damping_ratio
+                shares = _find_shares(find_frequency(held, way), ratio, actions, spans)
+                pushes = [
+                    xp.minimum(scaling.swing / find_way(held, way) * each, held.most) for each in shares
+                ]
             else:
                 continue
-            strokes |= {index: Stroke(k, 0.0, True) for index in run}
+            strokes |= {index: Stroke(each, 0.0, True) for index, each in zip(run, pushes)}
             continue
         if swings and scaling.swing is not None:
             half_period = xp.max(xp.stack([xp.asarray(span) for span in spans]))
@@ -132,21 +140,35 @@ def _find_scale(amplitude: float, drag: float, half_period, xp):
     return 2 * amplitude * drag / (half_period - 2 * turned)
 
 
-def _find_width(frequency, actions: Sequence[Action], spans: Sequence):
-    """The width to either side of an oscillator's swing, from rest, over what each push alone would bend it [1]."""
+def _find_shares(frequency, ratio: float, actions: Sequence[Action], spans: Sequence) -> list:
+    """The pushes that swing an oscillator by 1 to either side, over the steady one that would bend it by 1."""
     xp = jnp if any(isinstance(each, Tracer) for each in (frequency, *spans)) else np
-    decay, turned = _DAMPING * frequency, np.sqrt(1 - _DAMPING**2) * frequency
-    place, speed, most, least = 0.0, 0.0, 0.0, 0.0
+    slow = frequency * xp.min(xp.stack([xp.asarray(each) for each in spans])) >= _TURNS
+    place, speed, most, least = 0.0, 0.0, 0.0, 0.0  # of a train with pushes of 1
+    near, rate, shares = 0.0, 0.0, []  # of one with the shares
     for action, span in zip(actions, spans):
-        rest = np.sign(_find_way(action) @ _find_way(actions[0]))
-        time = span * np.linspace(0, 1, _SAMPLES + 1)[1:]
-        fades, cos, sin = xp.exp(-decay * time), xp.cos(turned * time), xp.sin(turned * time) / turned
-        off = place - rest
-        places = rest + fades * (off * cos + (speed + decay * off) * sin)
-        speeds = fades * (speed * cos - (off * frequency**2 + decay * speed) * sin)
+        side = np.sign(_find_way(action) @ _find_way(actions[0]))
+        places, speeds = _answer(frequency, ratio, span, place, speed, side)
         place, speed = places[-1], speeds[-1]
         most, least = xp.maximum(most, places.max()), xp.minimum(least, places.min())
-    return 0.5 * (most - least)
+        pushed, rising = _answer(frequency, ratio, span, 0.0, 0.0, 1.0)
+        left, going = _answer(frequency, ratio, span, near, rate, 0.0)
+        shares.append(xp.maximum(((1 - side * left) / pushed).min(), 0.0))
+        near, rate = (
+            each[-1] for each in (left + side * shares[-1] * pushed, going + side * shares[-1] * rising)
+        )
+    return [xp.where(slow, each, 2 / (most - least)) for each in shares]
+
+
+def _answer(frequency, ratio: float, span, place, speed, rest) -> tuple:
+    """Places and speeds of an oscillator during a push that would hold it at ``rest``, shape (samples,)."""
+    xp = jnp if any(isinstance(each, Tracer) for each in (frequency, span)) else np
+    decay, turned = ratio * frequency, np.sqrt(1 - ratio**2) * frequency
+    time = span * np.linspace(0, 1, _SAMPLES + 1)[1:]
+    fades, cos, sin = xp.exp(-decay * time), xp.cos(turned * time), xp.sin(turned * time) / turned
+    off = place - rest
+    places = rest + fades * (off * cos + (speed + decay * off) * sin)
+    return places, fades * (speed * cos - (off * frequency**2 + decay * speed) * sin)
 
 
 def _go_on(speed, acceleration, drag: float, time, xp):

@@ -39,6 +39,8 @@ _FARTHEST = 120.0  # [degrees] that it turns by for that
 _SWAYS = 0.6  # of a plain angle, to either side of a limb that goes to and fro
 _ALONG = 0.85  # cosine to the limb from which on a way leads along it
 _REACH = 0.3  # of its length, by which a plain word moves a limb along itself
+_DENTED = 0.6  # the same of a region that is pressed into what it is one skin with
+_DRAWN = 0.08  # [body lengths] that such a region is drawn at least, or by its length, as its border hardly goes along
 _PRESSED, _DEEPEST = (
     0.5,
     0.6,
@@ -143,7 +145,8 @@ class Turning:
             axis = motion.direction
             return [self.turn(axis, self.find_angle(motion, axis), window, stop)], motion
         way = motion.direction or self.swing
-        angle = self.find_angle(motion, self.find_axis(way, sudden=motion.sudden), way)
+        place = self.part.origin == "place"  # it has no joint
+        angle = self.find_angle(motion, None if place else self.find_axis(way, sudden=motion.sudden), way)
         course = motion.direction and self.find_course(way, angle, sudden=motion.sudden)
         return [self.bring(way, motion, angle, window, stop)], motion.model_copy(
             update=dict(direction=course)
@@ -283,9 +286,16 @@ class Turning:
         if told is not None and told.unit in ("lengths", "metres"):
             size = self.brief.size if told.unit == "metres" else 1.0
             return self.driver.shift(way, told.value / size, window, stop)
+        place, pressed = self.part.origin == "place", dot(self.arm, way) < -_ALONG
         reach = _LIFTED if "lid" in self.part.roles[:1] else _REACH
+        if place:
+            reach = _DENTED if pressed else max(1.0, _DRAWN / max(norm(self.part.arm), 1e-9))
         made = self.driver.shift(way, reach * norm(self.part.arm) * angle / _PLAIN, window, stop)
-        return made if self.slides else self._bend(made, norm(self.part.arm) if max(self.part.neck) else 0.0)
+        return (
+            made
+            if self.slides and not place
+            else self._bend(made, norm(self.part.arm) if max(self.part.neck) else 0.0)
+        )
 
     def find_course(self, way: Vector, angle: float, *, sudden: bool = False) -> Vector:
         """The way that the tip goes when it is brought ``way`` by an angle [degrees]."""

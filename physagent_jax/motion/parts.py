@@ -21,9 +21,8 @@ _PLAIN = {place: f"part at the {place}" for place in PLACES} | {
     "littlefinger": "little finger",
 }
 _SINGLE = ("head", "tail", "lid", "knob", "spout", "back")  # roles that an object has but one part of
-_CLEAR = 0.6  # confidence from which on a role is certain
 _MOST_SEEDS = 256  # of a region
-_RANK = {"option": 0, "file": 1, "shape": 2}
+_RANK = {"option": 0, "file": 1, "shape": 2, "place": 3}
 
 
 def label_parts(parts: Sequence[Part], table: DirectionTable) -> tuple[Part, ...]:
@@ -40,7 +39,8 @@ def label_parts(parts: Sequence[Part], table: DirectionTable) -> tuple[Part, ...
         labels.append(sided)
     found = []
     for index, (part, label) in enumerate(zip(parts, labels)):
-        told = f"{label} (part {index + 1}, {ORIGINS[part.origin]})"
+        doubt = f", unsure: {part.confidence:.0%}" if part.unsure else ""
+        told = f"{label} (part {index + 1}, {ORIGINS[part.origin]}{doubt})"
         moved = part.moved.model_copy(update=dict(label=told))
         found.append(part.model_copy(update=dict(label=label, moved=moved)))
     return tuple(found)
@@ -100,19 +100,21 @@ def explain_guess(text: str, parts: Sequence[Part], chosen: Sequence[int], *, pl
         chosen: Places of those that it is taken to mean.
         plural: Whether it means several.
     """
-    guessed = [index for index in chosen if not parts[index].name]
+    guessed = [index for index in chosen if not parts[index].name or parts[index].origin == "place"]
     if not guessed:
         return None
     part = parts[guessed[0]]
     rivals = [each for each in parts if each.roles[:1] == part.roles[:1] and not each.name]
-    several = part.roles[0] in _SINGLE and len(rivals) > 1 and not plural
-    clear = part.roles[0] not in PLACES and part.confidence >= _CLEAR
-    if clear and not several and not (plural and len(chosen) == 1):
+    several = bool(set(part.roles[:1]) & set(_SINGLE)) and len(rivals) > 1 and not plural
+    faint = any(parts[index].unsure for index in guessed)
+    clear = set(part.roles[:1]).isdisjoint(PLACES) and not faint
+    if clear and not several and not (plural and len(chosen) == 1 and part.roles):
         return None
-    label, number = part.label or part.roles[0], guessed[0] + 1
+    label, number = part.label or part.name or part.roles[0], guessed[0] + 1
+    chance = f" ({part.confidence:.0%})" if faint else ""
     return (
-        f"Whether '{text}' is the {label} (part {number}) is not certain: `--part {_get_noun(text)}={number}` says so, "
-        "or names another one (`physagent inspect` shows them all)."
+        f"Whether '{text}' is the {label} (part {number}) is not certain{chance}: "
+        f"`--part {_get_noun(text)}={number}` says so, or names another one (`physagent inspect` shows them all)."
     )
 
 

@@ -6,7 +6,7 @@ leaves out of a frame what does not act in it (`mpm.plan`), and sorts particles;
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import jax
 import jax.numpy as jnp
@@ -37,7 +37,13 @@ class BodyForce(Protocol):
 
 
 class Boundary(Protocol):
-    """A condition on the grid."""
+    """A condition on the grid.
+
+    Attributes:
+        acts_on_points: Whether `apply` also takes scattered places (`boundaries.contact.Points`) in a grid's place.
+    """
+
+    acts_on_points: ClassVar[bool] = False
 
     @property
     def thickness(self) -> float | None:

@@ -10,7 +10,8 @@ from physagent_jax.perception import lift
 from physagent_jax.perception.extents import measure_lengths
 from physagent_jax.perception.fit import Affine, estimate_hidden_spread
 from physagent_jax.perception.follow import Path
-from physagent_jax.perception.reasons import CUT, GONE, LOOSE, LOST, NO_DEPTH, NO_SIZE
+from physagent_jax.perception.protocols import Depth
+from physagent_jax.perception.reasons import CUT, GONE, LOOSE, LOST, NO_DEPTH, NO_SIZE, TURNED
 from physagent_jax.perception.unobservable import touches_border
 from physagent_jax.perception.windows import Frames
 from physagent_jax.render.camera import Camera
@@ -31,6 +32,8 @@ FULL_TILT = 20.0
 """Turned out of the picture plane by this, the fit's stretch behind the visible surface is not believed [deg]."""
 MOST_EXTENT = 1e3
 """A visible surface that is longer is none of the object: its depth is wrong [body lengths]."""
+MOST_TILT = 10.0
+"""Turned out of the picture plane by more than this over an assumed form, a pose is not believed [deg]."""
 INDEPENDENT_VIEWS = 4.0
 """Neighbouring frames err alike: so many of a clip's views count."""
 
@@ -60,6 +63,7 @@ def assemble(
     trusted: np.ndarray,
     camera: Camera,
     directions: np.ndarray,
+    estimate: Depth,
 ) -> Frames:
     """Measure every frame.
 
@@ -70,6 +74,7 @@ def assemble(
         trusted: Its trusted part, nan elsewhere, shape (T, H, W).
         camera: The camera.
         directions: Along which extents are measured, unit vectors, shape (k, 3).
+        estimate: The depth as it was estimated: whether its relief is known, and how its distance may drift.
     """
     corners = np.stack([lift.measure_box(*seen, camera) for seen in zip(depth, masks, trusted)])
     edges = corners[:, 1] - corners[:, 0]
@@ -84,6 +89,10 @@ def assemble(
     centroid = (_find_centroids(path, points, cut, center, camera) - center) / size
     centroid[out] = np.nan
     forward = camera.forward.astype(float)
+    tilt = np.array([0.0 if p is None else _measure_tilt(p, forward) for p in path.poses])
+    turned = (tilt > MOST_TILT) & (not estimate.relief_known)
+    if turned.any():
+        path = dataclasses.replace(path, poses=[None if bad else p for p, bad in zip(path.poses, turned)])
 
     def why(*conditions):
         """The first reason that holds, per frame."""
@@ -102,14 +111,27 @@ def assemble(
         box=np.where((cut | beyond)[:, None], np.nan, np.maximum(edges / size, THINNEST)),
         lengths=np.where((cut | beyond)[:, None], np.nan, measure_lengths(outlines, directions) / size),
         depth_shown=np.array(
-            [len(p) > 3 and estimate_hidden_spread(p, forward) > LEAST_RELIEF * size for p in points]
+            [
+                estimate.relief_known
+                and len(p) > 3
+                and estimate_hidden_spread(p, forward) > LEAST_RELIEF * size
+                for p in points
+            ]
         ),
         reasons={
             "centroid": why(gone, blind, (~np.isfinite(centroid[:, 0]), CUT)),
-            "rotation": why(gone, blind, (loose, LOOSE), lost),
+            "rotation": why(gone, blind, (loose, LOOSE), (turned, TURNED), lost),
             "box": why(gone, (cut, CUT), blind, (beyond, NO_SIZE)),
         },
+        drift=None if estimate.drift is None else estimate.drift / size,
+        relief_known=estimate.relief_known,
+        tilt=float(tilt.max()),
     )
+
+
+def _measure_tilt(pose: Affine, forward: np.ndarray) -> float:
+    """Angle by which a pose turns out of the picture plane [deg]; ``forward`` is the viewing direction, shape (3,)."""
+    return float(np.degrees(np.arccos(np.clip(forward @ pose.rotation @ forward, -1, 1))))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -139,8 +161,7 @@ class _Rider:
 
     def turn(self, pose: Affine) -> np.ndarray:
         """The rotation that carries the lever under a pose, shape (3, 3)."""
-        cosine = np.clip(self.forward @ pose.rotation @ self.forward, -1, 1)
-        share = max(1 - np.degrees(np.arccos(cosine)) / FULL_TILT, 0.0)
+        share = max(1 - _measure_tilt(pose, self.forward) / FULL_TILT, 0.0)
         return share * pose.matrix + (1 - share) * pose.rotation
 
     def __call__(self, pose: Affine) -> np.ndarray:

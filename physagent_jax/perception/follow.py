@@ -15,7 +15,7 @@ import numpy as np
 from physagent_jax.perception import lift
 from physagent_jax.perception.ends import Ends, PartPrompt
 from physagent_jax.perception.fit import Affine, fit_affine
-from physagent_jax.perception.protocols import EncodedClip, Tracker, Tracks
+from physagent_jax.perception.protocols import EncodedClip, Tracks
 from physagent_jax.render.camera import Camera
 
 SEEDS = 300
@@ -62,24 +62,21 @@ class Path:
 
 def follow(
     frames: np.ndarray,
-    masks: np.ndarray,
     depths: np.ndarray,
     camera: Camera,
-    tracker: Tracker,
+    clip: EncodedClip,
     parts: tuple[PartPrompt, ...] = (),
 ) -> Path:
     """Follow the object through the clip.
 
     Args:
         frames: Pictures, uint8, shape (T, H, W, 3).
-        masks: The object, bool, shape (T, H, W).
         depths: Trusted z-depth [m], nan elsewhere, shape (T, H, W).
         camera: The camera.
-        tracker: Follows points in pictures.
+        clip: Follows points in them.
         parts: Parts of the object to follow as well.
     """
     count = len(frames)
-    clip = tracker.encode(frames, masks)
     path = Path(
         [None] * count,
         np.full(count, -1),

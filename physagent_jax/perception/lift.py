@@ -109,6 +109,12 @@ def keep_trusted_depth(depth: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray,
     return np.where(trusted, median, np.nan).astype(np.float32), noise
 
 
+def cast_rays(camera: Camera) -> np.ndarray:
+    """World directions of the pixels with unit z-depth, shape (H, W, 3)."""
+    x, y = np.meshgrid(np.arange(camera.width) + 0.5, np.arange(camera.height) + 0.5)
+    return unproject(np.stack([x, y], -1), np.ones(x.shape), camera) - camera.center
+
+
 def unproject(xy: np.ndarray, depth: np.ndarray, camera: Camera) -> np.ndarray:
     """World points of pixels: p = K^-1 [x, y, 1] D, then camera to world.
 

@@ -16,7 +16,16 @@ from physagent_jax.perception.extents import choose_directions, describe_extents
 from physagent_jax.perception.follow import follow
 from physagent_jax.perception.pieces import count_pieces
 from physagent_jax.perception.prompt import find_prompt
-from physagent_jax.perception.protocols import Masks, PerceptionBackends, Segmenter, SegmentPrompt
+from physagent_jax.perception.protocols import (
+    Cues,
+    Depth,
+    EncodedClip,
+    Masks,
+    PerceptionBackends,
+    Segmenter,
+    SegmentPrompt,
+    Setting,
+)
 from physagent_jax.perception.schema import Box, Matrix, MotionReport, Quality
 from physagent_jax.perception.uncertainty import Difficulty, estimate_uncertainty
 from physagent_jax.perception.unobservable import (
@@ -36,6 +45,9 @@ LEAST_TEXTURE = 0.5
 
 LARGEST_UNCERTAINTY = 0.05
 """Depth that is less certain is not used [share of itself]."""
+_MADE_PROMPT = (
+    "Nobody marked the object: the segmenter was shown a box and a point, by what stands out in frame 0."
+)
 _NO_SCALE = "The depth has no known scale: sizes and places in metres are arbitrary, body lengths are not."
 
 
@@ -49,12 +61,14 @@ class Perception:
         tracks: Followed points, pixel centres at +0.5 [px], shape (T, N, 2); points that were seeded later
             are added behind the earlier ones.
         visible: Where a point was followed and used, bool, shape (T, N).
+        depth: The estimate of depth, as the backend gave it.
     """
 
     report: MotionReport
     masks: np.ndarray
     tracks: np.ndarray
     visible: np.ndarray
+    depth: Depth
 
 
 def perceive(
@@ -68,13 +82,15 @@ def perceive(
     backends: PerceptionBackends | None = None,
     prompt: SegmentPrompt | None = None,
     parts: Sequence[PartPrompt] = (),
+    ground: float | None = None,
+    length: float | None = None,
 ) -> Perception:
     """Measures how the object in the pictures moves.
 
     Args:
         rgb: Pictures, uint8, shape (T, H, W, 3).
         depth: z-depth [m] as from an RGB-D camera, nan or 0 where there is no surface, shape (T, H, W); None
-            if there is no such camera, and ``backends.depth`` estimates it from the pictures.
+            if there is no such camera. It reaches no backend unless ``backends.depth`` is a sensor.
         camera: The fixed camera.
         frame_dt: Seconds per frame [s].
         up: World up, for the words.
@@ -82,6 +98,8 @@ def perceive(
         backends: What finds the object, its depth and its points; those that need no weights by default.
         prompt: Which object is meant; None = the only one, for which a prompt is made if the segmenter needs one.
         parts: Parts of it that are followed by themselves, by their place in frame 0.
+        ground: Height along ``up`` of the ground that the object touches in frame 0 [m]; None = it touches none.
+        length: Nominal length of the object's longest side [m]; None = unknown.
 
     Returns:
         The report with masks and tracks.
@@ -93,31 +111,28 @@ def perceive(
     if prompt is not None:
         prompt.check_fit(rgb.shape[:3])
     backends = backends or make_backends()
-    estimate = backends.depth.estimate(rgb, camera, depth)
-    z = lift.keep_possible_depth(estimate.z)
-    found = _segment(rgb, z, backends.segmenter, prompt)
-    masks = np.asarray(found.masks, bool)
-    for what, seen in (("depth estimator", z), ("segmenter", masks)):
-        if seen.shape != rgb.shape[:3]:
-            raise UserError(f"the {what} must give one value per pixel, {rgb.shape[:3]}", got=seen.shape)
-    notes = [*estimate.notes, *([] if estimate.scale_known else [_NO_SCALE]), *found.notes]
-    z = lift.fill_dropped(lift.keep_comparable_depth(z, masks[0]), masks)
+    words = ViewerWords(camera, up)
+    estimate, masks, clip, notes = _look(
+        rgb, depth, camera, backends, prompt, Setting(words.up, ground, length)
+    )
+    z = lift.keep_comparable_depth(lift.keep_possible_depth(estimate.z), masks[0])
+    z = lift.fill_dropped(z, masks)
     spans = _find_spans(len(rgb), windows)
     trusted, noise = zip(*(lift.keep_trusted_depth(d, m) for d, m in zip(z, masks)))
     trusted = np.stack(trusted)
-    if estimate.uncertainty is not None:
+    if estimate.uncertainty is not None and estimate.relief_known:
         trusted = np.where(estimate.uncertainty <= LARGEST_UNCERTAINTY * z, trusted, np.float32(np.nan))
     if why := explain_outline(masks[0]) or explain_depth(trusted[0], camera):
         report = report_nothing(masks, why, frame_dt, spans, notes)
-        return Perception(report, masks, np.zeros((len(rgb), 0, 2)), np.zeros((len(rgb), 0), bool))
-    path = follow(rgb, masks, trusted, camera, backends.tracker, tuple(parts))
+        none = np.zeros((len(rgb), 0, 2))
+        return Perception(report, masks, none, np.zeros(none.shape[:2], bool), estimate)
+    path = follow(rgb, trusted, camera, clip, tuple(parts))
     if path.texture < LEAST_TEXTURE:
         notes.append(
             "The surface has little texture: rotation and shape are guessed from its outline and shading."
         )
-    words = ViewerWords(camera, up)
     axes = choose_directions(np.stack([axis for _, axis in words.axes()]), camera.forward)
-    frames = assemble(path, masks, z, trusted, camera, axes)
+    frames = assemble(path, masks, z, trusted, camera, axes, estimate)
     size = frames.size
     quality = Quality(
         tracks_kept=float(path.kept[in_view(masks)].min()),
@@ -135,6 +150,7 @@ def perceive(
         spans,
         quality,
         threshold=max(VISIBLE, pixel),
+        blind=None if estimate.relief_known else camera.forward.astype(float),
     )
     turns = frames.rotation_from(0, len(rgb) - 1)
     assert frames.lengths is not None
@@ -144,10 +160,12 @@ def perceive(
         pixel=pixel,
         noise=quality.depth_noise,
         residual=quality.fit_residual,
-        turn=_find_largest_tilt(frames, camera),
+        turn=frames.tilt,
         links=path.links - 1,
         travel=float(np.nanmax(np.linalg.norm(frames.centroid, axis=1))),
         disagreement=find_disagreement(extents, stretches),
+        drift=None if frames.drift is None else frames.find_drift(0, len(rgb) - 1),
+        assumed=not frames.relief_known,
     )
     report = report.model_copy(
         update={
@@ -155,6 +173,7 @@ def perceive(
             "parts": () if path.ends is None else path.ends.describe(size),
             "pieces": tuple(count_pieces(masks)),
             "uncertainty": estimate_uncertainty(hard, turns, report.oscillation, frame_dt),
+            "unmeasured_direction": None if estimate.relief_known else tuple(camera.forward.tolist()),
         }
     )
     return Perception(
@@ -162,7 +181,40 @@ def perceive(
         masks,
         path.tracks,
         path.visible,
+        estimate,
     )
+
+
+def _look(
+    rgb: np.ndarray,
+    depth: np.ndarray | None,
+    camera: Camera,
+    backends: PerceptionBackends,
+    prompt: SegmentPrompt | None,
+    setting: Setting,
+) -> tuple[Depth, np.ndarray, EncodedClip, list[str]]:
+    """The depth, the masks, the clip ready to be tracked, and what weakened them."""
+    estimator = backends.depth
+    if estimator.takes_cues:
+        found = _segment(rgb, None, backends.segmenter, prompt)
+        masks = _check_shape("segmenter", np.asarray(found.masks, bool), rgb)
+        clip = backends.tracker.encode(rgb, masks)
+        estimate = estimator.estimate(rgb, camera, None, Cues(masks, clip, setting))
+        _check_shape("depth estimator", estimate.z, rgb)
+    else:
+        estimate = estimator.estimate(rgb, camera, depth if estimator.takes_measured else None)
+        z = _check_shape("depth estimator", lift.keep_possible_depth(estimate.z), rgb)
+        found = _segment(rgb, z, backends.segmenter, prompt)
+        masks = _check_shape("segmenter", np.asarray(found.masks, bool), rgb)
+        clip = backends.tracker.encode(rgb, masks)
+    notes = [*estimate.notes, *([] if estimate.scale_known else [_NO_SCALE]), *found.notes]
+    return estimate, masks, clip, notes
+
+
+def _check_shape(what: str, seen: np.ndarray, rgb: np.ndarray) -> np.ndarray:
+    if seen.shape != rgb.shape[:3]:
+        raise UserError(f"the {what} must give one value per pixel, {rgb.shape[:3]}", got=seen.shape)
+    return seen
 
 
 def _check_input(rgb, depth, camera: Camera, windows) -> np.ndarray:
@@ -194,20 +246,43 @@ def _find_spans(count: int, windows) -> list[tuple[int, int]]:
     return spans + [w for w in dict.fromkeys((int(a), int(b)) for a, b in windows) if w not in spans]
 
 
-def _segment(rgb: np.ndarray, z: np.ndarray, segmenter: Segmenter, prompt: SegmentPrompt | None) -> Masks:
+def _segment(
+    rgb: np.ndarray, z: np.ndarray | None, segmenter: Segmenter, prompt: SegmentPrompt | None
+) -> Masks:
+    notes: tuple[str, ...] = ()
     if prompt is None and segmenter.needs_prompt:
-        prompt = find_prompt(rgb, z)
+        prompt, notes = find_prompt(rgb, z), (_MADE_PROMPT,)
         if prompt is None:
             return Masks(np.zeros(rgb.shape[:3], bool))
     if segmenter.takes_depth:
-        return segmenter.segment(rgb, prompt, depth=z)
-    return segmenter.segment(rgb, prompt)
+        found = segmenter.segment(rgb, prompt, depth=z)
+    else:
+        found = segmenter.segment(rgb, prompt)
+    return dataclasses.replace(found, notes=(*notes, *found.notes))
 
 
 def _make_report(
-    frames: Frames, rest: np.ndarray, frame_dt, spans, quality, *, threshold: float
+    frames: Frames,
+    rest: np.ndarray,
+    frame_dt,
+    spans,
+    quality,
+    *,
+    threshold: float,
+    blind: np.ndarray | None = None,
 ) -> MotionReport:
-    """The report without its text; ``rest`` are surface points of frame 0 [m], shape (n, 3)."""
+    """The report without its text.
+
+    Args:
+        frames: Measures per frame.
+        rest: Surface points of frame 0 [m], shape (n, 3).
+        frame_dt: Seconds per frame [s].
+        spans: Windows.
+        quality: Confidence figures.
+        threshold: Least motion that is seen [body lengths].
+        blind: Line of sight along which no swing is told from noise, shape (3,); None = depth is measured.
+    """
+    path = frames.centroid if blind is None else frames.centroid - np.outer(frames.centroid @ blind, blind)
     turn = frames.rotation_from(0, len(frames.centroid) - 1)
     begun = timing.find_onset(_measure_distances(frames, rest, 0), threshold)
     volume = [frames.volume(t) for t in range(len(turn))]
@@ -223,7 +298,7 @@ def _make_report(
         rotation=tuple(None if v is None else tuple(np.degrees(v).tolist()) for v in turn),
         stretch=tuple(_to_matrix(frames.stretch_from(0, t)) for t in range(len(turn))),
         box=_measure_boxes(frames),
-        oscillation=timing.find_oscillation(frames.centroid, frame_dt, threshold + quality.fit_residual),
+        oscillation=timing.find_oscillation(path, frame_dt, threshold + quality.fit_residual),
         onset_frame=begun,
         settle_frame=timing.find_settling(_measure_distances(frames, rest, -1), threshold),
         quality=quality,
@@ -245,13 +320,6 @@ def _to_matrix(S: np.ndarray | None) -> Matrix | None:
         return None
     first, second, third = (tuple(row) for row in S.tolist())
     return first, second, third
-
-
-def _find_largest_tilt(frames: Frames, camera: Camera) -> float:
-    """Largest angle by which the object has turned out of the picture plane [deg]."""
-    forward = camera.forward
-    cosines = [forward @ p.rotation @ forward for p in frames.poses if p is not None]
-    return float(np.degrees(np.arccos(np.clip(min(cosines, default=1.0), -1, 1))))
 
 
 def _measure_distances(frames: Frames, rest: np.ndarray, frame: int) -> np.ndarray:

@@ -1,7 +1,7 @@
 """Protocols of vision models for perception: pictures in, arrays out.
 
-Those in `backends` need no weights. The protocols are cut so that SAM 2, Depth Anything V2 and CoTracker 3 fit behind
-them; each says how. Pixel positions have pixel centres at +0.5, everywhere.
+The defaults in `backends` need no weights; SAM 2, Depth Anything and CoTracker 3 stand behind the same protocols. Pixel
+positions have pixel centres at +0.5, everywhere.
 """
 
 from __future__ import annotations
@@ -112,13 +112,7 @@ class Masks:
 
 
 class Segmenter(Backend, Protocol):
-    """Finds the object in each frame.
-
-    SAM 2: ``needs_prompt``; ``SAM2VideoPredictor.init_state`` of a folder with the frames as JPEG, then
-    ``add_new_points_or_box(state, frame_idx=prompt.frame, obj_id=1, points=..., labels=..., box=...)`` or
-    ``add_new_mask(..., mask=...)``, then ``propagate_in_video`` forwards, and with ``reverse=True`` if ``prompt.frame``
-    is not the first; the mask is where the logits exceed 0.
-    """
+    """Finds the object in each frame."""
 
     @property
     def needs_prompt(self) -> bool:
@@ -160,32 +154,75 @@ class Depth:
             ``scale_known``, else in a unit that is the same in all frames.
         scale_known: Whether the unit is a metre. Lengths in body lengths do not depend on it.
         uncertainty: Standard deviation in the unit of ``z``, shape (T, H, W); None = not told.
+        relief_known: Whether the form of the surface is seen. If not, ``z`` is a form that fits the outline, and turns
+            out of the picture plane and stretch along the line of sight are not observable.
+        drift: Standard deviation of the object's distance against that in frame 0, in the unit of ``z``, shape (T,);
+            None = as small as that of ``z`` is.
         notes: What weakened it, a sentence each, for the report.
     """
 
     z: np.ndarray
     scale_known: bool = True
     uncertainty: np.ndarray | None = None
+    relief_known: bool = True
+    drift: np.ndarray | None = None
     notes: tuple[str, ...] = ()
 
 
-class DepthEstimator(Backend, Protocol):
-    """Says how far away the surface behind each pixel is.
+@dataclasses.dataclass(frozen=True)
+class Setting:
+    """The facts of a scene that are known beside its camera.
 
-    Depth Anything V2: ``infer_image`` of each frame, in BGR. The metric checkpoints return metres: ``scale_known``. The
-    relative ones return an inverse depth of unknown scale and shift per frame: the adapter must fit both to one frame's
-    over the still background, and return its reciprocal with ``scale_known=False``. Neither tells its uncertainty; a
-    spread over flipped or rescaled pictures can stand for it.
+    Attributes:
+        up: World up, unit vector, shape (3,).
+        ground: Height along ``up`` of the ground that the object touches in frame 0 [m]; None = it touches none.
+        length: Nominal length of the object's longest side [m]; None = unknown.
     """
 
-    def estimate(self, frames: np.ndarray, camera: Camera, measured: np.ndarray | None) -> Depth:
-        """Depth of every pixel.
+    up: np.ndarray
+    ground: float | None = None
+    length: float | None = None
+
+
+@dataclasses.dataclass(frozen=True)
+class Cues:
+    """The cues to distance beside the pixels' colours.
+
+    Attributes:
+        masks: The object, bool, shape (T, H, W).
+        clip: Follows points.
+        setting: Facts of the scene.
+    """
+
+    masks: np.ndarray
+    clip: EncodedClip
+    setting: Setting
+
+
+class DepthEstimator(Backend, Protocol):
+    """Says how far away the surface behind each pixel is."""
+
+    @property
+    def takes_measured(self) -> bool:
+        """Return whether it uses a measured channel: without, `perceive` passes none, to no other backend either."""
+        return False
+
+    @property
+    def takes_cues(self) -> bool:
+        """Return whether it needs the object's outline and tracks: `perceive` then segments first, without depth."""
+        return False
+
+    def estimate(
+        self, frames: np.ndarray, camera: Camera, measured: np.ndarray | None, cues: Cues | None = None
+    ) -> Depth:
+        """Depth of every pixel. An estimator that does not take cues may leave that argument out.
 
         Args:
             frames: Pictures, uint8, shape (T, H, W, 3).
             camera: Where they were taken from.
             measured: z-depth that a camera measured [m], nan or 0 where there is no surface, shape (T, H, W); None =
                 the camera has no such channel.
+            cues: Outline, tracks and facts of the scene.
 
         Raises:
             UserError: It needs a measured channel and there is none.
@@ -223,13 +260,7 @@ class EncodedClip(Protocol):
 
 
 class Tracker(Backend, Protocol):
-    """Follows points through the frames.
-
-    CoTracker 3: `encode` keeps the video at the model's resolution with the features of its encoder; ``track`` does
-    what ``CoTrackerPredictor(video, queries=...)`` does after that. Its queries are (t, x, y) as well, with pixel
-    centres at integers: 0.5 is taken off and put back. The predictor itself encodes anew in each call and returns
-    visibility after a threshold; visibility and confidence as numbers come from the model inside it.
-    """
+    """Follows points through the frames."""
 
     def encode(self, frames: np.ndarray, masks: np.ndarray) -> EncodedClip:
         """Do what does not depend on the queries, once per clip.

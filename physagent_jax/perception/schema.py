@@ -35,6 +35,7 @@ class WindowMotion(Strict):
     Attributes:
         first, last: Frame indices, inclusive.
         displacement: Net centroid displacement [body lengths].
+        displacement_view_axis_observable: False if the displacement along the viewing direction is a guess.
         path_length: Length of the centroid's path [body lengths].
         peak_displacement: The centroid's displacement at its largest distance from frame ``first``
             within the window [body lengths].
@@ -51,6 +52,7 @@ class WindowMotion(Strict):
     first: Count
     last: Count
     displacement: tuple[Number, Number, Number] | None
+    displacement_view_axis_observable: bool = True
     path_length: Number | None
     peak_displacement: tuple[Number, Number, Number] | None
     peak_frame: Count | None
@@ -128,6 +130,7 @@ class Uncertainty(Strict):
 
     Attributes:
         displacement: Half width of the centroid's displacement, at its worst over the clip [body lengths].
+        along: Half width of its part along the viewing direction, if that is less sure than the rest [body lengths].
         rotation: Half width of the rotation angle [deg].
         axis: Half width of the direction of the rotation axis [deg].
         stretch: Half width of the stretch along a direction across the line of sight [1].
@@ -135,6 +138,7 @@ class Uncertainty(Strict):
     """
 
     displacement: Number | None = None
+    along: Number | None = None
     rotation: Number | None = None
     axis: Number | None = None
     stretch: Number | None = None
@@ -183,6 +187,9 @@ class MotionReport(Strict):
         parts: The object's six ends.
         pieces: Per frame, pieces of the object with background between them; None where it is not seen.
         uncertainty: How far the figures may be off.
+        unmeasured_direction: Unit world direction of the line of sight, where no depth is measured: turns out of the
+            picture plane, stretch along it, and how ends and parts move along it, are not observable. None = depth is
+            measured.
         oscillation: None if the motion is not periodic.
         onset_frame: First frame with visible motion, None if nothing moved.
         settle_frame: Frame after which nothing moves any more, None if it still moves at the end.
@@ -205,6 +212,7 @@ class MotionReport(Strict):
     parts: tuple[PartMotion, ...] = ()
     pieces: tuple[Count | None, ...] = ()
     uncertainty: Uncertainty = Uncertainty()
+    unmeasured_direction: tuple[Number, Number, Number] | None = None
     oscillation: Oscillation | None
     onset_frame: Count | None
     settle_frame: Count | None

@@ -18,6 +18,10 @@ OFF_MIDDLE = 0.03
 """Error of the middle across the view, which a turn makes a shift [body lengths]."""
 HIDDEN = 0.07
 """Error of the middle along the view, where a side is hidden [body lengths]."""
+ASSUMED_SHIFT, ASSUMED_MIDDLE = 0.06, 0.28
+"""Error of a shift by a form that is thicker or thinner than assumed, and of the middle by its turn [body lengths]."""
+ASSUMED_TILT, ASSUMED_STRETCH = 8.0, 0.04
+"""Turn out of the picture plane that an assumed form may hide [deg], and what it does to lengths [1]."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -32,6 +36,8 @@ class Difficulty:
         links: How often points were seeded anew.
         travel: Largest displacement [body lengths].
         disagreement: Disagreement of the affine fits' stretch with the outline's, beyond what a turn explains [1].
+        drift: Half width of the displacement along the line of sight, where no depth is measured [body lengths].
+        assumed: Whether the form of the surface is assumed.
     """
 
     pixel: float
@@ -41,6 +47,8 @@ class Difficulty:
     links: int
     travel: float
     disagreement: float = 0.0
+    drift: float | None = None
+    assumed: bool = False
 
 
 def estimate_uncertainty(
@@ -60,13 +68,22 @@ def estimate_uncertainty(
     angle = max((float(np.linalg.norm(v)) for v in known), default=0.0)
     displacement = 0.008 + blur + 0.015 * hard.travel + 0.3 * hard.residual
     displacement += float(np.hypot(OFF_MIDDLE * 2 * np.sin(min(angle, np.pi) / 2), HIDDEN * tilt))
+    if hard.assumed:
+        displacement += ASSUMED_SHIFT * hard.travel + ASSUMED_MIDDLE * tilt
+    along = None if hard.drift is None else float(np.hypot(hard.drift, displacement))
     if not known:
-        return Uncertainty(displacement=displacement, frequency=_estimate_frequency(swing, frame_dt))
+        return Uncertainty(
+            displacement=displacement, along=along, frequency=_estimate_frequency(swing, frame_dt)
+        )
     rotation = 0.7 + np.degrees(2 * blur + 0.5 * hard.residual) + 0.12 * hard.turn + 0.3 * hard.links
+    if hard.assumed:
+        rotation += ASSUMED_TILT
     axis = float(np.degrees(np.arctan2(np.radians(rotation), angle)))
-    stretch = max(0.02 + 2 * blur + hard.residual + 0.12 * tilt, hard.disagreement)
+    turning = ASSUMED_STRETCH if hard.assumed else 0.0
+    stretch = turning + max(0.02 + 2 * blur + hard.residual + 0.12 * tilt, hard.disagreement)
     return Uncertainty(
         displacement=displacement,
+        along=along,
         rotation=rotation,
         axis=min(axis, 90.0),
         stretch=stretch,

@@ -8,11 +8,15 @@ import numpy as np
 
 from physagent_jax.core.rotations import polar, unwrap
 from physagent_jax.perception.fit import Affine
-from physagent_jax.perception.reasons import CUT, GONE, NO_DEPTH
+from physagent_jax.perception.reasons import BY_SIZE, CUT, GONE, NO_DEPTH, TURNED
 from physagent_jax.perception.schema import WindowMotion
+from physagent_jax.perception.uncertainty import NINETY
 
 PATH_STEP = 0.005
 """Steps below are noise and do not lengthen a path [body lengths]."""
+
+MOST_DRIFT = 0.12
+"""Half width of the displacement along the line of sight from which it is not observable [body lengths]."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -32,6 +36,10 @@ class Frames:
             [body lengths], shape (T, 2, 3); None if not measured.
         lengths: Lengths of the visible surface along further directions [body lengths], shape (T, k); None if
             not measured.
+        drift: Standard deviation of the object's distance against that in frame 0 [body lengths], shape (T,); None = as
+            small as that of a measured depth is.
+        relief_known: Whether the form of the visible surface is measured.
+        tilt: Largest angle by which a fit turned out of the picture plane, believed or not [deg].
     """
 
     size: float
@@ -44,6 +52,9 @@ class Frames:
     reasons: dict[str, list[str]]
     corners: np.ndarray | None = None
     lengths: np.ndarray | None = None
+    drift: np.ndarray | None = None
+    relief_known: bool = True
+    tilt: float = 0.0
 
     def volume(self, frame: int, first: int = 0) -> float:
         """Volume of the box over that in frame ``first``."""
@@ -66,14 +77,25 @@ class Frames:
             return None
         return b.rotation @ a.rotation.T
 
+    def find_drift(self, first: int, last: int) -> float:
+        """Half width of the displacement along the line of sight over frames first..last [body lengths]."""
+        if self.drift is None:
+            return 0.0
+        return float(NINETY * np.nanmax(self.drift[first : last + 1], initial=0.0))
+
+    def shows_approach(self, first: int, last: int) -> bool:
+        """Return whether the displacement along the line of sight is observable over frames first..last."""
+        return self.find_drift(first, last) <= MOST_DRIFT
+
     def weaknesses(self, in_view: np.ndarray) -> list[str]:
         """Plain sentences about what weakened the measurement; ``in_view`` says where the object shows, (T,)."""
         notes = []
-        lost = [t for t, pose in enumerate(self.poses) if pose is None and in_view[t]]
+        why = self.reasons["rotation"]
+        lost = [t for t, pose in enumerate(self.poses) if pose is None and in_view[t] and why[t] != TURNED]
         if lost:
             notes.append(
                 f"Rotation and shape are unknown in {len(lost)} frames (first: {lost[0]}), because "
-                f"{self.reasons['rotation'][lost[0]]}; the centroid there is the visible surface's."
+                f"{why[lost[0]]}; the centroid there is the visible surface's."
             )
         out = [t for t, reason in enumerate(self.reasons["box"]) if reason in (CUT, GONE)]
         if out:
@@ -84,7 +106,16 @@ class Frames:
         blind = [t for t, reason in enumerate(self.reasons["centroid"]) if reason == NO_DEPTH]
         if blind:
             notes.append(f"Nothing is known in {len(blind)} frames (first: {blind[0]}), because {NO_DEPTH}.")
-        if not self.depth_shown[0]:
+        if not self.relief_known:
+            notes.append(
+                "The form of the surface is not measured: turns out of the picture plane, and what moves or deforms "
+                "along the line of sight at one place, are not observable."
+            )
+            if TURNED in why:
+                notes.append(f"Rotation and shape are unknown in {why.count(TURNED)} frames: {TURNED}.")
+            if not self.shows_approach(0, len(self.poses) - 1):
+                notes.append(f"How far it moves along the line of sight is not observable: {BY_SIZE}.")
+        elif not self.depth_shown[0]:
             notes.append(
                 "The visible side has too little relief to show stretch along the viewing direction."
             )
@@ -93,7 +124,7 @@ class Frames:
 
 def measure_window(frames: Frames, first: int, last: int) -> WindowMotion:
     """Motion over frames first..last, relative to ``first``."""
-    found, missing = {}, {}
+    found, missing, along = {}, {}, True
     for measure, fields, topic in (
         (_measure_travel, ("displacement", "path_length"), "centroid"),
         (_find_peak, ("peak_displacement", "peak_frame"), "centroid"),
@@ -109,9 +140,16 @@ def measure_window(frames: Frames, first: int, last: int) -> WindowMotion:
             missing |= dict.fromkeys(fields, reason)
             values = (None,) * len(fields)
         found |= dict(zip(fields, values))
+    if found["displacement"] is not None and not (along := frames.shows_approach(first, last)):
+        missing["displacement along the line of sight"] = BY_SIZE
     shown = bool(found["stretch"] is not None and frames.depth_shown[first])
     return WindowMotion(
-        first=first, last=last, stretch_view_axis_observable=shown, unobservable=missing, **found
+        first=first,
+        last=last,
+        displacement_view_axis_observable=along,
+        stretch_view_axis_observable=shown,
+        unobservable=missing,
+        **found,
     )
 
 

@@ -80,7 +80,8 @@ def name_world_axis(vector: Vectorlike) -> str:
 
 def describe_motion(report: MotionReport, words: ViewerWords) -> str:
     """The whole report as one paragraph."""
-    whole, quarters, asked = report.windows[0], report.windows[1:5], report.windows[5:]
+    windows = [_keep_seen(w, report.unmeasured_direction) for w in report.windows]
+    whole, quarters, asked = windows[0], windows[1:5], windows[5:]
     parts = [_describe_whole(whole, words), _describe_swing(report, words), _format_times(report, whole)]
     if report.onset_frame is not None:
         parts.append(
@@ -89,6 +90,22 @@ def describe_motion(report: MotionReport, words: ViewerWords) -> str:
     parts += [f"Window asked for: {_summarise(w, words)}." for w in asked]
     parts += [f"Note: {note}" for note in report.quality.notes]
     return " ".join(p for p in parts if p)
+
+
+def _keep_seen(w: WindowMotion, sight: Vectorlike | None) -> WindowMotion:
+    """A window's motion without what lies along a line of sight ``sight`` and is a guess there."""
+    if sight is None:
+        return w
+    seen, along = {}, np.asarray(sight, float)
+    if not w.displacement_view_axis_observable:
+        for name in ("displacement", "peak_displacement"):
+            if (vector := getattr(w, name)) is not None:
+                seen[name] = tuple((np.asarray(vector) - along * (along @ np.asarray(vector))).tolist())
+    if w.rotation_axis is not None and w.rotation_degrees is not None:
+        turn = float(along @ np.asarray(w.rotation_axis)) * w.rotation_degrees
+        axis = along if turn >= 0 else -along
+        seen |= {"rotation_axis": tuple(axis.tolist()), "rotation_degrees": abs(turn)}
+    return w.model_copy(update=seen)
 
 
 def _describe_whole(w: WindowMotion, words: ViewerWords) -> str:

@@ -65,6 +65,7 @@ class Backdrop:
         ground: Where rays meet the ground, x and y [m], nan where they do not, shape (h, w, 2); None without a ground,
             and from below it.
         solid: z-depth of the nearest block [m], inf where there is none, shape (h, w); None without blocks.
+        lit: Share of light from above that ``rgb`` itself shows, as a photo of the object does, shape (h, w); None = 1.
     """
 
     stage: Stage
@@ -74,6 +75,7 @@ class Backdrop:
     slope: np.ndarray
     ground: np.ndarray | None
     solid: np.ndarray | None
+    lit: np.ndarray | None = None
 
 
 def make_backdrop(stage: Stage, camera: Camera) -> Backdrop:
@@ -109,19 +111,15 @@ def compose(
     Returns:
         The picture, uint8, shape (h, w, 3).
     """
-    stage, levels = backdrop.stage, backdrop.levels.copy()
+    levels = backdrop.levels.copy()
     rgb = np.asarray(image.rgb)
     alpha = np.asarray(image.alpha)
     boxes = []
-    lit = None
-    if backdrop.ground is not None:
-        assert stage.ground is not None
-        shadow = cast_shadow(splats, stage.ground, stage.size)
-        if shadow is not None:
-            part = _find_on_screen(shadow, stage.ground, backdrop.camera)
-            lit = np.ones(alpha.shape, np.float32)
-            lit[part] = 1 - shadow.sample(backdrop.ground[part])
-            boxes.append(part)
+    lit, part = _find_lit(splats, backdrop)
+    if lit is not None:
+        boxes.append(part)
+        if backdrop.lit is not None:
+            lit = np.minimum(lit / np.maximum(backdrop.lit, 1e-3), 1)
     rows, columns = np.flatnonzero(alpha.any(axis=1)), np.flatnonzero(alpha.any(axis=0))
     if len(rows):
         boxes.append((slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)))
@@ -135,6 +133,35 @@ def compose(
     for block in sorted(actors, key=lambda each: -float(backdrop.camera.forward @ each.center)):
         _draw_actor(block, levels, alpha, np.asarray(image.depth), backdrop)
     return levels
+
+
+def put_picture(backdrop: Backdrop, rgb: np.ndarray, splats: Splats) -> Backdrop:
+    """A backdrop that shows a photo of the stage, which holds the shadow of the object as it then was.
+
+    Args:
+        backdrop: The stage from the photo's camera.
+        rgb: The photo without the object, in [0, 1], float32, shape (h, w, 3).
+        splats: The object as it then was.
+    """
+    lit, _ = _find_lit(splats, backdrop)
+    return dataclasses.replace(backdrop, rgb=rgb, levels=to_uint8(rgb), lit=lit)
+
+
+def _find_lit(splats: Splats, backdrop: Backdrop) -> tuple[np.ndarray | None, tuple[slice, slice]]:
+    """The share of light that reaches each pixel of the ground from above, shape (h, w), and where it may be below 1.
+
+    None where nothing casts a shadow, or there is no ground to see it on.
+    """
+    nowhere, ground = np.s_[:0, :0], backdrop.stage.ground
+    if backdrop.ground is None or ground is None:
+        return None, nowhere
+    shadow = cast_shadow(splats, ground, backdrop.stage.size)
+    if shadow is None:
+        return None, nowhere
+    part = _find_on_screen(shadow, ground, backdrop.camera)
+    lit = np.ones(backdrop.slope.shape, np.float32)
+    lit[part] = 1 - shadow.sample(backdrop.ground[part])
+    return lit, part
 
 
 def _draw_actor(

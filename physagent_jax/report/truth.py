@@ -67,6 +67,7 @@ def _list_stated_rows(report: MotionReport) -> Iterator[list[str]]:
     stated = report.uncertainty
     for name, value, unit in (
         ("displacement", stated.displacement, "body lengths"),
+        ("displacement along the line of sight", stated.along, "body lengths"),
         ("rotation", stated.rotation, "degrees"),
         ("stretch across the view", stated.stretch, "of frame 0"),
     ):

@@ -58,6 +58,7 @@ class FoundPart(Strict):
         number: Its number, from 1, for `--part NAME=N` and in the picture.
         label: What it is called.
         origin: What told of it.
+        confidence: Chance that it is what it is called.
         share: Its share of the volume.
         low, high: Corners of its bounding box [file units].
     """
@@ -65,6 +66,7 @@ class FoundPart(Strict):
     number: int
     label: str
     origin: PartOrigin
+    confidence: float
     share: float
     low: Vector
     high: Vector

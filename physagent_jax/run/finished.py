@@ -130,7 +130,7 @@ class FinishedRun:
         Raises:
             UserError: There is no video, or it cannot be read.
         """
-        return read_video(self._require(self.video, VIDEO))
+        return read_video(self.require(self.video, VIDEO))
 
     def motion(self) -> Motion:
         """The best round's particles and Gaussians, frame by frame.
@@ -139,9 +139,14 @@ class FinishedRun:
             UserError: The run has left none, or the file is damaged.
         """
         path = self.folder / "motion.npz"
-        return read_motion(self._require(path if path.is_file() else None, path.name))
+        return read_motion(self.require(path if path.is_file() else None, path.name))
 
-    def _require(self, path: Path | None, name: str) -> Path:
+    def require(self, path: Path | None, name: str) -> Path:
+        """``path``, a file of the run that is called ``name``.
+
+        Raises:
+            UserError: There is none.
+        """
         if path is None:
             raise UserError(
                 f"{shorten(self.folder)} has no {name}", do="Finish the run: give its command again"

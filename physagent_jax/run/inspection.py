@@ -23,12 +23,13 @@ from physagent_jax.run.part_marks import find_masks, find_owners
 from physagent_jax.run.preview import check_preview, draw_preview, write_preview
 from physagent_jax.run.resolve import ResolvedRun, resolve
 from physagent_jax.run.spec import ObjectChoice, RunSpec
-from physagent_jax.run.up_axis import choose_up, load_as_it_lies
+from physagent_jax.run.up_axis import UPRIGHT, choose_up, load_as_it_lies
 from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.card import ObjectCard, load_card
 from physagent_jax.scene.config import SignedAxis
 from physagent_jax.scene.cost import Limits, check_cost, estimate_cost
 from physagent_jax.scene.fuse import fuse
+from physagent_jax.scene.load import is_photo
 from physagent_jax.scene.mesh_files import read_mesh
 from physagent_jax.scene.pieces import explain_loose
 from physagent_jax.scene.placement import place
@@ -75,7 +76,10 @@ def inspect_object(
     )
     card, found = load_card(path), _choose_kind(kind, load_card(path), path)
     loaded = load_as_it_lies(spec.object, ".")  # what is warned of is among the notes
-    chosen = choose_up(spec.object.model_copy(update=dict(up=up)), card, loaded, Path())
+    pictured = up is None and is_photo(path)
+    chosen = (
+        UPRIGHT if pictured else choose_up(spec.object.model_copy(update=dict(up=up)), card, loaded, Path())
+    )
     choice = spec.object.model_copy(update=dict(up=chosen.axis, kind=found.kind))
     inspection = Inspection(
         path=str(path),
@@ -118,6 +122,7 @@ def _describe_parts(body: Body, parts: Sequence[Part]) -> tuple[FoundPart, ...]:
             number=number,
             label=part.label,
             origin=part.origin,
+            confidence=part.confidence,
             share=round(float(volume[mask].sum() / volume.sum()), 4),
             low=tuple(source[mask].min(0).tolist()),
             high=tuple(source[mask].max(0).tolist()),
@@ -130,7 +135,7 @@ def _describe_content(path: Path, loaded: LoadedSplats) -> dict[str, Any]:
     """The fields of `Inspection` that the file alone decides."""
     facts = dict(format=loaded.format_name, encoding=loaded.encoding, notes=loaded.notes)
     facts |= dict(degenerate=diagnose_cloud(loaded.cloud))
-    if find_format(read_head(path), path) is None:
+    if not is_photo(path) and find_format(read_head(path), path) is None:
         mesh = read_mesh(path)
         count = len(mesh.faces)
         facts |= dict(encoding="", content="triangles", kept=count)
@@ -203,7 +208,10 @@ def _collect(seen: Inspection, more: tuple[str, ...], caught: list) -> tuple[str
 def _make_command(choice: ObjectChoice, kind: Kind) -> str:
     """The command line of a run with what was found."""
     stem = Path(choice.path).name.split(".")[0]
-    options: list[object] = ["--object", choice.path, "--up", choice.up]
+    pictured = is_photo(Path(choice.path))
+    options: list[object] = (
+        ["--image", choice.path] if pictured else ["--object", choice.path, "--up", choice.up]
+    )
     options += ["--kind", kind.kind] if kind.known else []
     default = ObjectChoice.model_fields["opacity_threshold"].default
     if choice.opacity_threshold != default:

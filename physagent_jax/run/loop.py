@@ -38,6 +38,7 @@ from physagent_jax.run.resolve import ResolvedRun
 from physagent_jax.run.rounds import Attempt, RoundMaker, Series
 from physagent_jax.run.stopping import STOP_REASONS, StopReason, explain_rest, find_stop
 from physagent_jax.run.store import PROBE, RunStore
+from physagent_jax.run.unknown_parts import UnknownPartError, draw_known
 from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.camera import make_reference_camera
 from physagent_jax.scene.coarse import coarsen
@@ -82,7 +83,8 @@ def run_loop(
         AgentError: An agent gave no answer. What it tried is in the run folder, its tokens are counted there, and the
             same call goes on with the same question.
     """
-    chosen = {role: getattr(run.spec.perception, role) for role in ("segmenter", "depth", "tracker")}
+    perception = run.spec.perception.located(run.base_dir)
+    chosen = {role: getattr(perception, role) for role in ("segmenter", "depth", "tracker")}
     backends = backends or make_backends(**{role: (each.name, each.options) for role, each in chosen.items()})
     if run.spec.perception.prompt is not None and not backends.segmenter.takes_prompt:
         raise UserError(
@@ -120,9 +122,13 @@ class _Loop:
         body = self._load_object()
         reading = self._read_sentence(body)
         reply = reading.value
-        teller.observer.understood(reply)
+        if not reply.unknown_parts:  # else the refusal says it all
+            teller.observer.understood(reply)
         try:
             template, cost = self._place(reply, body, limits)
+        except UnknownPartError as error:
+            path = store.path.with_name(f"{store.path.name}.parts.png")  # a run folder holds a run
+            account.refuse(reading, draw_known(error, body, self._maker.template, path))
         except UserError as error:
             account.refuse(reading, error)
         store.begin()

@@ -34,7 +34,9 @@ def read_for_scene(run: ResolvedRun, body: Body, ask: Ask) -> Reply[SemanticRepl
     """
 
     def describe(said: SemanticReply | None = None) -> SceneBrief:
-        brief = make_brief(run.place_for_agents(body, said), frames_fixed=run.frames_fixed, parts=body.parts)
+        brief = make_brief(
+            run.place_for_agents(body, said), frames_fixed=run.frames_fixed, parts=run.list_parts(body)
+        )
         return brief.model_copy(update=dict(may_be_held=run.spec.anchor.kind == "auto"))
 
     context = AgentContext(run.spec.prompt, describe(), describe_skills())

@@ -4,31 +4,40 @@ from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 from pydantic import ValidationError
 
 from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.core.reading import check_regular, format_validation_error
 from physagent_jax.forces.calibration import FRICTION
+from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.holds import Hold
 from physagent_jax.motion.schema import AnchorRequest, WorldRequest
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.holding import check_hold, find_hold
 from physagent_jax.run.material import resolve_material
+from physagent_jax.run.models import warn_of_licences
+from physagent_jax.run.photo import make_photo
 from physagent_jax.run.prompt import read_mask
 from physagent_jax.run.provenance import hash_settings
 from physagent_jax.run.rigidity import RIGID_NOTE, STIFF_NOTE, is_hard, is_stiffened, keeps_shape, make_rigid
 from physagent_jax.run.sentence_material import SaidMaterial, choose_said_material
 from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
-from physagent_jax.run.up_axis import explain_up, find_up
+from physagent_jax.run.unknown_parts import UnknownPartError
+from physagent_jax.run.up_axis import UPRIGHT, explain_up, find_up
 from physagent_jax.scene.anchor import MASK_BYTES
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.broad_side import find_broad_side
+from physagent_jax.scene.camera import find_viewer_directions
 from physagent_jax.scene.card import ObjectCard, load_card
-from physagent_jax.scene.config import Anchor, CameraConfig, Domain, Material, SignedAxis, Source
+from physagent_jax.scene.config import Anchor, CameraConfig, Domain, Material, Photo, SignedAxis, Source
 from physagent_jax.scene.config.material import MODEL_PARAMETERS
-from physagent_jax.scene.load import hash_file
+from physagent_jax.scene.config.photo import ELEVATION
+from physagent_jax.scene.load import hash_file, is_photo
+from physagent_jax.scene.parts import Frame, find_places
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import (
     PRIORS,
@@ -75,6 +84,17 @@ class ResolvedRun:
         """Return whether the clip's length is the user's, whatever the sentence asks for."""
         return self.spec.overrides.frame_count is not None
 
+    def list_parts(self, body: Body) -> tuple[Part, ...]:
+        """The parts of the object, and the regions that the sentence names by their place.
+
+        Args:
+            body: The object at rest.
+        """
+        table = find_viewer_directions(self.template.camera)
+        viewer = Frame(toward=np.asarray(table["toward"]), right=np.asarray(table["right"]))
+        points, words = np.asarray(body.particles.x, np.float64), split_name(self.spec.prompt or "")
+        return (*body.parts, *find_places(points, body.parts, words, self.template.source.name, viewer))
+
     def place_for_agents(self, body: Body, reply: SemanticReply | None = None) -> SceneTemplate:
         """The scene as `place` has it but for the stiffness, which agents are not told and which takes longest.
 
@@ -96,10 +116,15 @@ class ResolvedRun:
             reply: What the sentence says of the scene; None = before it is read, for those who read it.
 
         Raises:
-            UserError: What is held cannot make a motion that the reply plans.
+            UserError: The reply is about a part that is not known, or what is held cannot make a motion that it plans.
         """
         if reply is None:
             return make_stand(self.template, body, keep_material=self.spec.material.says_stiffness)
+        if reply.unknown_parts:
+            brief = make_brief(self.template, parts=self.list_parts(body))
+            raise UnknownPartError(
+                reply.unknown_parts, brief, f"`physagent inspect {self.spec.object.path}` draws them"
+            )
         template, told = self._apply(reply)
         hold = self.find_hold(reply)
         held = () if hold is None else check_hold(hold, template.anchor, body, reply, self.base_dir)
@@ -191,13 +216,15 @@ def resolve(
     if spec.anchor.mask_path is not None:
         check_regular(base_dir / spec.anchor.mask_path, most=MASK_BYTES, what="the anchor mask")
     card = load_card(path)
+    photo = None if source is not None else make_photo(spec, path, sha256, base_dir)
     known = spec.object if source is None else spec.object.model_copy(update=dict(up=source.up))
-    up = find_up(known, card, base_dir)
+    up = UPRIGHT if is_photo(path) else find_up(known, card, base_dir)
     try:
         preset = resolve_preset(spec)
-        found = source or _make_source(spec, card, path, sha256, up.axis)
+        found = source or _make_source(spec, card, path, sha256, up.axis, photo)
         anchor = resolve_anchor(spec.anchor, found.kind, base_dir=base_dir)
-        source = source or level(found, preset.domain, anchor, WORLDS[spec.world])
+        if source is None:  # a photo is seen from its own camera, with which it would be turned
+            source = found if photo is not None else level(found, preset.domain, anchor, WORLDS[spec.world])
         material, warnings = resolve_material(spec.material, source.kind, preset, base_dir=base_dir)
         template = SceneTemplate(
             prompt=spec.prompt,
@@ -219,6 +246,7 @@ def resolve(
         ) from None
     warnings += explain_tilt(source)
     warnings += explain_up(up)
+    warnings += warn_of_licences(spec.perception)
     if spec.perception.prompt is not None:
         rendering, timing = template.preset.rendering, template.preset.timing
         read_mask(spec.perception.prompt, rendering.width, rendering.height, timing.frame_count, base_dir)
@@ -302,7 +330,9 @@ def _choose_friction(spec: RunSpec) -> float:
     return FRICTION if spec.world == "ground" else 0.0
 
 
-def _make_source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str, up: SignedAxis) -> Source:
+def _make_source(
+    spec: RunSpec, card: ObjectCard, path: Path, sha256: str, up: SignedAxis, photo: Photo | None
+) -> Source:
     name = card.name or path.stem.replace("_", " ")
     kind = card.kind or guess_kind(name)
     if spec.object.kind is not None:
@@ -317,25 +347,29 @@ def _make_source(spec: RunSpec, card: ObjectCard, path: Path, sha256: str, up: S
         splat_encoding=spec.object.splat_encoding,
         extent=spec.object.extent,
         parts=spec.object.parts,
+        photo=photo,
     )
 
 
 def _make_camera(choice: CameraChoice, card: ObjectCard, source: Source, domain: Domain) -> CameraConfig:
+    pictured = source.photo is not None
     given = [each for each in (choice.azimuth_degrees, card.azimuth_degrees) if each is not None]
-    azimuth = given[0] if given else find_broad_side(source, domain)
+    azimuth = given[0] if given else 0.0 if pictured else find_broad_side(source, domain)
+    stated = (choice.elevation_degrees, source.photo and source.photo.elevation_degrees, ELEVATION)
     return CameraConfig(
         azimuth_degrees=azimuth,
-        elevation_degrees=choice.elevation_degrees,
+        elevation_degrees=next(each for each in stated if each is not None),
         follow=choice.follow,
-        turn=choice.azimuth_degrees is None,
+        turn=choice.azimuth_degrees is None and not pictured,
     )
 
 
 def _describe_identity(template: SceneTemplate) -> dict:
     """The values behind names and defaults: a later version, or another card, may use other ones."""
+    places: Any = {"path": True, "photo": {"mask_path", "depth_path"}}
     return {
         "preset": {name: getattr(template.preset, name).model_dump(mode="json") for name in _PRESET_PARTS},
-        "source": template.source.model_dump(mode="json", exclude={"path"}),
+        "source": template.source.model_dump(mode="json", exclude=places),
         "material": template.material.model_dump(mode="json"),
         "camera": template.camera.model_dump(mode="json"),
         "anchor": template.anchor.model_dump(mode="json", exclude={"mask_path"}),

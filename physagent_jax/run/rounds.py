@@ -31,6 +31,7 @@ from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile import CompiledScene, compile_scene
 from physagent_jax.scene.config import CameraConfig, SceneConfig
 from physagent_jax.scene.fuse import SceneTemplate, fuse
+from physagent_jax.scene.world import find_ground_height
 from physagent_jax.simulation.recording import Recording, RestartCache
 from physagent_jax.simulation.simulate import simulate_scene
 from physagent_jax.simulation.stopwatch import stay_aside
@@ -70,6 +71,14 @@ class Series:
     camera: CameraConfig | None = None
 
 
+def _find_ground(series: Series, force_field: ForceField) -> float | None:
+    """Height of the ground that the object touches at first [m]; None if it floats, hangs, or is let fall."""
+    world, anchor = series.template.world, series.template.anchor
+    if not world.ground or force_field.default_drop or anchor.kind == "top":
+        return None
+    return find_ground_height(world, series.body, anchor, drop=False)
+
+
 class RoundMaker:
     """Makes rounds, each step timed, each leaving its files.
 
@@ -91,7 +100,9 @@ class RoundMaker:
 
     def make_context(self, reading: SemanticReply, rounds: Sequence[Round]) -> AgentContext:
         """The context of an agent's call."""
-        brief = make_brief(self.template, frames_fixed=self._run.frames_fixed, parts=self.body.parts)
+        brief = make_brief(
+            self.template, frames_fixed=self._run.frames_fixed, parts=self._run.list_parts(self.body)
+        )
         brief = brief.model_copy(update={"may_be_held": self._run.spec.anchor.kind == "auto"})
         return AgentContext(self._run.spec.prompt, brief, self._skills, reading, tuple(rounds))
 
@@ -126,6 +137,8 @@ class RoundMaker:
                     backends=self._backends,
                     prompt=self.make_segment_prompt(scene.camera),
                     parts=make_part_prompts(context, series.body),
+                    ground=_find_ground(series, force_field),
+                    length=series.body.extent,
                 )
             with self._watch("write"):
                 writing.result()

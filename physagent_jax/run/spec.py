@@ -14,19 +14,63 @@ from physagent_jax.core.strict import Seed, Strict
 from physagent_jax.forces.part import PartChoice
 from physagent_jax.perception import backends
 from physagent_jax.run.manifest import MOST_ROUNDS
-from physagent_jax.scene.config import MOST_FRAMES, SignedAxis, SplatEncoding
+from physagent_jax.scene.config import MOST_FRAMES, Cutout, SignedAxis, SplatEncoding
 from physagent_jax.scene.config.common import Degrees, Friction, HalfSize, Length, Point
 from physagent_jax.scene.config.common import Path as FilePath
+from physagent_jax.scene.config.photo import Elevation
 from physagent_jax.scene.presets import PresetName
 from physagent_jax.simulation.notes import Notes
+
+
+class Implementation(Strict):
+    """One of several implementations, by name.
+
+    Attributes:
+        name: As in the registry of its role.
+        options: What it is made with.
+    """
+
+    name: str
+    options: dict[str, JsonValue] = {}
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read_name_alone(cls, value: Any) -> Any:
+        return {"name": value} if isinstance(value, str) else value
+
+
+class PhotoChoice(Cutout):
+    """The lifting of a photo.
+
+    Attributes:
+        segmenter: Who finds the object in it, of `perception.backends`; None = GrabCut.
+        depth: Who estimates how far away each pixel is; None = nobody: the outline is inflated.
+        elevation_degrees: Height of its camera above the horizon; None = `camera.elevation_degrees`.
+    """
+
+    segmenter: Implementation | None = None
+    depth: Implementation | None = None
+    elevation_degrees: Elevation | None = None
+
+    @model_validator(mode="after")
+    def _check_known(self) -> PhotoChoice:
+        for registry, choice in (
+            (backends.SEGMENTERS, self.segmenter),
+            (backends.DEPTH_ESTIMATORS, self.depth),
+        ):
+            if choice is not None:
+                registry.check(choice.name)
+        if self.segmenter is not None and self.mask_path is not None:
+            raise ValueError("`mask_path` and `segmenter` both say where the object is: give one of them")
+        return self
 
 
 class ObjectChoice(Strict):
     """The object.
 
     Attributes:
-        path: 3D Gaussians (.ply, .spz, ...) or a mesh (.obj, .glb, .stl, .ply), absolute or relative to the spec's
-            folder.
+        path: 3D Gaussians (.ply, .spz, ...), a mesh (.obj, .glb, .stl, .ply) or a photo (.png, .jpg, .webp, .tif),
+            absolute or relative to the spec's folder.
         up: The file's own up axis; None = its card's, else the format's (+y for glTF), else +z.
         kind: Class with a physical prior (`scene.priors`); None = its card's, else from the file's name.
         opacity_threshold: Gaussians with a lower opacity are dropped.
@@ -34,6 +78,7 @@ class ObjectChoice(Strict):
             its content.
         extent: Longest side in the domain [m].
         parts: Parts that a person names, for sentences to speak of.
+        photo: How a photo is cut out and lifted; None = as what stands out in it (photos only).
     """
 
     path: FilePath
@@ -43,6 +88,7 @@ class ObjectChoice(Strict):
     splat_encoding: SplatEncoding | None = None
     extent: Length = 1.0
     parts: Annotated[tuple[PartChoice, ...], Field(max_length=64)] = ()
+    photo: PhotoChoice | None = None
 
 
 class Overrides(Strict):
@@ -127,31 +173,14 @@ class CameraChoice(Strict):
 
     Attributes:
         azimuth_degrees: About the vertical; None = the card's, else where the object's broad side is seen.
-        elevation_degrees: Above the horizon.
+        elevation_degrees: Above the horizon; None = the photo's, else 10.
         follow: Whether it goes along with the object in the video for people; None = only if that would else be too
             small in it.
     """
 
     azimuth_degrees: Degrees | None = None
-    elevation_degrees: float = Field(default=10.0, gt=-89, lt=89)
+    elevation_degrees: Elevation | None = None
     follow: bool | None = None
-
-
-class Implementation(Strict):
-    """One of several implementations, by name.
-
-    Attributes:
-        name: As in the registry of its role.
-        options: What it is made with.
-    """
-
-    name: str
-    options: dict[str, JsonValue] = {}
-
-    @model_validator(mode="before")
-    @classmethod
-    def _read_name_alone(cls, value: Any) -> Any:
-        return {"name": value} if isinstance(value, str) else value
 
 
 class AgentChoice(Strict):
@@ -245,6 +274,9 @@ class PromptChoice(Strict):
 class PerceptionChoice(Strict):
     """The choice of backends: segmenter, depth estimator, tracker.
 
+    Also given as text: "rgbd", with a depth channel; "rgb", from pictures alone; or what differs from one of them, as
+    in "rgb,tracker=NAME".
+
     Attributes:
         segmenter, depth, tracker: By name.
         prompt: Which object is meant; None = the one that stands out, if the segmenter has to be told.
@@ -255,6 +287,11 @@ class PerceptionChoice(Strict):
     tracker: Implementation = Implementation(name="flow")
     prompt: PromptChoice | None = None
 
+    @model_validator(mode="before")
+    @classmethod
+    def _read_text(cls, value: Any) -> Any:
+        return backends.parse_choice(value) if isinstance(value, str) else value
+
     @model_validator(mode="after")
     def _check_known(self) -> PerceptionChoice:
         for registry, choice in (
@@ -264,6 +301,31 @@ class PerceptionChoice(Strict):
         ):
             registry.check(choice.name)
         return self
+
+    def located(self, base_dir: str | Path) -> PerceptionChoice:
+        """The choice with absolute paths of the models' files, where such files are below ``base_dir``."""
+        changes: dict[str, Any] = {}
+        for role in _ROLES:
+            chosen: Implementation = getattr(self, role)
+            options = {
+                name: _locate(value, Path(base_dir)) if name in _PLACES else value
+                for name, value in chosen.options.items()
+            }
+            changes[role] = chosen.model_copy(update=dict(options=options))
+        return self.model_copy(update=changes)
+
+
+_ROLES = ("segmenter", "depth", "tracker")
+_PLACES = ("weights", "path", "python")
+"""Options of perception's models that say where their files are; their names tell which (`Backend.name`)."""
+
+
+def _locate(value: JsonValue, base_dir: Path) -> JsonValue:
+    """A path that is there as an absolute one; names of a hub or of programs as they are."""
+    if not isinstance(value, str):
+        return value
+    path = base_dir / Path(value).expanduser()
+    return str(path.resolve()) if path.exists() else value
 
 
 VIDEO_SIZE = (1280, 720)
@@ -341,6 +403,7 @@ class RunSpec(Strict):
         """The files that the run reads, by what they are."""
         named = {
             "object": self.object.path,
+            "image_mask": self.object.photo and self.object.photo.mask_path,
             "physgm": self.material.physgm,
             "anchor_mask": self.anchor.mask_path,
             "prompt_mask": self.perception.prompt and self.perception.prompt.mask_path,
@@ -350,31 +413,33 @@ class RunSpec(Strict):
     def located(self, base_dir: str | Path) -> RunSpec:
         """The spec with absolute paths, so that it can be read from anywhere."""
         paths = {what: str(path.resolve()) for what, path in self.files(base_dir).items()}
-        prompt = self.perception.prompt
+        prompt, photo = self.perception.prompt, self.object.photo
+        if photo is not None:
+            photo = photo.model_copy(update=dict(mask_path=paths.get("image_mask")))
         if prompt is not None:
             prompt = prompt.model_copy(update=dict(mask_path=paths.get("prompt_mask")))
         return self.model_copy(
             update=dict(
-                object=self.object.model_copy(update=dict(path=paths["object"])),
+                object=self.object.model_copy(update=dict(path=paths["object"], photo=photo)),
                 material=self.material.model_copy(update=dict(physgm=paths.get("physgm"))),
                 anchor=self.anchor.model_copy(update=dict(mask_path=paths.get("anchor_mask"))),
                 agents=self.agents.located(base_dir),
-                perception=self.perception.model_copy(update=dict(prompt=prompt)),
+                perception=self.perception.located(base_dir).model_copy(update=dict(prompt=prompt)),
             )
         )
 
     def identity(self) -> dict[str, Any]:
         """The values that tell this run from others.
 
-        The places of its files on the disk are not part of it, nor is the place of its model: the model is in the names
-        of the agents that ask it (`Agents.names`), which a run folder keeps beside this.
+        The places of its files on the disk are not part of it, nor are the places of its models: they are in the names
+        of agents and backends (`Agents.names`, `PerceptionBackends.names`), which a run folder keeps beside this.
         """
         paths: dict[str, Any] = {
             "agents": {"model"},
-            "object": {"path"},
+            "object": {"path": True, "photo": {"mask_path"}},
             "material": {"physgm"},
             "anchor": {"mask_path"},
-            "perception": {"prompt": {"mask_path"}},
+            "perception": {"prompt": {"mask_path"}} | {role: {"options": set(_PLACES)} for role in _ROLES},
         }
         return self.model_dump(mode="json", exclude=paths)
 

@@ -22,6 +22,9 @@ USUAL_UP: dict[str, tuple[SignedAxis, str]] = {
 """Up axes to try where nothing states one, with the reasons; "+z" for all else."""
 
 
+UPRIGHT = UpAxis(axis="+z", known=True, source="format", reason="a photo is lifted upright")
+
+
 def load_as_it_lies(choice: ObjectChoice, base_dir: str | Path) -> LoadedSplats:
     """The object in its file's frame.
 
@@ -30,7 +33,9 @@ def load_as_it_lies(choice: ObjectChoice, base_dir: str | Path) -> LoadedSplats:
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # they are heeded when the object is loaded in earnest
-        return load_object(Source(**choice.model_dump(exclude={"up", "kind", "extent", "parts"})), base_dir)
+        return load_object(
+            Source(**choice.model_dump(exclude={"up", "kind", "extent", "parts", "photo"})), base_dir
+        )
 
 
 def find_up(choice: ObjectChoice, card: ObjectCard, base_dir: str | Path) -> UpAxis:

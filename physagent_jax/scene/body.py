@@ -15,7 +15,7 @@ from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.gaussians.diagnosis import check_cloud, diagnose_cloud
 from physagent_jax.scene.config import Domain, Filling, SceneConfig, Source
 from physagent_jax.scene.filling import Particles, fill
-from physagent_jax.scene.load import load_named_parts, load_object
+from physagent_jax.scene.load import is_photo, load_named_parts, load_object
 from physagent_jax.scene.mesh_formats import MeshPart
 from physagent_jax.scene.parts import (
     choose_parts,
@@ -25,6 +25,7 @@ from physagent_jax.scene.parts import (
     join_parts,
     make_parts,
 )
+from physagent_jax.scene.photo.view import PhotoView, find_view
 from physagent_jax.scene.pieces import LoosePiece, explain_loose, join_pieces
 from physagent_jax.scene.placement import Placement, place
 
@@ -45,6 +46,7 @@ class Body:
         plain: The cloud in the colours that people see; None = in its own.
         named: Parts that the object's file names.
         choices: Parts that a person names.
+        photo: The view of the photo that it was lifted from; None = it was not.
     """
 
     cloud: GaussianCloud
@@ -56,6 +58,7 @@ class Body:
     plain: GaussianCloud | None = None
     named: tuple[Part, ...] = ()
     choices: tuple[PartChoice, ...] = ()
+    photo: PhotoView | None = None
 
     @property
     def low(self) -> np.ndarray:
@@ -112,7 +115,8 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
         f"{loaded.format_name}: {loaded.encoding}; {cloud.count:,} of {loaded.count_in_file:,} Gaussians kept"
     )
     named, binding = _find_named(cloud, placement, particles, load_named_parts(source, base_dir))
-    return Body(cloud, placement, particles, binding, reading, loose, plain, named, source.parts)
+    photo = find_view(source, placement, base_dir) if is_photo(Path(base_dir) / source.path) else None
+    return Body(cloud, placement, particles, binding, reading, loose, plain, named, source.parts, photo)
 
 
 def _find_named(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import warnings
 
 import numpy as np
 from scipy import ndimage
@@ -12,6 +13,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.scene.config import Filling
 from physagent_jax.scene.density import CellGrid, find_interior, overlap_density
+from physagent_jax.scene.one_sided import find_behind
 
 SURFACE_SHARE = 0.5  # of the cap that surface particles may take if the inside needs the rest
 OUTSIDE, OUTER, INNER = 0, 1, 2  # layers of cells; outer ones are solid and at most two cells from outside
@@ -49,7 +51,8 @@ def fill(cloud: GaussianCloud, config: Filling, *, dx: float) -> Particles:
     """Make particles of the Gaussians' centres and fill what they enclose.
 
     On a grid of ``config.cells`` along the object's longest side, cells whose density exceeds
-    ``density_threshold``, or that hold a Gaussian's centre, are walls; `density.find_interior` finds the inside.
+    ``density_threshold``, or that hold a Gaussian's centre, are walls; `density.find_interior` finds the inside, and
+    `one_sided.find_behind` what is behind walls that show one side only.
     Walls are topped up to ``particles_per_cell``, counting the Gaussians in them, and inside cells get as
     many, stratified and jittered.
 
@@ -92,6 +95,14 @@ def fill(cloud: GaussianCloud, config: Filling, *, dx: float) -> Particles:
         inside = find_interior(
             wall, exclude=config.exclude_direction, cast=config.ray_cast_direction, search=search
         )
+        if (found := find_behind(wall, inside)) is not None:
+            inside |= found[1]
+            warnings.warn(
+                f"the Gaussians show one side of the object, towards {found[0]}: it is filled behind them for the "
+                "simulation, up to their rim; pictures from behind show that nothing is there",
+                UserWarning,
+                stacklevel=2,
+            )
     layer = _make_layers(wall | inside)
     hollow, lack = _find_lacking(layer, cells, config)
     lacking = int(lack.sum())

@@ -135,6 +135,7 @@ def find_holding(template: SceneTemplate, body: Body) -> Holding | None:
     return Holding(
         compliance=compliance.mean,
         square=compliance.square,
+        damping_ratio=template.material.damping_ratio,
         shift=calibration.EXPECTED_HELD_SHIFT * body.extent,
         least=k / calibration.HELD_RANGE,
         most=k * calibration.HELD_MOST,

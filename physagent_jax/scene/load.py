@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import warnings
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
 
@@ -19,9 +20,11 @@ from physagent_jax.gaussians.formats import (
 )
 from physagent_jax.gaussians.formats.ply_header import MOST_BYTES
 from physagent_jax.scene import mesh_formats
-from physagent_jax.scene.config import Source
+from physagent_jax.scene.config import Photo, Source
 from physagent_jax.scene.config.source import MESH_SUFFIXES
 from physagent_jax.scene.mesh_formats import MeshPart
+from physagent_jax.scene.photo.lift import lift_photo
+from physagent_jax.scene.photo.picture import is_picture
 
 
 def load_object(source: Source, base_dir: str | Path) -> LoadedSplats:
@@ -42,6 +45,10 @@ def load_object(source: Source, base_dir: str | Path) -> LoadedSplats:
             got=f"sha256 {found[:12]}..., expected {source.sha256[:12]}...",
             do="Restore the file, or remove `source.sha256` from the scene",
         )
+    if is_photo(path):
+        return _lift_photo(source, Path(base_dir))
+    if source.photo is not None:
+        refuse_photo(path)
     if holds_splats(path):
         loaded = read_splats(path, opacity_threshold=source.opacity_threshold, encoding=source.splat_encoding)
         for note in loaded.notes:
@@ -57,11 +64,20 @@ def load_named_parts(source: Source, base_dir: str | Path) -> list[MeshPart]:
         UserError: The file cannot be read.
     """
     path = Path(base_dir) / source.path
-    if holds_splats(path):
+    if is_photo(path) or holds_splats(path):
         return []
     from physagent_jax.scene.mesh_files import read_named_parts  # trimesh takes long to import
 
     return read_named_parts(path)
+
+
+def is_photo(path: Path) -> bool:
+    """Return whether a file holds a picture, by its content.
+
+    Raises:
+        UserError: It cannot be read.
+    """
+    return is_picture(read_head(path, what="the object file"))
 
 
 def check_object(path: str | Path) -> None:
@@ -77,6 +93,29 @@ def hash_file(path: str | Path) -> str:
     """
     with open_regular(path, most=MOST_BYTES, what="the object file") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def refuse_photo(path: Path) -> NoReturn:
+    """Refuse what should be a photo and is none."""
+    raise UserError(
+        f"{shorten(path)} is no image",
+        got=path.suffix or "no suffix",
+        do="Give a PNG, JPEG, WebP, BMP or TIFF file, or pass 3D Gaussians and meshes by --object",
+    )
+
+
+def _lift_photo(source: Source, base_dir: Path) -> LoadedSplats:
+    """The object in a photo as Gaussians; what was made up is warned of."""
+    if source.splat_encoding is not None or source.up != "+z":
+        given = "up" if source.splat_encoding is None else "splat_encoding"
+        raise UserError(
+            f"`{given}` means nothing for an image", got=getattr(source, given), do="Leave it out"
+        )
+    lifted = lift_photo(Path(source.path), source.photo or Photo(), base_dir)
+    for note in lifted.notes:
+        warnings.warn(note, stacklevel=3)
+    how, count = "its object lifted to Gaussians", lifted.cloud.count
+    return LoadedSplats(lifted.cloud, np.zeros(3), "photo", how, "+z", lifted.notes, count)
 
 
 def _sample_mesh(path: Path, source: Source) -> LoadedSplats:
@@ -107,4 +146,4 @@ def holds_splats(path: Path) -> bool:
         return True
     if mesh_formats.find_mesh_format(head, path) is not None:
         return False
-    raise explain_unknown(path, (".ply", *MESH_SUFFIXES))
+    raise explain_unknown(path, (".ply", *MESH_SUFFIXES), "PNG, JPEG, WebP, BMP, TIFF")

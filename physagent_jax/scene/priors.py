@@ -18,11 +18,13 @@ Clark & Ross-Murphy 1987, Adv. Polym. Sci. 83, 57; Moore & Maguire 2005, Trees 1
 from __future__ import annotations
 
 import dataclasses
+import functools
 import re
 from collections.abc import Mapping
 from typing import Literal
 
 from physagent_jax.core.names import explain_unknown_name
+from physagent_jax.core.reading import read_packaged_yaml
 from physagent_jax.scene.config import Anchor, Material, MaterialModel
 
 UNKNOWN = "object"
@@ -266,11 +268,15 @@ def guess_kind(name: str) -> str:
     return UNKNOWN
 
 
+@functools.cache
 def list_nouns(kind: str) -> tuple[str, ...]:
-    """Nouns for objects of a kind; those of every kind where it is `UNKNOWN` or not listed."""
-    if kind in PRIORS and kind != UNKNOWN:
-        return PRIORS[kind].words
-    return tuple(word for prior in PRIORS.values() for word in prior.words)
+    """Nouns for objects of a kind, whatever their names say; all where it is `UNKNOWN` or not listed."""
+    known = kind in PRIORS and kind != UNKNOWN
+    own = [PRIORS[kind]] if known else PRIORS.values()
+    rows = read_packaged_yaml("physagent_jax.scene", "nouns.yaml").items()
+    shared = [words for kinds, words in rows if not known or kinds == "any" or kind in kinds.split()]
+    words = [word.strip() for listed in shared for word in listed.split(",")]
+    return tuple(dict.fromkeys([*(word for prior in own for word in prior.words), *words]))
 
 
 def choose_material(kind: str) -> Material:

@@ -59,3 +59,21 @@ def test_turns_in_the_plane_of_the_picture_are_about_the_line_of_sight(plane):
 def test_what_stays_so_stays(prompt):
     (motion,) = read(prompt, ground()).expectations
     assert motion.stays and not motion.released
+
+
+@pytest.mark.parametrize(
+    ("prompt", "way", "reach"),
+    [
+        ("the robot jumps back", 1, (0.4, 1.0)),
+        ("the robot leaps forward", 1, (0.4, 1.0)),
+        ("the robot hops to the left", 0, (0.4, 1.0)),
+        ("the robot jumps to the right by one and a half times its length", 0, (1.4, 1.6)),
+    ],
+)
+def test_a_leap_aside_is_low_and_near(prompt, way, reach):
+    """A leap aside rises and lands as a thrown body does (`forces.opposition`); in body lengths."""
+    (leap,) = read(prompt, ground()).force_field.actions
+    up, aside = leap.vector[2], abs(leap.vector[way])
+    rises = leap.magnitude * up**3
+    assert 0.15 < rises < 0.7 * reach[1]
+    assert reach[0] < 4 * rises * aside / up < reach[1]

@@ -454,7 +454,7 @@ _CLAUSES = st.builds(
     negated=st.sampled_from([False, False, False, True]),
     inherited=st.booleans(),
     stays=st.booleans(),
-    even=st.booleans(),
+    pace=st.sampled_from(["", "even", "sudden"]),
 )
 _INTENTS = st.builds(
     Intent,

@@ -272,3 +272,25 @@ def test_what_is_chosen_needs_no_repair(row):
     assert choose_kinds(choice.force_field, reply.expectations, scene).reasons == ()
     kinds = {action.action_type for action in choice.force_field.actions}
     assert kinds <= set(ActionType)
+
+
+def test_what_is_tilted_stops_and_stays_or_is_brought_back_and_what_is_tipped_over_falls():
+    """A torque would go on until it falls; the angle is what a viewer expects of the word."""
+    ground = brief(world="ground")
+    there = compiled("tilt it to the left", ground).force_field
+    (hand,) = there.constraints
+    assert not there.actions and hand.constraint_type == "enforce_particle_rotation"
+    assert hand.vector == pytest.approx((0, -1, 0)) and hand.held_until == 48
+    first, until = hand.active_time
+    degrees = 90 * hand.magnitude * (until - first) / 48  # a quarter turn in a clip, at M = 1
+    assert 12 < degrees < 35 and until < 36
+    told = compiled("tilt it to the left by 30 degrees", ground).force_field.constraints[0]
+    first, until = told.active_time
+    assert 90 * told.magnitude * (until - first) / 48 == pytest.approx(30, abs=1.5)
+    away, back = compiled("tilt it to the left and let it come back", ground).force_field.constraints
+    assert back.vector == pytest.approx((0, 1, 0)) and back.active_time[0] >= away.active_time[1]
+    turns = [each.magnitude * (each.active_time[1] - each.active_time[0]) for each in (away, back)]
+    assert turns[0] == pytest.approx(turns[1])
+    over = compiled("tip it over to the left", ground).force_field
+    assert over.actions and not over.constraints
+    assert compiled("tilt it to the left").force_field.actions  # in the air nothing makes it fall

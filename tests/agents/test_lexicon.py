@@ -17,7 +17,7 @@ def texts() -> dict[str, str]:
 
 def test_words_of_each_kind_are_read() -> None:
     words = read_lexicon()
-    assert words.motions["nudge"] == Motion(Effect.PUSH, strength=0.5)
+    assert words.motions["nudge"] == Motion(Effect.PUSH, strength=0.5, taps=True)
     assert words.motions["smash"].strength == MAGNITUDE_MAX
     assert words.motions["flip"].tumbles and words.motions["flip"].picture
     assert words.causes["gust of wind"].wind

@@ -8,6 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from physagent_jax.agents.compiler import compile_intent
 from physagent_jax.agents.grammar.semantic import read_intent
+from physagent_jax.forces.calibration import HELD_TIME, PRESCRIBED_TRAVEL
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import CellsRegion, ConstraintType
 from physagent_jax.motion.schema import MotionKind
@@ -295,6 +296,7 @@ def test_a_twist_of_a_part_goes_about_its_own_line():
     assert abs(find_turn(constraint)[0]) > 20 and np.abs(find_turn(constraint)[1:]).max() < 1e-6
 
 
+CHIN = dict(name="chin", roles=(), origin="place", seated=True)
 KNOB = make_part("side", (0.3, 0, 0), (1, 0, 0))
 
 
@@ -304,6 +306,8 @@ KNOB = make_part("side", (0.3, 0, 0), (1, 0, 0))
         ("raise the right arm", [HANGING[0], HANGING[1], HEAD], True),
         ("raise the right arm", [KNOB, HEAD], False),
         ("raise the right arm", [HANGING[1].model_copy(update=dict(confidence=0.3)), HEAD], False),
+        ("pull the chin down", [HEAD, TAIL.model_copy(update=CHIN)], True),
+        ("pull the chin down", [HEAD, TAIL.model_copy(update=CHIN | dict(confidence=0.3))], False),
         ("it wags its tail", [TAIL, make_part("tail", (0, 0.1, 0.1), (0, 0.9, 0.4))], False),
         ("raise the arms", [HANGING[1], HEAD], False),
         ("raise the right arm", [KNOB.model_copy(update=dict(name="arm", origin="option")), HEAD], True),
@@ -317,13 +321,12 @@ def test_a_part_that_nothing_tells_for_certain_is_a_doubt(sentence, parts, certa
     assert (read(sentence, *parts).unsure == ()) is certain
 
 
-def test_a_free_object_is_held_where_its_shape_does_not_show_the_part():
+@pytest.mark.parametrize("parts", [(HEAD, TAIL), (make_part("side", (0.1, 0, 0), (0.6, 0, 0.8)),) * 2])
+def test_a_part_that_the_shape_does_not_show_is_asked_for(parts):
     """A force on one side would take all of it along."""
-    scene = dict(world="ground", may_be_held=True)
-    assert read("lift the left wing", HEAD, TAIL, **scene).anchor.kind == "base"
-    assert read("pull the ears up", HEAD, TAIL, **scene).anchor.kind == "base"
-    assert read("lift the left wing", HEAD, TAIL, world="ground").anchor.kind is None
-    assert read("lift the robot", HEAD, TAIL, **scene).anchor.kind is None
+    assert read("lift the left wing", *parts).unknown_parts == ("left wing",)
+    assert read("pull the ears up", *parts).unknown_parts == ("ears",)
+    assert read("lift the robot", *parts).unknown_parts == ()
 
 
 def test_a_blow_on_the_end_of_a_part_tips_it_over_its_joint():
@@ -331,3 +334,33 @@ def test_a_blow_on_the_end_of_a_part_tips_it_over_its_joint():
     (constraint,) = read("hit the right arm from the right", RIGHT_ARM, HEAD).force_field.constraints
     assert constraint.constraint_type is ConstraintType.PARTICLE_ROTATION
     assert find_way(constraint, RIGHT_ARM)[2] > 0.29
+
+
+MUZZLE = make_limb("nose", (0, -0.05, 0), (0, -1, 0), roles=(), name="muzzle", origin="place", seated=True)
+
+
+@pytest.mark.parametrize(
+    ("sentence", "way", "length"),
+    [
+        ("pull the muzzle up", (0, 0, 1), 0.08),
+        ("push the muzzle to the left", (-1, 0, 0), 0.08),
+        ("push the muzzle back", (0, 1, 0), 0.03),
+        ("press on the muzzle", (0, 1, 0), 0.03),
+    ],
+)
+def test_a_region_is_drawn_so_far_that_it_is_seen_with_a_soft_border(sentence, way, length):
+    """It has no joint to turn about: it moves itself, and its border goes along in part."""
+    reply = read(sentence, HEAD, MUZZLE)
+    (made,) = reply.force_field.constraints
+    first, last = made.active_time
+    assert made.constraint_type is ConstraintType.PARTICLE_TRANSLATION and made.bend is not None
+    assert dot(made.vector, way) > 0.99 and reply.anchor.kind == "rest" and not reply.unsure
+    assert made.magnitude * made.gain * (last - first) * 0.04 == pytest.approx(
+        length / PRESCRIBED_TRAVEL * HELD_TIME, rel=0.05
+    )
+
+
+def test_a_blow_on_the_front_drives_the_whole_away():
+    belly = MUZZLE.model_copy(update=dict(name="belly"))
+    assert read("hit the robot in the belly", HEAD, belly).anchor.kind is None
+    assert read("push the robot's belly to the left", HEAD, belly).anchor.kind == "rest"

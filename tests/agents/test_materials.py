@@ -5,7 +5,7 @@ import pytest
 from physagent_jax.agents.materials import find_materials, find_meaning, mask_materials, read_material_words
 from physagent_jax.scene.materials import LIBRARY
 from physagent_jax.scene.priors import PRIORS, list_nouns
-from tests.agents.scenes import brief
+from tests.agents.scenes import brief, read
 
 
 def called(name: str, kind: str):
@@ -161,3 +161,25 @@ def test_every_word_stands_for_a_preset_that_there_is():
 def test_long_sentences_are_read_in_time():
     """Every word is looked at with a few around it: ten thousand of them are no matter of seconds."""
     assert len(find_materials("made of " * 20_000 + "jelly", ROBOT)) <= 1
+
+
+@pytest.mark.parametrize(
+    ("prompt", "held"),
+    [
+        ("somebody taps a robot made of jelly and it wobbles", True),
+        ("flick the jelly robot from the left", True),
+        ("poke the robot, which is made of jelly", True),
+        ("the robot wobbles like jelly", True),
+        ("nudge the jelly robot to the left", True),
+        ("the jelly robot creeps to the left", False),
+        ("kick the jelly robot to the left", False),
+        ("tap the wooden robot", False),
+        ("tap the jelly robot, then lift it", False),
+    ],
+)
+def test_what_is_soft_wobbles_on_its_base(prompt, held):
+    """A tap makes jelly wobble; loose on the ground, all of it would slide away, or fall over as it sways."""
+    reply = read(prompt, brief(world="ground", may_be_held=True))
+    assert (reply.anchor.kind in ("base", "rest")) is held
+    assert not held or all(each.sudden or each.kind.value == "sway" for each in reply.expectations)
+    assert not reply.unsure

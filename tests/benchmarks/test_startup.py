@@ -92,8 +92,12 @@ def test_the_tables_of_clips_show_each_sentence_and_where_the_seconds_go():
     assert "| start | 2.0 | 2.0 | 4% |" in tables["clip stages"]
 
 
+@pytest.mark.slow
 def test_a_clip_is_timed_by_the_line_that_names_it(tmp_path, monkeypatch):
-    """The kernels are those of this machine, and the rest is compiled quickly: how long it takes is not the matter."""
+    """The kernels are those of this machine, and the rest is compiled quickly: how long it takes is not the matter.
+
+    Slow: a whole run in a process that finds nothing compiled.
+    """
     if use_cpu():
         from physagent_jax.kernels import store  # needs Numba
 

@@ -253,6 +253,23 @@ def test_a_tall_rigid_body_stands_where_it_is_put(x64):
     np.testing.assert_allclose(run(model, state, 300).x, state.x, atol=1e-3)
 
 
+@pytest.mark.parametrize("offset", [0.01, 0.5, 0.9])  # of the floor over a layer of nodes [cells]
+@pytest.mark.parametrize("tilt", [0.0, 30.0])
+def test_a_rigid_body_comes_down_to_the_floor(offset, tilt, x64):
+    """A gap of a cell between what has landed and the ground is seen."""
+    dx = SMALL["size"] / SMALL["grid_cells"]
+    height = (4 + offset) * dx
+    normal = Rotation.from_euler("y", tilt, degrees=True).apply([0.0, 0.0, 1.0])
+    plane = dataclasses.replace(floor(height, 0.5), normal=jnp.asarray(normal))
+    plane = dataclasses.replace(plane, point=jnp.array([0.35, 0.35, height]))
+    model, state = rigid_block(
+        (2, 2, 2), low=(0.3, 0.3, height + 0.12), dt=1e-3, boundaries=(plane, DomainBox())
+    )
+    model = model.replace(gravity=-9.8 * jnp.asarray(normal))
+    gap = ((run(model, state, 400).x - plane.point) @ plane.normal).min()
+    np.testing.assert_allclose(gap, 0.25 * dx, atol=0.06 * dx)
+
+
 def test_a_rigid_block_rests_on_a_soft_one_and_does_not_creep_into_it(x64):
     model, state = block(
         (3, 3, 6),

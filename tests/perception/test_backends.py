@@ -44,6 +44,7 @@ def test_models_measure_a_motion_from_colour_pictures_alone(clip):
     (prompt,) = backends.segmenter.prompts  # made from the pictures, as nobody gave one
     assert prompt.frame == 0 and prompt.box.shape == (4,) and prompt.points.shape == (1, 2)
     assert not any("renderer" in note for note in seen.report.quality.notes)
+    assert any(note.startswith("Nobody marked the object") for note in seen.report.quality.notes)
 
 
 def test_one_encoding_serves_all_links_of_the_chain():

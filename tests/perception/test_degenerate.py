@@ -16,6 +16,7 @@ from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.backends.colour import ColorSegmenter, find_border_colour, remove_specks
 from physagent_jax.perception.backends.depth_sensor import DepthSensor
 from physagent_jax.perception.backends.flow import FlowTracker
+from physagent_jax.perception.backends.ground_contact import GroundContact
 from physagent_jax.perception.backends.rgbd import RgbdSegmenter
 from physagent_jax.perception.background import find_background
 from physagent_jax.perception.ends import Ends
@@ -24,11 +25,13 @@ from physagent_jax.perception.overlay import draw_overlay
 from physagent_jax.perception.pieces import count_pieces
 from physagent_jax.perception.prompt import find_prompt
 from physagent_jax.perception.protocols import (
+    Cues,
     Depth,
     DepthEstimator,
     Masks,
     Segmenter,
     SegmentPrompt,
+    Setting,
     Tracker,
     Tracks,
 )
@@ -395,9 +398,12 @@ def check_stages(rgb: np.ndarray, mask: np.ndarray, raw: np.ndarray, camera) -> 
     extents.describe_extents(lengths, np.eye(3), [np.zeros(3), None], 0.01, camera.forward)
     if known:
         Ends.split(surface, 2)
-    path = follow.follow(rgb, masks, np.stack([trusted, trusted]), camera, FlowTracker())
-    assert known or path.poses == [None, None]
     clip = FlowTracker().encode(rgb, masks)
+    path = follow.follow(rgb, np.stack([trusted, trusted]), camera, clip)
+    assert known or path.poses == [None, None]
+    cues = Cues(masks, clip, Setting(np.array([0.0, 0.0, 1.0]), ground=-1.0))
+    guessed = GroundContact().estimate(rgb, camera, None, cues)
+    assert guessed.z.shape == masks.shape and is_number_or_nan(guessed.z)
     for queries in (np.zeros((0, 3)), np.array([[0, 0.5, 0.5]]), np.array([[1, -9.0, 99.0]])):
         assert clip.track(queries).xy.shape == (2, len(queries), 2)
     assert (count_pieces(masks)[0] is None) == (not mask.any())

@@ -10,7 +10,7 @@ LEFT = "a strong wind pushes the robot to the left"
 
 
 def small(
-    object_path, prompt=LEFT, *, frames=10, particles=600, resolution=96, cells=None, **parts
+    object_path, prompt=LEFT, *, frames=10, particles=600, resolution=96, cells: int | None = 48, **parts
 ) -> RunSpec:
     """A run that takes seconds; without a video for people unless ``save`` asks for one."""
     overrides = dict(frame_count=frames, max_particles=particles, width=resolution, height=resolution)

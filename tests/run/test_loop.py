@@ -162,13 +162,15 @@ def test_the_end_is_told_in_words_and_what_was_assumed_in_the_line_of_json(finis
 
 
 def test_the_same_command_gives_the_same_scene_bytes(finished, tmp_path, robot_path):
-    store = made(small(robot_path), tmp_path / "again")
+    store = made(small(robot_path, cells=None), tmp_path / "again")
     assert (store.path / "scene.json").read_bytes() == (finished / "scene.json").read_bytes()
 
 
 def test_a_finished_run_is_not_made_again(finished, capsys, robot_path):
     stamp = (finished / "video.mp4").stat().st_mtime_ns
-    store = made(small(robot_path, save=dict(splats=True, frames=True, video_size=(160, 90))), finished)
+    store = made(
+        small(robot_path, cells=None, save=dict(splats=True, frames=True, video_size=(160, 90))), finished
+    )
     assert store.manifest.complete and (finished / "video.mp4").stat().st_mtime_ns == stamp
 
 
@@ -295,7 +297,9 @@ class ToldSegmenter(ColorSegmenter):
 
 
 def prompted(robot_path, prompt, **parts):
-    return small(robot_path, particles=1800, resolution=288, perception={"prompt": prompt}, **parts)
+    return small(
+        robot_path, particles=1800, resolution=288, cells=None, perception={"prompt": prompt}, **parts
+    )
 
 
 def test_a_prompt_of_the_spec_reaches_the_segmenter_at_every_resolution(tmp_path, robot_path):

@@ -278,7 +278,7 @@ def test_an_agent_that_fails_for_good_leaves_what_it_tried_and_the_run_goes_on_l
 
 
 def test_an_agent_that_fails_in_a_coarse_round_ends_the_run(tmp_path, robot_path):
-    asked, out = small(robot_path, PROMPT, particles=1800, probe=True), tmp_path / "run"
+    asked, out = small(robot_path, PROMPT, particles=1800, cells=None, probe=True), tmp_path / "run"
     with pytest.raises(AgentError):
         made(asked, out, failing("planner"))
     assert (out / "probe/iterations/0/planner_failed_1.json").is_file()

@@ -62,7 +62,7 @@ class CountingExecutor(ExecutorAgent):
 
 
 def run_loop(robot_path, out, scores, interrupt=False, region=None, **options):
-    options = {**dict(frames=6, particles=1800, resolution=64, probe=True), **options}
+    options = {**dict(frames=6, particles=1800, resolution=64, cells=None, probe=True), **options}
     spec = small(robot_path, "push the robot to the left", **options)
     return made(spec, out, with_rules(ScriptedPlanner(scores), CountingExecutor(interrupt, region)))
 
@@ -119,5 +119,5 @@ def test_coarse_rounds_are_left_out_with_a_warning_if_the_object_is_too_coarse(r
 
 
 def test_asking_for_coarse_rounds_makes_it_another_run(robot_path, tmp_path):
-    with_probe, without = (resolve(small(robot_path, probe=probe)) for probe in (True, False))
+    with_probe, without = (resolve(small(robot_path, cells=None, probe=probe)) for probe in (True, False))
     assert with_probe.inputs != without.inputs

@@ -86,7 +86,7 @@ def test_whatever_is_said_otherwise_makes_it_another_run(field, robot_path):
 
 
 def test_every_field_is_tried():
-    """Those left out name files, have one choice only, or are in the names of agents (the model)."""
+    """Those left out name files, have one choice only, are in the names of agents (the model), or are a photo's."""
 
     def leaves(model, prefix=""):
         for name, field in model.model_fields.items():
@@ -97,7 +97,7 @@ def test_every_field_is_tried():
                 yield prefix + name
 
     files = {"object.path", "material.physgm", "anchor.mask_path", "anchor.point", "anchor.half_size"}
-    files |= {"agents.model"}
+    files |= {"agents.model", "object.photo"}
     assert set(leaves(RunSpec)) == set(OTHERS) | files | {f"{where}.{role}" for role, where in ROLES.items()}
 
 

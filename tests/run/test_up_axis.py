@@ -7,6 +7,8 @@ from physagent_jax.run.inspection import inspect_object
 from physagent_jax.run.resolve import resolve
 from tests.run.specs import small
 
+pytestmark = pytest.mark.usefixtures("quick_plans")
+
 
 @pytest.fixture
 def vase(tmp_path):

@@ -150,7 +150,7 @@ def test_what_floats_or_flows_bears_nothing(table, parts):
 
 
 def test_on_its_own_legs_it_does_not_move(table):
-    scene, notes = scene_of(table, cells=96, particles=6000)
+    scene, notes = scene_of(table, cells=64, particles=3000)
     assert notes and farthest(scene) < 0.01
 
 

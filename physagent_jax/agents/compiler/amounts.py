@@ -11,10 +11,9 @@ from typing import NamedTuple
 from physagent_jax.agents.intent import Quantity
 from physagent_jax.agents.lexicon import Effect, Motion, Names
 from physagent_jax.forces import calibration
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.motion.efforts import find_lengths
 from physagent_jax.motion.schema import Amount, SceneBrief
 from physagent_jax.motion.tolerances import MOVE, TURN, pick_band
-from physagent_jax.motion.vectors import clamp
 
 MOST = 1e5  # of any unit, as in `motion.schema.Amount`: more is no target
 _LEAST = 1e-6  # of any unit
@@ -27,9 +26,6 @@ _SPUN = (Effect.TURN, Effect.LEAN, Effect.ROLL)  # turned by a torque
 
 _SAME_HEIGHT = 0.1
 """[body lengths] by which a height may differ from the one that everything is dropped from."""
-
-_STRAIN_PER_M = 0.2
-"""[1] that a stretch or squeeze shows for M = 1: between the linear 0.15 and what soft solids do at full strength."""
 
 
 class Target(NamedTuple):
@@ -76,13 +72,6 @@ def _find_scale(quantity: Quantity, motion: Motion) -> Target:
     return Target(amount, _AXES.get(quantity.dimension, ()), quantity.dimension == "size")
 
 
-def find_lengths(amount: Amount | None, brief: SceneBrief) -> float | None:
-    """A distance in body lengths; None if the amount is none."""
-    if amount is None or amount.unit not in ("lengths", "metres"):
-        return None
-    return amount.value / (brief.size if amount.unit == "metres" else 1.0)
-
-
 def find_effort(amount: Amount | None, effect: Effect, brief: SceneBrief) -> float | None:
     """The effort for a free object: 1 is what M = 1 does from rest in the reference time; None = no matter."""
     lengths = find_lengths(amount, brief)
@@ -99,37 +88,3 @@ def find_word_effort(strength: float, effect: Effect) -> float | None:
     if effect is Effect.TURN:
         return math.radians(pick_band(TURN, strength, "degrees").target) / calibration.TURN
     return None
-
-
-def find_span(effort: float, usual: float, brief: SceneBrief, led: bool = False) -> float:
-    """The time for which an object is pushed and then braked, so that a magnitude in range brings it there [s].
-
-    Half of the time it is pushed, half braked: it gets M (t / T)^2 / 2 of what M = 1 does in T. If it is led instead,
-    it gets M t / T.
-    """
-    reference = calibration.REFERENCE_TIME
-    shortest, longest = (reference * math.sqrt(2.0 * effort / m) for m in (MAGNITUDE_MAX, MAGNITUDE_MIN))
-    shortest = max(shortest, reference * effort / MAGNITUDE_MAX) if led else shortest
-    return clamp(usual, shortest, max(longest, 4.0 * brief.frame_dt))
-
-
-def find_held_magnitude(amount: Amount, effect: Effect, brief: SceneBrief) -> float | None:
-    """M that bends, turns or (to either side) sways something held about as far."""
-    lengths = find_lengths(amount, brief)
-    if lengths is not None:
-        sways = effect is Effect.SWAY
-        return lengths / (calibration.EXPECTED_SWAY if sways else calibration.EXPECTED_HELD_SHIFT)
-    return amount.value / calibration.EXPECTED_HELD_TURN if amount.unit == "degrees" else None
-
-
-def find_swing_magnitude(amount: Amount, held: bool, brief: SceneBrief) -> float | None:
-    """M that swings something about as far to either side."""
-    if held:
-        return find_held_magnitude(amount, Effect.SWAY, brief)
-    lengths = find_lengths(amount, brief)
-    return None if lengths is None else lengths / calibration.SWING
-
-
-def find_strain_magnitude(amount: Amount) -> float:
-    """M whose stretch or squeeze comes near a factor."""
-    return abs(amount.value - 1.0) / _STRAIN_PER_M

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from physagent_jax.agents.compiler.amounts import find_effort, find_held_magnitude
-from physagent_jax.agents.compiler.directions import find_lean_axis
+from physagent_jax.agents.compiler.amounts import find_effort
 from physagent_jax.agents.compiler.events import BY_DEFAULT
 from physagent_jax.agents.compiler.steady import (
     BRAKED_BEFORE,
@@ -24,6 +23,8 @@ from physagent_jax.forces.calibration import (
     find_tipping,
 )
 from physagent_jax.forces.schema import ActionType
+from physagent_jax.motion.axes import find_lean_axis
+from physagent_jax.motion.efforts import find_held_magnitude
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import add, dot, normalise, scale
 from physagent_jax.motion.windows import divide
@@ -31,9 +32,10 @@ from physagent_jax.motion.windows import divide
 _RAISING = (Effect.STRIKE, Effect.JUMP)
 _UPRIGHT = 0.7  # cosine
 _LEVEL = 0.5  # cosine to the vertical below which a way is level
-_THROWN = (
-    0.45  # of a blow, with which what flies an arc comes down about as far aside as one along the ground goes
-)
+_ASIDE = 0.9  # cosine below which a leap goes aside
+# Of a blow, with which what is thrown comes down about as far aside as one along the ground goes, and a leap rises by a
+# third of a length and comes down six tenths aside; and with which a leap comes down as far aside as is told.
+_THROWN, _LED = 0.45, 0.77
 
 
 def compile_strike(task: Task) -> None:
@@ -47,8 +49,10 @@ def compile_strike(task: Task) -> None:
     rises = falls_back and dot(way, task.brief.directions.up) > 0.5
     strength = _find_blow(task, count, rises)
     up, flown = task.brief.directions.up, way
-    if event.motion.gravity and builder.grounded and not builder.anchored and abs(dot(way, up)) < _LEVEL:
-        flown, strength = normalise(add([way, up])) or way, _THROWN * strength
+    most = _ASIDE if event.effect is Effect.JUMP else _LEVEL
+    if event.motion.gravity and builder.grounded and not builder.anchored and abs(dot(way, up)) < most:
+        share = _LED if event.effect is Effect.JUMP and event.amount else _THROWN
+        flown, strength = normalise(add([way, up])) or way, share * strength
     for index, part in enumerate(divide(window, [1.0] * count)):
         blow = scale(flown, -1.0 if swings and index % 2 else 1.0)
         task.act(ActionType.IMPULSE, blow, strength, make_impulse_window(part[0]))
@@ -79,7 +83,7 @@ def _find_blow(task: Task, count: int, rises: bool) -> float:
         return event.strength
     if rises:
         return effort  # what weight stops rises by M body lengths (`forces.opposition`)
-    if task.builder.anchored and (held := find_held_magnitude(event.amount, event.effect, brief)):
+    if task.builder.anchored and (held := find_held_magnitude(event.amount, brief)):
         return held
     seconds = (task.window[1] - task.window[0]) * brief.frame_dt / count
     return effort * find_reference_time(False, brief.seconds) / max(seconds, brief.frame_dt)

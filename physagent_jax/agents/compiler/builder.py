@@ -23,6 +23,7 @@ class ForceFieldBuilder:
 
     Attributes:
         brief, anchored: The scene, with the clip's length.
+        planted: Whether it sways over its foot, which stays.
         gravity: What the sentence says about gravity: "down", "up", "none"; None = nothing.
         room: Frame at which what follows the present event is over: its brake ends there.
         earlier: What the slots before do.
@@ -36,7 +37,9 @@ class ForceFieldBuilder:
     room: float = 0.0
     earlier: list[Effect] = field(default_factory=list)
     default_drop: bool = False
+    planted: bool = False
     actions: list[Action] = field(default_factory=list)
+    constraints: list[VelocityConstraint] = field(default_factory=list)
     expectations: list[ExpectedMotion] = field(default_factory=list)
     evidence: list[Evidence] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
@@ -77,19 +80,3 @@ class ForceFieldBuilder:
         if round(end) > round(first):
             return (float(round(first)), float(round(end)))
         return (self.brief.last - 1.0, self.brief.last) if is_too_short(first, end) else (first, end)
-
-
-def describe_skill(skill: Action | VelocityConstraint) -> dict[str, str]:
-    """Describe the fields of a skill in words."""
-    name = "action_type" if isinstance(skill, Action) else "constraint_type"
-    return {
-        name: getattr(skill, name).value,
-        "vector": _format(skill.vector),
-        "magnitude": f"{skill.magnitude:g}",
-        "active_time": _format(skill.active_time),
-        "region": getattr(skill.region, "kind", ""),
-    }
-
-
-def _format(values: Vector | Window | None) -> str:
-    return "whole clip" if values is None else "[" + ", ".join(f"{round(v, 3):g}" for v in values) + "]"

@@ -6,7 +6,7 @@ lexicon maps a word to takes precedence over whatever else an agent thinks of it
 
 from __future__ import annotations
 
-from physagent_jax.agents.compiler.builder import ForceFieldBuilder, describe_skill
+from physagent_jax.agents.compiler.builder import ForceFieldBuilder
 from physagent_jax.agents.compiler.events import Event
 from physagent_jax.agents.compiler.interpretation import resolve_obstacles
 from physagent_jax.agents.compiler.limbs import drive_limbs, find_support
@@ -15,10 +15,12 @@ from physagent_jax.agents.compiler.sequence import apply_holding, choose_anchor,
 from physagent_jax.agents.compiler.skills import compile_slots
 from physagent_jax.agents.compiler.words import look_up, suggest_motions
 from physagent_jax.agents.intent import Intent
-from physagent_jax.agents.lexicon import Effect, read_lexicon
+from physagent_jax.agents.lexicon import Effect
+from physagent_jax.agents.materials import SOFT, find_meaning
 from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.core.errors import UserError
+from physagent_jax.forces.description import describe_entry
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.parts import explain_missing, list_names
 from physagent_jax.motion.schema import MotionKind, SceneBrief, WorldRequest
@@ -50,9 +52,11 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
         raise _refuse(unknown, brief)
     clauses = apply_holding(known, intent.held)
     anchor = choose_anchor(intent.held, clauses)
-    anchor = find_support(clauses, brief) if anchor.kind is None else anchor
-    anchored = anchor.kind in ("base", "top") or (brief.anchored is not None and anchor.kind != "none")
-    builder = ForceFieldBuilder(brief, anchored, intent.surroundings.gravity, notes=list(intent.notes))
+    anchor = find_support(clauses, brief, _is_soft(intent, brief)) if anchor.kind is None else anchor
+    held = anchor.kind in ("base", "top", "rest")
+    anchored = held or (brief.anchored is not None and anchor.kind != "none")
+    builder = ForceFieldBuilder(brief, anchored, intent.surroundings.gravity, planted=anchor.kind == "rest")
+    builder.notes += intent.notes
     builder.obstacles += resolve_obstacles(intent.surroundings.solids, None, brief)
     slots, frame_count, remarks = schedule(make_events(clauses, builder), brief, anchored)
     builder.brief = brief.model_copy(update={"frame_count": frame_count})
@@ -61,6 +65,7 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     _state_gravity(intent, builder)
     _expect_stillness(clauses, builder)
     solids = [*intent.surroundings.solids, *(each for clause in intent.clauses for each in clause.solids)]
+    unknown_parts = [*(word for event in told for word in event.unknown_parts), *intent.unknown_parts]
     words = [intent.surroundings.text, *(each.text or each.kind for each in solids)]
     if len(set(solids)) > len(builder.obstacles):
         builder.unsure.append(f"Where '{words[-1]}' is, is not understood.")
@@ -68,7 +73,11 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     if anchor.kind is not None:
         builder.add_evidence(anchor.words, "anchor", anchor.kind, "words about holding or freedom")
     return SemanticReply(
-        force_field=ForceField(default_drop=builder.default_drop, actions=tuple(builder.actions)),
+        force_field=ForceField(
+            default_drop=builder.default_drop,
+            actions=tuple(builder.actions),
+            constraints=tuple(builder.constraints),
+        ),
         expectations=tuple(builder.expectations),
         anchor=anchor,
         world=WorldRequest(
@@ -81,10 +90,17 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
         materials=intent.materials,
         ignored=intent.ignored,
         unsure=tuple(dict.fromkeys(builder.unsure)),
+        unknown_parts=tuple(dict.fromkeys(unknown_parts)),
         evidence=tuple(builder.evidence),
         not_understood=intent.unknown,
         notes=tuple(dict.fromkeys(builder.notes)),
     )
+
+
+def _is_soft(intent: Intent, brief: SceneBrief) -> bool:
+    """Return whether a tap makes the object wobble."""
+    meanings = map(find_meaning, intent.materials)
+    return brief.object_kind in SOFT or any(each is not None and each.preset in SOFT for each in meanings)
 
 
 def _refuse(unknown: list[Event], brief: SceneBrief) -> UserError:
@@ -134,7 +150,7 @@ def _collect_doubts(intent: Intent, unknown: list[Event], builder: ForceFieldBui
         builder.unsure.append("How it falls without gravity is not understood.")
     builder.unsure += intent.doubts
     for word in intent.unknown:
-        part = word in read_lexicon().unplaced
+        part = word in intent.unknown_parts
         builder.unsure.append(
             explain_missing(word, builder.brief.parts) if part else f"'{word}' is not understood."
         )
@@ -182,5 +198,5 @@ def _follow(item: Evidence, places: dict[str, str], force_field: ForceField) -> 
     if group != "constraints":
         return item.model_copy(update={"field": new + dot + name})
     name = "constraint_type" if name == "action_type" else name
-    values = describe_skill(force_field.constraints[int(index)])
+    values = describe_entry(force_field.constraints[int(index)])
     return item.model_copy(update={"field": f"{new}.{name}", "value": values.get(name, item.value)})

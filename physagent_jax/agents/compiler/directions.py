@@ -13,9 +13,10 @@ from typing import NamedTuple
 from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueSource, WayKind
 from physagent_jax.agents.lexicon import Effect, Names, read_lexicon
 from physagent_jax.core.strict import Vector
+from physagent_jax.motion.axes import find_lean_axis, find_turn_towards
 from physagent_jax.motion.limbs import find_level_line
 from physagent_jax.motion.schema import SceneBrief
-from physagent_jax.motion.vectors import add, cosine, cross, dot, normalise, scale
+from physagent_jax.motion.vectors import add, cross, dot, normalise, scale
 
 ASSUMED = "left"
 TOWARDS = (Effect.PUSH, Effect.STRIKE, Effect.SCALE, Effect.LEAN, Effect.ROLL, Effect.JUMP, Effect.TOPPLE)
@@ -75,7 +76,7 @@ def _find_axis(event: Event, brief: SceneBrief) -> Heading | None:
     else:
         usual = "toward" if motion.picture else motion.direction or "toward"
         axis = sum_directions((seen_from or usual,), brief)
-    towards = _find_turn_towards(sum_directions(told[0].names, brief), brief) if told else axis
+    towards = find_turn_towards(sum_directions(told[0].names, brief), brief) if told else axis
     backwards = turning == "clockwise" if turning else dot(axis, towards) < 0
     seen = f"seen from {seen_from}" if seen_from else ""
     words = [turning or "", seen, *(way.text for way in (*lines, *told))]
@@ -114,7 +115,7 @@ def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
     why = "the viewer's directions, added" if len(told) > 1 else "the viewer's direction"
     if motion.effect is Effect.TURN and total is not None:
         tumbles = motion.tumbles and abs(dot(total, up)) < 0.7
-        total = find_lean_axis(total, brief) if tumbles else _find_turn_towards(total, brief)
+        total = find_lean_axis(total, brief) if tumbles else find_turn_towards(total, brief)
         why = f"{'the top' if tumbles else 'the side that faces the viewer'} turns this way"
     return Heading(total, " ".join(way.text for way in told), why)
 
@@ -132,7 +133,7 @@ def _find_swing(event: Event, brief: SceneBrief) -> Heading | None:
     if total is None:
         return None
     if event.effect is Effect.TURN:
-        total = _find_turn_towards(total, brief)
+        total = find_turn_towards(total, brief)
     words = next(each.text or each.first or "" for each in event.clause.repetitions if each.first)
     event.repeat = replace(event.repeat, alternate=event.effect is not Effect.SCALE)
     return Heading(total, words, "to and fro, this way first")
@@ -171,15 +172,3 @@ def _assume(event: Event, brief: SceneBrief) -> Heading:
     event.notes += [] if motion.direction else [f"'{event.words}': no direction given, assumed {name}."]
     vector = normalise(sum_directions((name,), brief))
     return Heading(vector, event.words, f"{missing} {name} {'' if motion.bound else BY_DEFAULT}".strip())
-
-
-def _find_turn_towards(direction: Vector, brief: SceneBrief) -> Vector:
-    """Axis about which the viewer's side (or, for toward and away, the top) moves along ``direction``."""
-    toward, up = brief.directions.toward, brief.directions.up
-    reference = up if abs(cosine(direction, toward)) > 0.7 else toward
-    return normalise(cross(reference, direction)) or up
-
-
-def find_lean_axis(direction: Vector, brief: SceneBrief) -> Vector:
-    """Axis about which the top moves along ``direction``."""
-    return normalise(cross(brief.directions.up, direction)) or brief.directions.toward

@@ -75,6 +75,7 @@ class Event:
         motion: What it comes to: the verb's, else the cause's, as what stands beside it makes it.
         ways, parts, excluded: Ways, parts that are acted on, and parts that are not.
         strengths: Words for strength, as `words.find_strength` knows them.
+        unknown_parts: Words for parts that the object does not show.
         doubts, notes: What was not understood and matters; what was assumed.
         repeat: Count and alternation.
         direction: Unit world direction, stretch axis or rotation axis; None if the motion needs none or acts in all
@@ -101,6 +102,7 @@ class Event:
     parts: list[KnownPart] = field(default_factory=list)
     excluded: list[KnownPart] = field(default_factory=list)
     strengths: list[tuple[str, float]] = field(default_factory=list)
+    unknown_parts: list[str] = field(default_factory=list)
     doubts: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     repeat: Repeat = Repeat()
@@ -159,6 +161,13 @@ class Event:
     def is_back(self) -> bool:
         """Return whether it goes back where it came from."""
         return any(way.phrase == "back" for way in self.pick(WayKind.TO))
+
+    @property
+    def is_quick(self) -> bool:
+        """Return whether it is over in an instant: a flinch, or a turn or a way over the ground that is sudden."""
+        goes = self.effect is Effect.PUSH and self.motion.direction is None and not self.is_upwards
+        sudden = self.clause.pace == "sudden" and not (self.when.lasts or self.parts or self.is_in_wind)
+        return self.motion.quick or sudden and (goes or self.effect in (Effect.TURN, Effect.LEAN))
 
     @property
     def is_upwards(self) -> bool:

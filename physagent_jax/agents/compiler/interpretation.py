@@ -9,10 +9,11 @@ from physagent_jax.agents import intent
 from physagent_jax.agents.compiler.amounts import MOST, find_target
 from physagent_jax.agents.compiler.directions import TOWARDS, sum_directions, take_heading
 from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueSource, WayKind
-from physagent_jax.agents.compiler.limbs import find_limbs, is_plural, sticks_out
+from physagent_jax.agents.compiler.limbs import find_limbs, sticks_out
 from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
+from physagent_jax.forces.part import is_plural
 from physagent_jax.forces.slabs import make_end_region, make_middle_region
 from physagent_jax.motion.joints import Turning
 from physagent_jax.motion.limbs import stands_on_legs
@@ -70,7 +71,9 @@ def _choose_motion(event: Event, brief: SceneBrief) -> tuple[Motion, str]:
     if event.verb is None and motion.wind and not told and sways:
         return replace(motions["sway"], strength=motion.strength), "sway"
     if any(each.alternating for each in repeats) and (effect in (Effect.FALL, Effect.JUMP) or motion.gravity):
-        phrase = "sway" if effect is Effect.STRIKE else "bob"  # "is tossed to and fro", "jumps up and down"
+        phrase = (
+            "shuttle" if effect is Effect.STRIKE else "bob"
+        )  # "is tossed to and fro", "jumps up and down"
     elif motion.bounces and (counted or event.is_upwards):
         phrase = "jump"  # "it bounces three times"
     elif motion.coasts and told:
@@ -261,8 +264,8 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
     if not named or event.effect is Effect.FALL and named[0].place.names == ("down",) and event.parts:
         return  # "lands on its feet", as it stood
     place, event.excludes_part = named[0].place, not event.parts
-    if event.parts:
-        event.limbs = find_limbs(named[0], brief)
+    if event.parts and not (event.effect is Effect.STRIKE and named[0].phrase in read_lexicon().fronts):
+        event.limbs = find_limbs(named[0], brief)  # a blow on the belly drives all of it away
     if event.limbs:
         doubt = explain_guess(named[0].text, brief.parts, event.limbs, plural=is_plural(named[0].text))
         event.doubts += filter(None, [doubt])
@@ -279,13 +282,15 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
             event.effect is Effect.SCALE and event.motion.sign < 0 and _is_upright(event.direction, brief)
         ):  # a part gives way downwards
             event.motion = replace(event.motion, effect=Effect.PUSH, sign=1, skill=None)
-            event.direction = brief.directions.down
+            event.direction = scale(limb.arm, -1.0) if part.origin == "place" else brief.directions.down
         return
-    if place.role and (not place.names or place.names == ("up",) and stands_on_legs(brief.parts)):
+    nowhere = place.role and (not place.names or place.names == ("up",) and stands_on_legs(brief.parts))
+    shown = event.parts and sticks_out(named[0])
+    event.unknown_parts += [named[0].text] * bool(nowhere or shown)
+    if nowhere or shown and brief.parts:
         event.doubts.append(explain_missing(named[0].text, brief.parts))
+    if nowhere:
         return
-    if event.parts and brief.parts and sticks_out(named[0]):
-        event.doubts.append(explain_missing(named[0].text, brief.parts))
     event.part = normalise(sum_directions(place.names, brief))
     if not event.excludes_part:
         event.sources["region"] = ValueSource(named[0].text, "a part of the object")

@@ -8,17 +8,19 @@ sentence moves limbs alone the rest is held.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from physagent_jax.agents.compiler.directions import sum_directions
 from physagent_jax.agents.compiler.events import Event, KnownPart
 from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.agents.schema import Evidence, SemanticReply
-from physagent_jax.forces.part import split_name
+from physagent_jax.forces.part import is_plural, split_name
 from physagent_jax.forces.schema import ConstraintType, VelocityConstraint
 from physagent_jax.motion.joints import Turning
 from physagent_jax.motion.limbs import LOOSE, PLACES, choose_parts, find_front
 from physagent_jax.motion.parts import find_named, join_rest
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.swaying import FOOT, leads_aside
 from physagent_jax.motion.vectors import add, scale
 
 _DONE = {
@@ -47,28 +49,29 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     return choose_parts(known, roles, side, is_plural(part.text))
 
 
-def find_support(clauses: Sequence[Event], brief: SceneBrief) -> AnchorRequest:
-    """The hold of a free object of which parts alone are to move, and its shape does not show them.
-
-    What acts on a region of it would otherwise take the whole along.
-    """
+def find_support(clauses: Sequence[Event], brief: SceneBrief, soft: bool = False) -> AnchorRequest:
+    """The hold of a free object that sways where it stands, or that is ``soft`` and wobbles: it would slide."""
     acting = [each for each in clauses if each.effect not in (Effect.STILL, Effect.HOLD, Effect.RELEASE)]
-    free = brief.may_be_held and brief.world == "ground" and brief.anchored is None
-    if not free or not acting or not all(_names_unseen_part(each, brief) for each in acting):
+    if not brief.may_be_held or brief.world != "ground" or brief.anchored is not None or not acting:
         return AnchorRequest()
+    if all(e.motion.planted and not e.parts and leads_aside(e.direction, brief) for e in acting):
+        return AnchorRequest(kind="rest", words=acting[0].words, region=FOOT)
+    if not soft or not all(each.motion.wobbles for each in acting):
+        return AnchorRequest()
+    for each in (event for event in acting if event.motion.taps):
+        each.verb = replace(each.motion, effect=Effect.STRIKE)
     return AnchorRequest(kind="base", words=acting[0].words)
-
-
-def _names_unseen_part(event: Event, brief: SceneBrief) -> bool:
-    """Return whether a clause moves a part by a word for something that sticks out, which the shape does not show."""
-    part = event.parts[0] if event.parts else None
-    known = part is None or not sticks_out(part) or bool(find_limbs(part, brief))
-    return not known and part is not None and "down" not in part.place.names
 
 
 def sticks_out(part: KnownPart) -> bool:
     """Return whether a word means something that sticks out, whatever side it tells: no end of the object."""
-    return bool(roles := find_roles(part.phrase)) and roles[0] not in (*PLACES, "head")
+    return bool(roles := find_roles(part.phrase)) and roles[0] not in (
+        *PLACES,
+        "head",
+        "tip",
+        "crown",
+        "neck",
+    )
 
 
 def find_roles(name: str) -> list[str]:
@@ -77,12 +80,6 @@ def find_roles(name: str) -> list[str]:
     parts = read_lexicon().parts
     place = parts.get(name) or parts.get(nouns[-1]) or parts.get(nouns[-1].removesuffix("s"))
     return [] if place is None else place.role.split()
-
-
-def is_plural(text: str) -> bool:
-    """Return whether a part's word means several."""
-    word = text.split()[-1].lower() if text.split() else ""
-    return word.endswith("s") or word == "feet"
 
 
 def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
@@ -120,30 +117,21 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
             force_field=field,
             expectations=tuple(expectations),
             anchor=anchor,
-            evidence=tuple(_follow(each, kept) for each in reply.evidence if _is_kept(each, kept)),
+            evidence=_follow(reply.evidence, kept),
             notes=(*reply.notes, note),
         )
     )
 
 
-def _is_kept(item: Evidence, kept: list[int]) -> bool:
-    """Return whether an item is about something else than an action that a constraint has replaced."""
-    index = _find_action(item)
-    return index is None or index in kept
-
-
-def _follow(item: Evidence, kept: list[int]) -> Evidence:
-    """Evidence of an action at the action's new place."""
-    index = _find_action(item)
-    if index is None:
-        return item
-    _, dot, name = item.field.partition(".")
-    return item.model_copy(update=dict(field=f"actions[{kept.index(index)}]{dot}{name}"))
-
-
-def _find_action(item: Evidence) -> int | None:
-    group, _, index = item.field.partition(".")[0].rstrip("]").partition("[")
-    return int(index) if group == "actions" else None
+def _follow(items: Sequence[Evidence], kept: list[int]) -> tuple[Evidence, ...]:
+    """Evidence at the actions' new places, without that of actions which a constraint has replaced."""
+    places = {f"actions[{old}]": f"actions[{new}]" for new, old in enumerate(kept)}
+    found = []
+    for item in items:
+        place, dot, name = item.field.partition(".")
+        if place in places or not place.startswith("actions["):
+            found.append(item.model_copy(update=dict(field=f"{places.get(place, place)}{dot}{name}")))
+    return tuple(found)
 
 
 def _drive(
@@ -152,6 +140,6 @@ def _drive(
     """The constraints that bring about a limb's motion, and the motion as it is then expected."""
     assert motion.limb is not None
     part = brief.parts[motion.limb]
-    slides = part.seated and LOOSE.issuperset(find_roles(part.name))
+    slides = part.seated and (part.origin == "place" or LOOSE.issuperset(find_roles(part.name)))
     later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > motion.window[0] + 0.5]
     return Turning(part, brief, frame_count, slides).drive(motion, min([frame_count - 1.0, *later]))

@@ -9,11 +9,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from physagent_jax.agents.compiler.amounts import find_effort, find_span, find_word_effort
+from physagent_jax.agents.compiler.amounts import find_effort, find_word_effort
 from physagent_jax.agents.compiler.events import Event, WayKind
 from physagent_jax.agents.intent import Duration
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.core.strict import Vector
+from physagent_jax.motion.efforts import find_span
 from physagent_jax.motion.schema import SceneBrief
 from physagent_jax.motion.vectors import clamp, dot
 from physagent_jax.motion.windows import Window
@@ -25,6 +26,7 @@ STEP = 1.5  # [s] that a step of a sequence takes, and settling
 _LEVEL = 0.7  # cosine to the vertical below which an axis is level
 _STROKE = 0.75  # [s] that each of several strokes or swings takes at least
 _SWING = 4.0  # [s] in which what is held swings until it is still: 1 Hz with a damping ratio of 0.2
+_BEFORE = 0.4  # [s] before what is sudden, in which nothing happens yet
 _REST = 0.5  # [s] after a motion by a quantity, in which it is seen to be reached
 LONGEST = 10.0  # [s] of a clip that a sentence can ask for
 _MOST_FRAMES = 10_000  # of any clip (`motion.schema`)
@@ -149,6 +151,8 @@ def _group_slots(events: list[Event], brief: SceneBrief, last: float) -> list[Sl
             start = clamp(brief.last + start if start < 0 else start, 0.0, max(last - 1.0, 0.0))
             start = start if start > latest or not slots else None
             latest = start if start is not None else latest
+        elif not slots and event.clause.pace == "sudden" and event.effect not in (Effect.FALL, Effect.STILL):
+            start = min(_BEFORE / brief.frame_dt, max(last - 1.0, 0.0))  # it is seen to begin
         slots.append(Slot([event], start, None if length is None else clamp(length, min(1.0, last), last)))
     return slots
 
@@ -185,8 +189,9 @@ def follows(before: Event, event: Event) -> bool:
     order, effect = event.clause.order, event.effect
     if order != "and":
         return order == "then"
-    if event.when.starts is not None and event.when.starts != before.when.starts:
-        return True  # "rolls left and tips over at the end"
+    later = event.when.starts is not None and event.when.starts != before.when.starts
+    if later or event.clause.pace == "sudden" and before.clause.pace != "sudden":
+        return True  # "rolls left and tips over at the end", "stands still and suddenly spins"
     rests = effect is Effect.STILL and (not event.motion.generic or event.is_timed)
     lifted = before.effect is Effect.PUSH and effect is Effect.FALL and before.phrase != event.phrase
     return (

@@ -42,6 +42,9 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     interpret(event, _find_measure(events, event), builder.brief)
     _measure_return(event, events)
     event = _put_under_gravity(event, builder.gravity)
+    thrown = bool(events) and (events[-1].motion.gravity or events[-1].effect is Effect.JUMP)
+    if thrown and event.phrase in ("come back down", "go back down"):
+        event = _make_another(event, "land")  # "toss it up and let it come back down"
     if events and events[-1].effect is Effect.FALL and event.effect is Effect.FALL:
         last = events[-1]
         if event.is_bare:
@@ -132,9 +135,16 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
             continue
         elif acted:
             result.append(event)
-        elif event.motion.lets_go:
-            result.append(replace(event, motion=read_lexicon().motions["fall"]))
-            builder.notes.append(f"'{event.text}': nothing acts before it, so the object is let fall.")
+        elif event.motion.alone and after is not None and after.clause.order == "together":
+            continue  # "it recoils as it is hit"
+        elif (phrase := event.motion.alone) and (
+            event.motion.lets_go or all(e.effect in _RESTING for e in events)
+        ):
+            motion = read_lexicon().motions[phrase]
+            usual = getattr(builder.brief.directions, motion.direction) if motion.direction else None
+            way, strength = event.direction or usual, event.strength * motion.strength
+            result.append(replace(event, motion=motion, phrase=phrase, direction=way, strength=strength))
+            builder.notes.append(f"'{event.text}': nothing acts before it, so it is read as '{phrase}'.")
         else:
             builder.unsure.append(f"What '{event.text}' comes back from is not understood.")
     return result

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from physagent_jax.agents.compiler.amounts import find_strain_magnitude, find_swing_magnitude
 from physagent_jax.agents.compiler.blows import compile_fall, compile_jump, compile_strike, compile_topple
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
-from physagent_jax.agents.compiler.directions import find_lean_axis
 from physagent_jax.agents.compiler.schedule import Slot
 from physagent_jax.agents.compiler.steady import Task, add_steady, make_impulse_window, shorten
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, SWING
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, QUICK, SWING
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.forces.skills import find_skill
 from physagent_jax.forces.slabs import make_end_region
+from physagent_jax.motion.axes import find_lean_axis
+from physagent_jax.motion.efforts import find_strain_magnitude, find_swing_magnitude
 from physagent_jax.motion.schema import MotionKind
+from physagent_jax.motion.swaying import sway
 from physagent_jax.motion.vectors import dot, scale
 from physagent_jax.motion.windows import Window, divide, divide_swings
 
@@ -38,7 +39,13 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
             builder.unsure += event.doubts
             builder.obstacles += [each for each in event.obstacles if each not in builder.obstacles]
             after = [event for later in following for event in later.events]
-            task = Task(event, slot.window, after, builder)
+            first, end = slot.window
+            end = (
+                min(end, first + QUICK / builder.brief.frame_dt)
+                if event.is_quick and (event.motion.quick or not builder.anchored)
+                else end
+            )
+            task = Task(event, (first, end), after, builder)
             if event.motion.skill is not None and not event.repeat.alternate:
                 _compile_by_skill(task, event.motion.skill)
             else:
@@ -90,6 +97,8 @@ def _compile_sway(task: Task) -> None:
     if builder.grounded and not held and abs(dot(task.direction, up)) > _UPRIGHT:
         for part in divide(task.window, [1.0] * count):
             task.act(ActionType.IMPULSE, up, 2 * SWING * magnitude, make_impulse_window(part[0]))
+    elif builder.planted:
+        builder.constraints += sway(builder.brief, task.direction, magnitude, count, task.window)
     else:
         _alternate(task, ActionType.TRANSLATION, magnitude, divide_swings(task.window, count, held))
     released = task.is_released

@@ -10,14 +10,16 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from physagent_jax.agents.compiler.amounts import MOST, find_effort, find_held_magnitude, find_word_effort
-from physagent_jax.agents.compiler.builder import MAX_ACTIONS, ForceFieldBuilder, describe_skill
+from physagent_jax.agents.compiler.amounts import MOST, find_effort, find_word_effort
+from physagent_jax.agents.compiler.builder import MAX_ACTIONS, ForceFieldBuilder
 from physagent_jax.agents.compiler.events import BY_DEFAULT, Event
 from physagent_jax.agents.compiler.schedule import find_frames, has_to_stop
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, find_magnitude
+from physagent_jax.forces.description import describe_entry
 from physagent_jax.forces.schema import Action, ActionType
+from physagent_jax.motion.efforts import find_held_magnitude
 from physagent_jax.motion.schema import Amount, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import clamp, scale
 from physagent_jax.motion.windows import Window, halve
@@ -73,7 +75,7 @@ class Task:
             return
         place = f"actions[{len(builder.actions)}]"
         builder.actions.append(action)
-        for name, value in describe_skill(action).items():
+        for name, value in describe_entry(action).items():
             if source := event.sources.get(name):
                 builder.add_evidence(source.words, f"{place}.{name}", value, source.why)
 
@@ -86,7 +88,7 @@ class Task:
             "part": event.part,
             "excludes_part": event.excludes_part,
             "stays": event.stays,
-            "even": (event.clause.even or event.motion.floats)
+            "even": (event.clause.pace == "even" or event.motion.floats or event.is_quick)
             and kind in (MotionKind.MOVE, MotionKind.ROTATE),
             "amount": event.amount or self._find_duration(),
         }
@@ -218,7 +220,7 @@ def _find_dose(task: Task, magnitude: float, seconds: float, braked: bool) -> fl
     """
     event, brief = task.event, task.brief
     if event.amount is not None and task.builder.anchored:
-        wanted = find_held_magnitude(event.amount, event.effect, brief)
+        wanted = find_held_magnitude(event.amount, brief, event.effect is Effect.SWAY)
     else:
         effort = find_effort(event.amount, event.effect, brief)
         if event.amount is None and braked:

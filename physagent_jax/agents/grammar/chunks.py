@@ -33,7 +33,7 @@ def _index_phrases() -> dict[str, list[Entry]]:
         (MentionKind.DEGREE, lexicon.degrees),
         (MentionKind.JOIN, lexicon.joins),
         (MentionKind.REVERSAL, lexicon.reversals),
-        (MentionKind.EVEN, dict.fromkeys(lexicon.even)),
+        (MentionKind.PACE, lexicon.paces),
         (MentionKind.EXCEPT, dict.fromkeys(lexicon.exceptions)),
         (MentionKind.TIME, {p: make_moment(m.starts, m.lasts) for p, m in lexicon.moments.items()}),
         (MentionKind.NOT, dict.fromkeys(lexicon.negations)),
@@ -193,7 +193,8 @@ def _is_past(reader: Reader, at: int) -> bool:
 def _is_means(reader: Reader, motion: Motion, at: int) -> bool:
     """Return whether a push or a blow tells how it is done: "with a sudden jerk it is lifted"."""
     before = at - 1
-    while reader.get_text(before) in LEXICON.intensities or reader.get_text(before) in LEXICON.moments:
+    told = LEXICON.intensities.keys() | LEXICON.moments.keys() | LEXICON.paces.keys()
+    while reader.get_text(before) in told:
         before -= 1
     means = reader.get_text(before) in ("a", "an", "one") and reader.get_text(before - 1) == "with"
     return means and motion.effect in (Effect.PUSH, Effect.STRIKE)

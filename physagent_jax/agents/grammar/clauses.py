@@ -340,6 +340,7 @@ def _is_turning_back(clauses: list[Clause], join: Join, mentions: list[Mention])
     measured = any(m.kind in _MEASURES for m in mentions) and not last.has(
         Effect.SWAY, Effect.SCALE, Effect.SWELL
     )
+    measured |= any(m.form in get_set("pronouns") for m in mentions)  # "up it went and down it came"
     listed = len(clauses) > 1 and last.head is None or measured  # "gently to the left and hard to the right"
     if join is not Join.COMMA and not (join is Join.AND and listed):
         return False

@@ -29,11 +29,13 @@ class Coverage:
     Attributes:
         ignored: Words that do not bear on the motion.
         doubtful: Words that may bear on it.
+        parts: Those of them that stand for a part of the object.
         taken: Words taken for the object's name.
     """
 
     ignored: tuple[str, ...] = ()
     doubtful: tuple[str, ...] = ()
+    parts: tuple[str, ...] = ()
     taken: tuple[str, ...] = ()
 
 
@@ -93,7 +95,7 @@ def sort_words(mentions: list[Mention], names: frozenset[str], brief: SceneBrief
     """The unknown words of a sentence by whether they may bear on the motion; ``names`` are words for the object."""
     named = any(mention.phrase in names for mention in mentions)
     nameless = not is_telling(brief.object_name)
-    found: dict[str, list[str]] = {"ignored": [], "doubtful": [], "taken": []}
+    found: dict[str, list[str]] = {"ignored": [], "doubtful": [], "parts": [], "taken": []}
     seen: set[str] = set()
     for spot in _list_spots(mentions, names):
         look = is_look(spot.word) and not (_is_telling_a_part(spot) or _is_moved_part(spot))
@@ -108,7 +110,9 @@ def sort_words(mentions: list[Mention], names: frozenset[str], brief: SceneBrief
         if spot.word not in seen and not (known and kind == "ignored"):
             found[kind].append(spot.word)
             seen.add(spot.word)
-    return Coverage(*(tuple(found[kind]) for kind in ("ignored", "doubtful", "taken")))
+            if kind == "doubtful" and _names_a_part(spot):
+                found["parts"].append(spot.word)
+    return Coverage(**{kind: tuple(words) for kind, words in found.items()})
 
 
 def _list_spots(mentions: list[Mention], names: frozenset[str]) -> Iterator[_Spot]:
@@ -176,8 +180,10 @@ def _is_named_here(spot: _Spot, named: bool, taken: list[str]) -> bool:
 def _is_a_particle(spot: _Spot) -> bool:
     """A particle that tells where a motion ends, in no known phrase ("slides off the table"); a fall ends below."""
     falls = spot.motion is not None and spot.motion.effect in (Effect.FALL, Effect.TOPPLE)
-    wall = any(m.kind is MentionKind.SOLID for m in spot.mentions[spot.index : spot.index + 4])
-    return spot.word in get_set("particles") and not falls and not wall
+    lifted = spot.word == "off" and spot.motion is not None and spot.motion.bound
+    behind = {m.kind for m in spot.mentions[spot.index : spot.index + 4]}
+    told = MentionKind.SOLID in behind or spot.get(1) == "to" and MentionKind.DIRECTION in behind
+    return spot.word in get_set("particles") and not (falls or lifted or told)
 
 
 def _is_a_known_word(spot: _Spot) -> bool:
@@ -231,6 +237,29 @@ def _is_moved_part(spot: _Spot) -> bool:
     verb = spot.mentions[at] if at >= 0 else None
     told = verb is not None and verb.kind is MentionKind.VERB and spot.get(-1) in get_set("determiners")
     return told and (spot.word in LEXICON.unplaced or spot.word.removesuffix("s") in LEXICON.part_nouns)
+
+
+def _names_a_part(spot: _Spot) -> bool:
+    """A noun of the object's, or a word for parts, that is acted on or moves: "the robot's axe", "press on the jaw"."""
+    after, at = spot.mentions[spot.index + 1 :], spot.index - 1
+    while at > spot.begin and spot.mentions[at].kind in LOOSE:
+        at -= 1
+    owner, own = spot.mentions[max(at, 0)], spot.names | get_set("objects")
+    named = owner.phrase in spot.names and owner.words.endswith(("'s", "\u2019s", "s'"))
+    owned = named or owner.phrase in get_set("pronouns_of_owners")
+    owned |= spot.get(1) == "of" and not own.isdisjoint((spot.get(2), spot.get(3)))
+    part = spot.word in LEXICON.unplaced or spot.word.removesuffix("s") in LEXICON.part_nouns
+    if after and after[0].kind is MentionKind.UNKNOWN or not (owned or part and owner.phrase == "the"):
+        return False
+    start = at - (named and get_phrase(spot.mentions, at - 1) in get_set("determiners"))
+    before = spot.mentions[max(start - 1, 0)]
+    struck = before.phrase in ("on", "at") and spot.motion is not None
+    if struck or before.kind in (*MOTIONS, MentionKind.EXCEPT):
+        return True
+    skipped = own | get_set("auxiliaries") | get_set("determiners") | {"of"}
+    then = next((each for each in after if each.phrase not in skipped), None)
+    first = before in (owner, spot.mentions[0]) or before.kind is MentionKind.JOIN
+    return first and then is not None and then.kind in MOTIONS
 
 
 def _is_telling_a_part(spot: _Spot) -> bool:

@@ -43,6 +43,7 @@ def make_intent(
         surroundings=_describe_surroundings(clauses, mentions),
         ignored=tuple(map(_cut, coverage.ignored)),
         unknown=tuple(map(_cut, coverage.doubtful)),
+        unknown_parts=tuple(map(_cut, coverage.parts)),
         doubts=tuple(doubts),
         notes=tuple(notes),
     )
@@ -71,7 +72,7 @@ def _make_clause(clause: Clause, clauses: list[Clause]) -> intent.Clause:
             negated=clause.negated and not held,
             inherited=clause.inherited,
             stays=clause.stays,
-            even=bool(clause.select(MentionKind.EVEN)),
+            pace=next((str(m.value) for m in clause.select(MentionKind.PACE)), ""),
             elsewhere=clause.elsewhere,
             said=_cut(clause.words),
             text=_cut(" ".join(m.words for m in sorted(mentions, key=lambda m: m.first))),

@@ -26,7 +26,7 @@ class MentionKind(enum.Enum):
     INTENSITY = enum.auto()  # float
     DEGREE = enum.auto()  # float
     COMPARATIVE = enum.auto()  # float
-    EVEN = enum.auto()  # None: at one speed
+    PACE = enum.auto()  # "even" or "sudden"
     REPEAT = enum.auto()  # Repeat
     PLACE = enum.auto()  # Place
     EXCLUDED = enum.auto()  # Place that is not meant

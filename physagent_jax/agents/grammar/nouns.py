@@ -38,7 +38,8 @@ def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
     own |= _find_halves(name, texts)
     places = [at for at, text in enumerate(texts) if text in own]
     if not places:
-        return frozenset(own | {t for at, t in enumerate(texts) if t in nouns})
+        found = nouns.intersection(texts)
+        return frozenset(own | (found - get_set("persons") or found))  # "a man pushes the statue"
     beside = set()
     for at in places:
         beside.update(texts[max(at - 1, 0) : at])

@@ -18,7 +18,7 @@ from physagent_jax.agents.grammar.measures import (
 )
 from physagent_jax.agents.grammar.mentions import Mention, MentionKind, Reader, get_last_motion
 from physagent_jax.agents.grammar.nouns import read_named_part, read_part, read_solid
-from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
+from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set, read_sections
 from physagent_jax.agents.lexicon import Effect, Join, Repeat
 
 _MOST_STROKES = 1000  # a count beyond any clip's frames means nothing more than "very often"
@@ -45,6 +45,9 @@ def _read_at(reader: Reader, at: int) -> Mention:
         return reader.make_mention(MentionKind.JOIN, join, token.text, [at])
     if (part := read_named_part(reader, at)) is not None:
         return part
+    before, one = reader.get_text(at - 1), token.text.removesuffix("s")
+    if one != token.text and one in reader.names and NUMBERS.get(before, 0.0) > 1:  # there is one object
+        return reader.make_mention(MentionKind.UNKNOWN, None, f"{before} {token.text}", [at])
     if token.text in reader.names and (token.lemma not in LEXICON.motions or reader.is_after_determiner(at)):
         return reader.make_mention(MentionKind.FUNCTION, None, token.text, [at])
     found = (read(reader, at) for read in _READERS)
@@ -58,6 +61,20 @@ def _read_once(reader: Reader, at: int) -> Mention | None:
     if join is None or reader.get_text(at + 1) not in subject:
         return None
     return reader.make_mention(MentionKind.JOIN, join, reader.get_text(at), [at])
+
+
+def _read_nothing(reader: Reader, at: int) -> Mention | None:
+    """Reads "first nothing, then it falls": a time in which it is still."""
+    if reader.get_text(at) != "nothing" or reader.get_text(at + 1) not in (
+        ",",
+        ";",
+        ".",
+        "then",
+        "for",
+        "at",
+    ):
+        return None
+    return reader.make_mention(MentionKind.VERB, LEXICON.motions["wait"], "wait", [at])
 
 
 def _read_prevention(reader: Reader, at: int) -> Mention | None:
@@ -107,7 +124,10 @@ def _read_quantity(reader: Reader, at: int) -> Mention | None:
 
 
 def _read_ordinal(reader: Reader, at: int) -> Mention | None:
-    """Reads "the second time", "the second harder": one of several strokes."""
+    """Reads "the second time", "the second harder": one of several strokes; and "two kicks ... and one from above"."""
+    if reader.get_text(at) in ("one", "another") and reader.get_text(at - 1) in ("and", "then", ","):
+        if reader.get_text(at + 1) in ("from", "to"):
+            return reader.make_mention(MentionKind.ORDINAL, 1, "one", [at])
     order = read_sections()["ordinals"].get(reader.get_text(at))
     if order is None or reader.get_text(at - 1) != "the":
         return None
@@ -171,6 +191,7 @@ def _read_count(reader: Reader, at: int) -> Mention | None:
 _READERS: tuple[Callable[[Reader, int], Mention | None], ...] = (
     read_solid,
     _read_once,
+    _read_nothing,
     _read_prevention,
     _read_state,
     _read_manner,

@@ -95,7 +95,7 @@ def _find_own_motion(clause: Clause, before: Clause | None) -> tuple[Mention, Mo
 
 def _take_over(clause: Clause, before: Clause) -> None:
     """Gives a clause with the verb before it also where that was done, if it tells nothing else."""
-    ordinals = clause.select(MentionKind.ORDINAL)
+    ordinals = [m for m in clause.select(MentionKind.ORDINAL) if m.phrase != "one"]
     if ordinals:  # "twice, the second time harder": one stroke less before
         for index, mention in enumerate(before.modifiers):
             if isinstance(mention.value, Repeat) and (mention.value.count or 0) > 1:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set, read_sections
 from physagent_jax.agents.lexicon import read_forms
+from physagent_jax.core.names import count_slips
 
 # A word with its contraction, a number, or a mark of punctuation that can end a clause.
 _TOKEN = re.compile(
@@ -113,17 +114,5 @@ def _find_meant(text: str, known: frozenset[str], names: frozenset[str]) -> str 
     found = {word for word in near if word != text and word in known}
     if len(found) == 1:
         return found.pop()
-    meant = [
-        w for w in names if len(w) >= _LEAST_NAME and _count_slips(text, w) <= 1 + (len(w) >= _LONG_NAME)
-    ]
-    return min(meant, key=lambda w: _count_slips(text, w)) if meant and text[0] == meant[0][0] else None
-
-
-def _count_slips(first: str, second: str) -> int:
-    """Letters to add, leave out or change to make one word of the other (Levenshtein)."""
-    row = list(range(len(second) + 1))
-    for i, a in enumerate(first, 1):
-        above, row[0] = row[0], i
-        for j, b in enumerate(second, 1):
-            above, row[j] = row[j], min(row[j] + 1, row[j - 1] + 1, above + (a != b))
-    return row[-1]
+    meant = [w for w in names if len(w) >= _LEAST_NAME and count_slips(text, w) <= 1 + (len(w) >= _LONG_NAME)]
+    return min(meant, key=lambda w: count_slips(text, w)) if meant and text[0] == meant[0][0] else None

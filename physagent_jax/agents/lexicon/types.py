@@ -68,6 +68,10 @@ class Motion:
         coasts: Whether it goes on by itself unless a way is told.
         droops: Whether only what is limp does it.
         lets_go: Whether what was held falls, if nothing else was done to it.
+        planted: Whether what stands on the ground keeps its feet there: it sways, and is not shaken.
+        alone: The motion that it is where nothing was done before; empty = none.
+        quick: Whether it is over in an instant.
+        taps: Whether it is a blow to what is soft.
         skill: Name of the skill that it stands for; None = what its effect is compiled to.
     """
 
@@ -95,7 +99,17 @@ class Motion:
     coasts: bool = False
     droops: bool = False
     lets_go: bool = False
+    planted: bool = False
+    alone: str = ""
+    quick: bool = False
+    taps: bool = False
     skill: str | None = None
+
+    @property
+    def wobbles(self) -> bool:
+        """Return whether what is soft only wobbles: it is tapped or shaken."""
+        light = self.effect is Effect.STRIKE and self.strength < 1.0 and not self.gravity
+        return self.effect is Effect.SWAY or self.taps or light
 
 
 class Join(enum.Enum):
@@ -187,7 +201,7 @@ class Lexicon:
     degrees: dict[str, float]
     comparatives: dict[str, float]
     manners: frozenset[str]
-    even: frozenset[str]
+    paces: dict[str, Literal["even", "sudden"]]
     numbers: dict[str, float]
     fractions: dict[str, float]
     repeats: dict[str, Repeat]

@@ -15,9 +15,11 @@ from dataclasses import dataclass, replace
 from physagent_jax.agents.rules.edits import Wish, replace_items
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
+    GAIN_MAX,
     MAGNITUDE_MAX,
     MAGNITUDE_MIN,
     PRESCRIBED_TRAVEL,
+    QUICK,
     TRAVEL,
     TURN,
     find_magnitude,
@@ -25,16 +27,17 @@ from physagent_jax.forces.calibration import (
 from physagent_jax.forces.schema import BoxRegion, ConstraintType, ForceField, Region, VelocityConstraint
 from physagent_jax.forces.skills import list_skills
 from physagent_jax.forces.slabs import make_box, make_end_region
+from physagent_jax.motion.efforts import MOVING, find_pace, find_strain, find_wanted_way, spread_effort
 from physagent_jax.motion.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, share_time
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.motion.tolerances import expect_move, expect_rotation, expect_strain, find_told
+from physagent_jax.motion.tolerances import expect_rotation, find_told
 from physagent_jax.motion.vectors import clamp, cosine, scale
 
 SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinner one tears off what tapers
-MOVING = 0.6  # share of its window in which an end or a plate moves; in the rest it is held
 TURNING = 0.8  # the same of an end that is turned
 _VERTICAL = 0.7  # cosine
 _OVER = 120.0  # [degrees] about a level line, from where on something is turned over
+_TILT = 60.0  # [degrees] up to which what stands is tilted
 _OPPOSED = -0.7
 _NO_WAY = (0.0, 0.0, 0.0)
 
@@ -168,51 +171,28 @@ def _find_travel(
     """
     expectation, (first, end) = wish.expectation, wish.get_span(causes[:1])
     end = min(end, wish.brief.last)
-    target = _find_strain(expectation, wish.brief)
+    target = find_strain(expectation, wish.brief)
     target += sum(
-        _find_strain(each, wish.brief)
+        find_strain(each, wish.brief)
         for each in wish.expectations
         if each.kind in AXIAL and each.kind is not expectation.kind and not each.released
         if abs(each.window[1] - first) < 1.5 and _share_line(each, expectation)
     )
     effort = target * wish.reference / (movers * PRESCRIBED_TRAVEL)  # magnitude times frames
-    magnitude, until = _spread_effort(effort, first, end)
+    magnitude, until = spread_effort(effort, first, end)
     return magnitude, (first, until), _find_hold_end(wish, end)
-
-
-def _find_pace(effort: float, first: float, end: float, share: float = MOVING) -> tuple[float, float]:
-    """Magnitude with which an effort [magnitude times frames] takes a share of a window, and its last frame.
-
-    In whole frames, and as long as the largest magnitude needs.
-    """
-    magnitude = clamp(effort / (share * (end - first)), MAGNITUDE_MIN, MAGNITUDE_MAX)
-    until = clamp(float(round(first + effort / magnitude)), first + 1.0, max(end, first + 1.0))
-    return magnitude, until
-
-
-def _spread_effort(effort: float, first: float, end: float, share: float = MOVING) -> tuple[float, float]:
-    """As `_find_pace`, with the magnitude that fits the whole frames."""
-    until = _find_pace(effort, first, end, share)[1]
-    return round(clamp(effort / (until - first), MAGNITUDE_MIN, MAGNITUDE_MAX), 4), until
-
-
-def _find_strain(expectation: ExpectedMotion, brief: SceneBrief) -> float:
-    """By how much of its length it is to get longer or shorter."""
-    if told := find_told(expectation, brief, "of its length"):
-        return told.target
-    return expect_strain(expectation, expectation.kind is MotionKind.SQUEEZE).target
-
-
-def _find_way(wish: Wish, seconds: float) -> float:
-    """The intended distance [body lengths]."""
-    told = find_told(wish.expectation, wish.brief, "body lengths")
-    return (told or expect_move(wish.expectation, False, seconds=seconds)).target
 
 
 def _stands_on_its_end(wish: Wish, axis: Vector) -> bool:
     """Return whether the ground or a fixture is at one end of ``axis``: only the other end can then be moved freely."""
     bound = wish.brief.world == "ground" or wish.brief.anchored is not None
     return bound and abs(cosine(axis, wish.brief.directions.up)) > _VERTICAL
+
+
+def _stands_alone(wish: Wish) -> bool:
+    """Return whether the object stands on the ground as it was captured, and nothing else moves it."""
+    grounded = wish.brief.world == "ground" and not wish.force_field.default_drop
+    return grounded and not wish.list_other_begins()
 
 
 def _share_line(one: ExpectedMotion, other: ExpectedMotion) -> bool:
@@ -345,8 +325,12 @@ def _carry(wish: Wish) -> _Replaced:
     if not (after or expectation.stays) or not causes or any(c.item.region is not None for c in causes):
         return None
     first, end = wish.get_span(causes)
-    effort = _find_way(wish, (end - first) * brief.frame_dt) / PRESCRIBED_TRAVEL * wish.reference
-    magnitude, until = _find_pace(effort, first, end)
+    effort = (
+        find_wanted_way(wish.expectation, brief, (end - first) * brief.frame_dt)
+        / PRESCRIBED_TRAVEL
+        * wish.reference
+    )
+    magnitude, until = find_pace(effort, first, end)
     moves = [e.window[0] for e in after if e.kind is not MotionKind.STILL]
     kept = min([*moves, wish.brief.last]) if expectation.stays or rests else end
     hand = _prescribe(causes[0], way, magnitude, (first, until), kept)
@@ -390,7 +374,7 @@ def _set_down(wish: Wish) -> _Replaced:
     moves = wish.list_other_begins() if hands[0].name == lifts[-1].name else []
     if stopped > first + 0.5 or any(stopped - 0.5 < begin < first + 0.5 for begin in moves):
         return None  # what moves it meanwhile needs it free
-    magnitude, until = _spread_effort(lifts[-1].item.magnitude * (stopped - begun), first, end)
+    magnitude, until = spread_effort(lifts[-1].item.magnitude * (stopped - begun), first, end)
     lowering = _prescribe(causes[0], down, magnitude, (first, until), None)
     return _put(_hold_until(wish, hands, first), causes, lowering), "it is carried down again"
 
@@ -410,23 +394,36 @@ def _lead(wish: Wish) -> _Replaced:
         return None  # what is led does nothing else
     first, end = wish.get_span(causes)[0], min(expectation.window[1], wish.brief.last)
     seconds, hands = (end - first) * brief.frame_dt, _find_hand(wish, first)
+    quick = expectation.even and seconds <= QUICK + brief.frame_dt
+    usual = brief.seconds if quick else seconds  # what is sudden goes as far as in all of the clip
     if turns:
-        effort = math.radians((told or expect_rotation(expectation, False, seconds=seconds)).target) / TURN
+        effort = math.radians((told or expect_rotation(expectation, False, seconds=usual)).target) / TURN
     else:
-        effort = _find_way(wish, seconds) / TRAVEL
-    over = turns and told and told.target > _OVER and abs(cosine(way, brief.directions.up)) < _VERTICAL
+        effort = find_wanted_way(expectation, brief, usual) / TRAVEL
+    level = turns and abs(cosine(way, brief.directions.up)) < _VERTICAL
+    over = level and told and told.target > _OVER
+    tilts = level and math.degrees(effort * TURN) <= _TILT and _stands_alone(wish)
     needed = find_magnitude(effort, max(seconds, brief.frame_dt), brief.seconds, braked=True)
-    if not (hands or expectation.even or over) and (not told or needed <= MAGNITUDE_MAX):
+    if not (hands or expectation.even or over or tilts) and (not told or needed <= MAGNITUDE_MAX):
         return None
     effort *= wish.reference * (1.0 if turns else TRAVEL / PRESCRIBED_TRAVEL)  # magnitude times frames
     kept_up = hands or not turns and cosine(way, brief.directions.up) > _VERTICAL
     # What is let go at the end would be seen to fall.
     stop = max(min(end, brief.last - 1.0), first + 1.0) if kept_up else end
-    size, until = _spread_effort(effort, first, stop, share=1.0)
+    size, until = spread_effort(effort, first, stop, share=MOVING if tilts else 1.0)
     hand = _prescribe(causes[0], way, size, (first, until), _find_next(wish, end))
+    if tilts and expectation.released and end + until - first <= brief.last:
+        hand = hand.model_copy(update={"held_until": end if end > until else None})
+        back = _prescribe(causes[0], scale(way, -1.0), size, (end, end + until - first), None)
+        return _put(wish, causes, hand, back), "it is tilted over its foot, and brought back"
     reason = "at one speed" if expectation.even else "no force in range starts and stops it in that time"
     reason = "a torque would let it tumble" if over else "it is kept up" if hands else reason
-    far = effort <= 1.01 * MAGNITUDE_MAX * (until - first)
+    reason = "it would fall over by itself" if tilts else reason
+    if quick:
+        hand = hand.model_copy(
+            update={"gain": clamp(round(effort / (size * (until - first)), 3), 1.0, GAIN_MAX)}
+        )
+    far = effort <= 1.01 * hand.gain * MAGNITUDE_MAX * (until - first)
     short = "" if far else ", as far as the fastest goes in that time"
     return _put(_hold_until(wish, hands, first), causes, hand), f"{reason}, so it is led there{short}"
 

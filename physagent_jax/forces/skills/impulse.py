@@ -65,12 +65,14 @@ class Impulse(Blow):
     prescribed_by = "particle_impulse"
 
     def make_forces(self, bound):
-        """The acceleration that makes the velocity change within the window."""
+        """The acceleration that makes the velocity change within the window; what it throws up lands upright."""
+        from physagent_jax.forces.opposition import RISES
         from physagent_jax.forces.terms import UniformAcceleration
 
         start, end = bound.window
         value = bound.along(self.find_speed(bound)) / (end - start)
-        return [UniformAcceleration(value, start, end, self.find_weight(bound))]
+        blow = UniformAcceleration(value, start, end, self.find_weight(bound))
+        return [blow, *(bound.keep_balance() if bound.whole and bound.upwards >= RISES else [])]
 
     def accelerate(self, gained, entry):
         """The velocity gained in each interval."""

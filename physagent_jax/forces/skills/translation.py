@@ -10,7 +10,8 @@ class Translation(Skill):
     """The same acceleration a = k M v at every particle, with k = 2 s L / T^2 and s = `TRAVEL`.
 
     One of several to and fro has a k of its own (`forces.swinging`), with which M = 1 goes by `SWING` L to either side;
-    what is held goes by its compliance (`forces.holding`). Friction and weight are made up for (`forces.opposition`).
+    what is held goes by its compliance (`forces.holding`). Friction and weight are made up for (`forces.opposition`),
+    and what stands stays upright.
     """
 
     name = "translation"
@@ -54,11 +55,12 @@ class Translation(Skill):
             push = oppose_swing(bound.opposition, stroke.k, *bound.directed)
         else:
             k = self.find_k(bound.scaling, bound.values.vector)
-            push = oppose_push(bound.opposition, k, *bound.directed)
+            push = oppose_push(bound.known_opposition, k, *bound.directed)
         k, before = (bound.scaling.translation, None) if stroke is None else (stroke.k, stroke.speed)
         return [
             UniformAcceleration(bound.along(push), *bound.window, bound.weight),
             *bound.overcome_friction(k, before),
+            *bound.keep_balance(),
         ]
 
     def accelerate(self, gained, entry):

@@ -37,9 +37,11 @@ class WindGust(Translation):
         from physagent_jax.forces.opposition import oppose_push
         from physagent_jax.forces.terms import UniformField
 
-        push = oppose_push(bound.opposition, self.find_k(bound.scaling, bound.values.vector), *bound.directed)
+        push = oppose_push(
+            bound.known_opposition, self.find_k(bound.scaling, bound.values.vector), *bound.directed
+        )
         gust = UniformField(bound.along(2 * push), Envelope.pulse(*bound.window), bound.weight)
-        return [gust, *bound.overcome_friction(bound.scaling.translation, pulse=True)]
+        return [gust, *bound.overcome_friction(bound.scaling.translation, pulse=True), *bound.keep_balance()]
 
     def accelerate(self, gained, entry):
         """The velocity gained in each interval."""

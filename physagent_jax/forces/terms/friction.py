@@ -17,6 +17,9 @@ therefore helped at the feet, by their own velocity (conjugate again), and the o
 spin, as a hand would, with at most twice friction's moment: a field of a rigid body. That field alone could give back
 the moment too, but it lifts one outstretched arm and lowers the other. Not what rolls or is to turn meanwhile.
 
+When such a push ends, friction would stop the feet and the rest would go on. So it is led to rest at a rate at which it
+does not trip (`binding.Binding.overcome_friction`).
+
 A turn about a level axis has its weight to overcome where it stands, in the same way: until the mass centre is over the
 edge of its foot. Then weight turns it faster than was asked, and where it comes to lie nothing is overcome any more.
 """
@@ -29,14 +32,13 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
-from physagent_jax.forces.terms.rigid import mass_centre
+from physagent_jax.forces.terms.rigid import find_turn, limit, mass_centre
 from physagent_jax.mpm.edges import window_fraction
 from physagent_jax.mpm.fields import EDGE, END, PER_PARTICLE, START
-from physagent_jax.mpm.linalg import cofactor, cross, determinant, matvec
+from physagent_jax.mpm.linalg import cross
 from physagent_jax.mpm.reductions import sum_particles
 
 TAU = 0.01  # [s] in which a velocity that is lacking is made up for
-ROUND = 1e-4  # share of the mean squared extent added to the inertia: all mass on a line has none about it
 SLOWEST = 4.0  # [substeps] that this takes at least
 
 
@@ -56,6 +58,9 @@ class PushCompensation:
         edge: Width of the window's smooth edges [s], scalar; None = hard.
         feet: Where it is overcome: weights with a mean of 1 by mass, shape (n,); None = everywhere alike.
         pulse: Whether the push rises and falls over its window as 1 - cos, with ``push`` its mean; static.
+        brake: Deceleration with which it is led to rest from the end of the push on [m/s^2], scalar; None = it is
+            left to friction. What is tall would trip.
+        pushed: End of the push [s], scalar; with ``brake``, before ``end``.
     """
 
     direction: jax.Array
@@ -69,17 +74,16 @@ class PushCompensation:
     edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
     feet: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)
     pulse: bool = dataclasses.field(default=False, metadata=dict(static=True))
+    brake: jax.Array | None = None
+    pushed: jax.Array | None = None
 
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
         borne = mass if self.feet is None else self.feet * mass
         velocity = mass_centre(v, borne) @ self.direction
-        wanted = _find_velocity(self.push, self.damping_rate, time - self.start, self.speed)
-        if self.pulse:
-            length = self.end - self.start
-            wanted = wanted - self.push * _find_wave(self.damping_rate, time - self.start, length)
+        wanted, slowing = self._find_wanted(time)
         way = jnp.where(wanted < 0, -1.0, 1.0).astype(x.dtype)
-        size = way * _compensate(self.friction, way * (wanted - velocity), dt)
+        size = way * _compensate(self.friction, way * (wanted - velocity), dt, slowing)
         size = size * window_fraction(time, dt, self.start, self.end, self.edge)
         centre = mass_centre(x, mass)
         turn = self._steady(x - centre, v, mass, size, mass_centre(x, borne) - centre, dt)
@@ -87,22 +91,28 @@ class PushCompensation:
         push = push if self.feet is None else self.feet[:, None] * push
         return push + cross(jnp.broadcast_to(turn, x.shape), x - centre)
 
+    def _find_wanted(self, time):
+        """Velocity along the way that is wanted [m/s], and how fast it is to fall [m/s^2]."""
+        end = self.end if self.pushed is None else self.pushed
+        since = jnp.minimum(time, end) - self.start
+        wanted = _find_velocity(self.push, self.damping_rate, since, self.speed)
+        if self.pulse:
+            wanted = wanted - self.push * _find_wave(self.damping_rate, since, end - self.start)
+        if self.brake is None:
+            return wanted, 0.0
+        late = jnp.maximum(time - end, 0.0)
+        left = jnp.maximum(jnp.abs(wanted) - self.brake * late, 0.0)
+        # What has come to rest gets no help: friction holds it.
+        slowing = jnp.where(late > 0, jnp.where(left > 0, self.brake, self.friction), 0.0)
+        return jnp.sign(wanted) * left, slowing
+
     def _steady(self, r, v, mass, size, at, dt):
         """Angular acceleration that keeps it upright [rad/s^2], shape (3,); the push acts ``at``, from the centre."""
-        total, tiny = sum_particles(mass.sum()), jnp.finfo(r.dtype).tiny
-        second = sum_particles((mass[:, None] * r).T @ r) / total  # [m^2]
-        spread = jnp.trace(second)
-        inertia = (spread * (1 + ROUND) + tiny) * jnp.eye(3, dtype=r.dtype) - second
-        spin = (
-            sum_particles((mass[:, None] * cross(r, v)).sum(0)) / total
-        )  # angular momentum per mass [m^2/s]
+        spin = sum_particles((mass[:, None] * cross(r, v)).sum(0)) / sum_particles(mass.sum())  # [m^2/s]
         down = jnp.zeros(3, r.dtype).at[2].set(-self.lever)
         moment = cross((down - at)[None], self.direction[None])[0] * size
-        missing = moment - spin / jnp.maximum(TAU, SLOWEST * dt)
-        wanted = matvec(cofactor(inertia), missing) / jnp.maximum(determinant(inertia), tiny)  # symmetric
-        most = 2.0 * self.friction * self.lever / jnp.maximum(spread, tiny)
-        length = jnp.sqrt((wanted**2).sum() + tiny)
-        return wanted * jnp.minimum(1.0, most / length)
+        wanted, spread = find_turn(moment - spin / jnp.maximum(TAU, SLOWEST * dt), r, mass)
+        return limit(wanted, 2.0 * self.friction * self.lever / jnp.maximum(spread, jnp.finfo(r.dtype).tiny))
 
     def gradient(self, x, time, dt):
         """None, as of `TurnCompensation`."""
@@ -172,5 +182,7 @@ def _find_wave(damping_rate: jax.Array, time: jax.Array, length: jax.Array) -> j
     return wave / (d**2 + w**2)
 
 
-def _compensate(friction: jax.Array, lacking: jax.Array, dt: jax.Array) -> jax.Array:
-    return jnp.clip(friction + lacking / jnp.maximum(TAU, SLOWEST * dt), 0.0, 2.0 * friction)
+def _compensate(
+    friction: jax.Array, lacking: jax.Array, dt: jax.Array, slowing: jax.Array | float = 0.0
+) -> jax.Array:
+    return jnp.clip(friction - slowing + lacking / jnp.maximum(TAU, SLOWEST * dt), 0.0, 2.0 * friction)

@@ -5,13 +5,38 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 
-from physagent_jax.mpm.linalg import cross
+from physagent_jax.mpm.linalg import cofactor, cross, determinant, matvec
 from physagent_jax.mpm.reductions import sum_particles
+
+ROUND = 1e-4  # share of the mean squared extent added to the inertia: all mass on a line has none about it
 
 
 def mass_centre(x: jax.Array, mass: jax.Array) -> jax.Array:
     """Centre of mass [m], shape (3,)."""
     return sum_particles((mass[:, None] * x).sum(0)) / sum_particles(mass.sum())
+
+
+def find_turn(moment: jax.Array, r: jax.Array, mass: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """Turn a rigid body by a moment.
+
+    Args:
+        moment: Moment over the body's mass [m^2/s^2], shape (3,).
+        r: Positions relative to the mass centre [m], shape (n, 3).
+        mass: [kg], shape (n,).
+
+    Returns:
+        Angular acceleration [rad/s^2], shape (3,), and the mean squared distance from the centre [m^2].
+    """
+    tiny = jnp.finfo(r.dtype).tiny
+    second = sum_particles((mass[:, None] * r).T @ r) / sum_particles(mass.sum())
+    spread = jnp.trace(second)
+    inertia = (spread * (1 + ROUND) + tiny) * jnp.eye(3, dtype=r.dtype) - second
+    return matvec(cofactor(inertia), moment) / jnp.maximum(determinant(inertia), tiny), spread  # symmetric
+
+
+def limit(vector: jax.Array, most: jax.Array) -> jax.Array:
+    """``vector``, shortened to a length of at most ``most``."""
+    return vector * jnp.minimum(1.0, most / jnp.sqrt((vector**2).sum() + jnp.finfo(vector.dtype).tiny))
 
 
 def remove_rigid_part(field: jax.Array, arm: jax.Array, mass: jax.Array) -> jax.Array:

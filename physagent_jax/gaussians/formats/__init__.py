@@ -85,12 +85,15 @@ def describe_formats() -> str:
     return ", ".join(f"{each.name} ({', '.join(each.suffixes)})" for each in FORMATS if each.suffixes)
 
 
-def explain_unknown(path: str | os.PathLike[str], meshes: tuple[str, ...] = ()) -> UserError:
+def explain_unknown(
+    path: str | os.PathLike[str], meshes: tuple[str, ...] = (), photos: str = ""
+) -> UserError:
     """The error for a file that is of none of the formats.
 
     Args:
         path: The file.
         meshes: Suffixes of meshes, where a mesh would do as well.
+        photos: Names of picture formats, where a photo would do as well.
     """
     suffix, shown = Path(path).suffix.lower(), shorten(path)
     unread = next((each for each in UNREAD if each.ending == suffix != ""), None)
@@ -104,6 +107,7 @@ def explain_unknown(path: str | os.PathLike[str], meshes: tuple[str, ...] = ()) 
             do="Copy or export the file again",
         )
     beside = f", or a mesh: {', '.join(meshes)}" if meshes else ""
+    beside += f", or a photo: {photos}" if photos else ""
     return UserError(
         f"{shown} is of an unknown kind",
         got=suffix or "no suffix",

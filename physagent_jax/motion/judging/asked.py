@@ -8,12 +8,15 @@ from functools import cached_property
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.judging.seen import ALONG_END, SAME_LINE, Course, View
-from physagent_jax.motion.matching import agrees, find_causes, share_time
+from physagent_jax.motion.matching import AXIAL, agrees, find_causes, share_time
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, ObstacleRequest
 from physagent_jax.motion.vectors import cosine, dot, norm, normalise, reject, scale, subtract
+from physagent_jax.perception.reasons import BY_SIZE, TURNED
 from physagent_jax.perception.schema import PartMotion
 
 _IN_THE_WAY = 0.7  # cosine
+_ALONG_SIGHT = 0.5  # cosine of a way and the line of sight: less than 60 degrees off, its end lies in depth
+_IN_PLANE = 0.7  # cosine of an axis and the line of sight: the turn shows in the picture plane
 _BOTH = 0.5  # cosine: directions more than 60 degrees apart can be told apart
 _FIGURES = {
     MotionKind.STRETCH: ("stretch", tolerances.VISIBLE_STRAIN),
@@ -55,7 +58,9 @@ class Asked:
     @cached_property
     def figure(self) -> str:
         """The report's figure in which the motion shows."""
-        return _FIGURES.get(self.kind, ("displacement", 0.0))[0]
+        figure = _FIGURES.get(self.kind, ("displacement", 0.0))[0]
+        told = self.view.report.uncertainty.along is not None
+        return "along" if figure == "displacement" and told and self._leans(_ALONG_SIGHT) else figure
 
     @cached_property
     def visible(self) -> float:
@@ -95,9 +100,24 @@ class Asked:
 
     @property
     def hidden(self) -> str:
-        """The reason that the end that is asked about cannot be seen; empty if it can."""
-        lost = self.motion.part is not None and self.end is None
-        return "the ends of the object are not told apart" if lost else ""
+        """The reason that the motion, or the end that is asked about, cannot be seen; empty if it can."""
+        if self.motion.part is not None and self.end is None:
+            return "the ends of the object are not told apart"
+        if self.view.sight is None or self.kind in AXIAL:
+            return ""
+        if self.kind is MotionKind.ROTATE:
+            return "" if self.direction is None or self._leans(_IN_PLANE) else TURNED
+        if not self._leans(_ALONG_SIGHT):
+            return ""
+        if self.end is not None:
+            return "how a part moves along the line of sight is not measured without depth"
+        return "" if self.view.shows_approach(self.span[0], self.until) else BY_SIZE
+
+    def _leans(self, share: float) -> bool:
+        """Return whether the direction or axis lies along a line of sight without measured depth, by a cosine."""
+        down = self.view.brief.directions.down if self.kind is MotionKind.FALL else None
+        way, sight = self.direction or down, self.view.sight
+        return way is not None and sight is not None and abs(cosine(way, sight)) > share
 
     @cached_property
     def together(self) -> list[ExpectedMotion]:

@@ -18,6 +18,7 @@ from physagent_jax.motion.judging.seen import Signal, View, find_farthest, find_
 from physagent_jax.motion.matching import AXIAL
 from physagent_jax.motion.schema import Check, MotionKind
 from physagent_jax.motion.vectors import cross, dot, norm, normalise
+from physagent_jax.perception.reasons import BY_SIZE
 
 _FIRST = 0.2  # of the largest turn or strain: what is seen of it first
 _OWN_AXIS = 0.6  # of the asked strain that other directions may show the same way
@@ -119,6 +120,8 @@ def measure_strains(asked: Asked, first: int, until: int) -> Strains:
         strains, how, half_width = _measure_along(direction, view, first, until)
         strains = _measure_from_rest(asked, direction, strains, first, how)
         return strains, how if strains else lost, half_width
+    if not view.shows_approach(first, until):
+        return [], BY_SIZE, usual
     shown = [view.strains(axis, first, until) for axis in view.visible_axes]
     if not all(shown):
         volumes = view.volumes(first, until)
@@ -208,6 +211,10 @@ def check_still(asked: Asked) -> list[Check]:
         if strains := view.strains(axis, first, last):
             largest = max(abs(value) for _, value in strains) / tolerances.STILL_STRAIN
             ratios["deforms"] = max(largest, ratios.get("deforms", 0.0))
+    if view.sight is not None:
+        lost = view.explain("rotation_degrees", first, last, "")
+        if why := (lost if not turned else "") or ("" if view.shows_approach(first, last) else BY_SIZE):
+            return [make_unseen_check(asked, why)]
     if "moves" not in ratios:
         why = view.explain("displacement", first, last, "") or "its place is not known throughout"
         return [make_unseen_check(asked, why)]

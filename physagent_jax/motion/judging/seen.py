@@ -35,7 +35,7 @@ Signal = list[tuple[int, float]]
 
 # from the half width of an interval that holds the truth in nine of ten clips to a standard deviation
 TO_SIGMA = 1 / 1.645
-_UNKNOWN = Uncertainty(displacement=0.04, rotation=8.0, axis=12.0, stretch=0.08, frequency=0.2)
+_UNKNOWN = Uncertainty(displacement=0.04, along=0.2, rotation=8.0, axis=12.0, stretch=0.08, frequency=0.2)
 ALONG_END = 0.65  # cosine: the end nearest to a direction that lies between two of them is taken
 SAME_LINE = 0.97  # cosine
 _TOPPLES = 0.5  # sine of an axis to the vertical
@@ -116,7 +116,7 @@ class View:
         for end in self.report.parts:
             moved += [norm(p) / 1.5 for _, p in self.course(0, self.last, end)]
         lost = any(end.limb is not None and None in end.centroid for end in self.report.parts)
-        if not course or lost or max(moved) >= self.visible:
+        if not course or lost or max(moved) >= self.visible or not self.shows_approach(0, self.last):
             return False
         if max((norm(v) for _, v in turns), default=0.0) >= max(
             tolerances.VISIBLE_DEGREES, self.uncertainty("rotation")
@@ -161,8 +161,24 @@ class View:
         return window.unobservable.get(figure, otherwise) if window else otherwise
 
     def course(self, first: int, last: int, end: PartMotion | None = None) -> Course:
-        """Displacements from frame ``first`` on; empty if that frame or all others are not observable."""
-        return _compare(self.get_places(end), first, last, subtract)
+        """Displacements from frame ``first`` on; empty if that frame or all others are not observable.
+
+        Across the line of sight alone, where what happens along it is not observable.
+        """
+        course, sight = _compare(self.get_places(end), first, last, subtract), self.sight
+        if sight is None or (end is None and self.shows_approach(first, last)):
+            return course
+        return [(t, reject(p, sight)) for t, p in course]
+
+    @property
+    def sight(self) -> Vector | None:
+        """The line of sight, if what lies along it is not measured; None if depth is."""
+        return self.report.unmeasured_direction
+
+    def shows_approach(self, first: int, last: int) -> bool:
+        """Return whether the whole's displacement along the line of sight is observable in these frames."""
+        window = self.window(first, last) or self.report.windows[0]
+        return window.displacement_view_axis_observable
 
     def get_places(self, end: PartMotion | None) -> tuple[Vector | None, ...]:
         """Places of an end, or of the whole, frame by frame."""
@@ -180,12 +196,17 @@ class View:
         """Rotation vectors from frame ``first`` on [deg]; without a series, the window's alone."""
         series = self.report.rotation if end is None else end.rotation
         if series:
-            return _compare(series, first, last, _measure_turn)
+            return self._keep_in_plane(_compare(series, first, last, _measure_turn))
         window = self.window(first, last)
         if end is not None or window is None or window.rotation_degrees is None:
             return []
         turn = scale(window.rotation_axis or _ZERO, window.rotation_degrees)
-        return [(window.first, _ZERO), (window.last, turn)]
+        return self._keep_in_plane([(window.first, _ZERO), (window.last, turn)])
+
+    def _keep_in_plane(self, turns: Course) -> Course:
+        """The parts of turns that are in the picture plane, where those out of it are not observable."""
+        sight = self.sight
+        return turns if sight is None else [(t, scale(sight, dot(v, sight))) for t, v in turns]
 
     def strains(self, direction: Vector, first: int, last: int) -> Signal:
         """Relative change of the length that lies along a direction in frame ``first``, frame by frame."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -33,6 +34,8 @@ class Box(Boundary):
         velocity: Velocity of the solid [m/s], shape (3,); None = at rest (skipped).
     """
 
+    acts_on_points: ClassVar[bool] = True
+
     point: jax.Array
     half_size: jax.Array
     friction: jax.Array
@@ -54,12 +57,12 @@ class Box(Boundary):
         offsets = _measure_offsets(grid, velocity.dtype, point)
         beyond = [jnp.abs(offset) - self.half_size[axis] for axis, offset in enumerate(offsets)]
         if not self.container:
-            inside = is_touching(_join_faces(beyond), grid.dx) & active
+            inside = is_touching(_join_faces(beyond), grid) & active
             normal = _find_nearest_face(offsets, beyond)
             return collide(velocity, inside, normal, self.contact, self.friction, self.velocity)
         for axis, (offset, distance) in enumerate(zip(offsets, beyond)):
             wall = jnp.zeros((*offset.shape, 3), velocity.dtype).at[..., axis].set(-_take_sign(offset))
-            inside = jnp.broadcast_to(is_touching(-distance, grid.dx) & active, velocity.shape[:-1])
+            inside = jnp.broadcast_to(is_touching(-distance, grid) & active, velocity.shape[:-1])
             velocity = collide(velocity, inside, wall, self.contact, self.friction, self.velocity)
         return velocity
 

@@ -8,10 +8,13 @@ speed, place or size should take differences over a fraction of a cell, or metho
 
 from __future__ import annotations
 
+import dataclasses
 import enum
 
 import jax
 import jax.numpy as jnp
+
+from physagent_jax.mpm.state import Grid
 
 TOUCH = 1e-4  # in cells: a node this close is in contact, whatever round-off does to its position
 
@@ -28,6 +31,29 @@ class Contact(enum.Enum):
     STICKY = "sticky"
     SLIP = "slip"
     SEPARATE = "separate"
+
+
+@dataclasses.dataclass(frozen=True)
+class Points:
+    """Scattered places that a boundary takes as it takes the nodes of a grid.
+
+    Attributes:
+        x: Places [m], shape (k, 3).
+        touch: Distance from a surface within which they are in contact [m].
+    """
+
+    x: jax.Array
+    touch: float
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """As of a grid: (k, 1, 1)."""
+        return (len(self.x), 1, 1)
+
+    def node_positions(self, dtype) -> tuple[jax.Array, jax.Array, jax.Array]:
+        """Coordinates [m], each of shape (k, 1, 1)."""
+        x, y, z = (each.astype(dtype).reshape(self.shape) for each in self.x.T)
+        return x, y, z
 
 
 def collide(
@@ -77,9 +103,9 @@ def _project(velocity: jax.Array, normal: jax.Array, contact: Contact, friction:
     return jnp.where(normal_speed < 0, jnp.where(moving, tangential * kept, 0.0), velocity)
 
 
-def is_touching(distance: jax.Array, dx: float) -> jax.Array:
-    """Return whether nodes at a signed ``distance`` [m] from the surface (negative inside) belong to the solid."""
-    return distance <= TOUCH * dx
+def is_touching(distance: jax.Array, places: Grid | Points) -> jax.Array:
+    """Return whether places at a signed ``distance`` [m] from the surface (negative inside) belong to the solid."""
+    return distance <= (places.touch if isinstance(places, Points) else TOUCH * places.dx)
 
 
 def is_active(start: jax.Array, end: jax.Array, time: jax.Array) -> jax.Array:

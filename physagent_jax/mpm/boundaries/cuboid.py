@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -32,6 +33,8 @@ class Cuboid(Boundary):
         velocity: [m/s], shape (3,).
         start, end: Window of activity [s], scalars.
     """
+
+    acts_on_points: ClassVar[bool] = True
 
     point: jax.Array
     half_size: jax.Array

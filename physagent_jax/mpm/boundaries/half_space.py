@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import ClassVar
 
 import jax
 
@@ -29,6 +30,8 @@ class HalfSpace(Boundary):
         edge: Width of the window's smooth edges [s], scalar: contact then comes and goes by shares; None = hard.
     """
 
+    acts_on_points: ClassVar[bool] = True
+
     point: jax.Array
     normal: jax.Array
     friction: jax.Array
@@ -43,7 +46,7 @@ class HalfSpace(Boundary):
         x, y, z = grid.node_positions(velocity.dtype)
         n, p = self.normal, displace(self.point, self.velocity, self.start, time)
         distance = (x - p[0]) * n[0] + (y - p[1]) * n[1] + (z - p[2]) * n[2]
-        inside = is_touching(distance, grid.dx)
+        inside = is_touching(distance, grid)
         if self.edge is None:
             inside = inside & is_active(self.start, self.end, time)
             return collide(velocity, inside, n, self.contact, self.friction, self.velocity)

@@ -47,7 +47,7 @@ class SignedDistance(Boundary):
     def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """Velocities after contact with the solid."""
         distance, normal = self.distance_and_normal(grid.node_positions(velocity.dtype), time)
-        inside = is_touching(distance, grid.dx) & is_active(self.start, self.end, time)
+        inside = is_touching(distance, grid) & is_active(self.start, self.end, time)
         return collide(velocity, inside, normal, self.contact, self.friction, self.velocity)
 
     def distance_and_normal(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -29,6 +30,8 @@ class Sphere(Boundary):
         velocity: Velocity of the solid [m/s], shape (3,); None = at rest (skipped).
     """
 
+    acts_on_points: ClassVar[bool] = True
+
     point: jax.Array
     radius: jax.Array
     friction: jax.Array
@@ -52,5 +55,5 @@ class Sphere(Boundary):
         distance = (offset * outwards).sum(-1) - self.radius
         if self.container:
             distance, outwards = -distance, -outwards
-        inside = is_touching(distance, grid.dx) & is_active(self.start, self.end, time)
+        inside = is_touching(distance, grid) & is_active(self.start, self.end, time)
         return collide(velocity, inside, outwards, self.contact, self.friction, self.velocity)

@@ -14,13 +14,17 @@ _SPECK, _FLOATER = 8, 0.004
 """Connected pieces smaller than this [px], or than this share of the object, are noise or a capture's stray splats."""
 
 
+_TOO_BUSY = "The background is too busy to tell the object by its colour."
+
+
 @dataclasses.dataclass(frozen=True)
 class ColorSegmenter(Segmenter):
     """The object is what differs in colour from the picture's border.
 
     Over a plain background the edge is where an estimated coverage exceeds one half: the colour there is
     taken as a blend of the background and of the nearest interior colour. Over a busy one, the first guess
-    is refined by GrabCut (Rother et al. 2004) on a reduced crop.
+    is refined by GrabCut (Rother et al. 2004) on a reduced crop. Where the background's own colours differ as an
+    object's would, nothing is found, and the notes say so.
 
     Attributes:
         threshold: Colour distance that counts as different [8-bit levels].
@@ -39,9 +43,9 @@ class ColorSegmenter(Segmenter):
                 "segmentation by colour takes no prompt", do="Leave it out, or choose another segmenter"
             )
         background, spread = find_border_colour(frames)
-        threshold = max(
-            self.threshold, min(3 * spread, 5 * self.threshold)
-        )  # a busy border must not hide all
+        if 3 * spread > 5 * self.threshold:
+            return Masks(np.zeros(frames.shape[:3], bool), (_TOO_BUSY,))
+        threshold = max(self.threshold, 3 * spread)
         masks = []
         for frame in frames:
             difference = frame.astype(np.float32) - background

@@ -19,6 +19,11 @@ class DepthSensor(DepthEstimator):
     shows the visible surface only and knows nothing of particles.
     """
 
+    @property
+    def takes_measured(self) -> bool:
+        """It is the measured channel."""
+        return True
+
     def estimate(self, frames: np.ndarray, camera: Camera, measured: np.ndarray | None) -> Depth:
         """The channel itself, with "no surface" as nan."""
         if measured is None:

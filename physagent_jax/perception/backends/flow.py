@@ -53,19 +53,13 @@ class FlowTracker(Tracker):
             plain = frames[0][masks[0]].mean(0).round().astype(np.uint8)
         return FlowClip(self, np.where(masks[..., None], frames, plain), masks)
 
-    def follow(
-        self, frames: np.ndarray, queries: np.ndarray, masks: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Follow points that are given in the first of ``frames``.
+    def follow(self, frames: np.ndarray, queries: np.ndarray, masks: np.ndarray) -> Tracks:
+        """Follow points that are given in the first of ``frames``; flow tells no confidence.
 
         Args:
             frames: Pictures, uint8, shape (T, H, W, 3).
             queries: Points (x, y) in frame 0 [px], shape (N, 2).
             masks: The object, bool, shape (T, H, W).
-
-        Returns:
-            tracks: Positions [px], shape (T, N, 2); meaningless where not visible.
-            visible: Whether the point was found in the frame, bool, shape (T, N).
         """
         tracks = np.repeat(np.asarray(queries, np.float64)[None], len(frames), axis=0)
         visible = np.zeros(tracks.shape[:2], bool)
@@ -82,12 +76,12 @@ class FlowTracker(Tracker):
             good = np.isfinite(anchored[:, 0])
             missed = np.where(good, 0, missed + 1)
             tracks[t] = np.where(good[:, None], anchored, moved)
-            visible[t] = (found | good) & (missed <= self.patience) & _find_inside(masks[t], tracks[t])
+            visible[t] = (found | good) & (missed <= self.patience) & find_inside(masks[t], tracks[t])
             if visible[t].sum() < self.give_up * len(queries):
                 visible[t] = False
                 break
             previous = current
-        return tracks, visible
+        return Tracks(tracks, visible, visible.astype(float))
 
     def _compute_flow(self, before, after, mask_before, mask_after, points):
         """Move ``points`` from frame to frame; return them and whether the way back agrees."""
@@ -102,8 +96,8 @@ class FlowTracker(Tracker):
         self._dis.setFinestScale(int(np.clip(np.log2(max(w, h) / _FULL_SIZE), 0, 2)))
         forth, back = self._dis.calc(a, b, None), self._dis.calc(b, a, None)
         start = points - corner_a
-        moved = start + _look_up(forth, start)
-        error = np.linalg.norm(moved + _look_up(back, moved) - start, axis=1)
+        moved = start + look_up(forth, start)
+        error = np.linalg.norm(moved + look_up(back, moved) - start, axis=1)
         return moved + corner_b, error < self.round_trip + 0.05 * np.linalg.norm(moved - start, axis=1)
 
     def _anchor_tracks(self, first, current, mask, queries, moved, found):
@@ -151,7 +145,7 @@ class FlowTracker(Tracker):
 
 @dataclasses.dataclass(frozen=True)
 class FlowClip:
-    """Implements `protocols.EncodedClip`; points are followed forwards only, and flow tells no confidence.
+    """Implements `protocols.EncodedClip`; points are followed forwards only.
 
     Attributes:
         tracker: How.
@@ -166,14 +160,13 @@ class FlowClip:
     def track(self, queries: np.ndarray, until: int | None = None) -> Tracks:
         """Tracks of ``queries``, invisible before their frames and from ``until`` on."""
         xy = np.repeat(np.asarray(queries, np.float64)[None, :, 1:], len(self.frames), axis=0)
-        visible = np.zeros(xy.shape[:2], bool)
+        visible, sure = np.zeros(xy.shape[:2], bool), np.zeros(xy.shape[:2])
         starts = queries[:, 0].astype(int)
         for start in np.unique(starts):
             span, own = slice(start, until), starts == start
-            xy[span, own], visible[span, own] = self.tracker.follow(
-                self.frames[span], queries[own, 1:], self.masks[span]
-            )
-        return Tracks(xy, visible, visible.astype(float))
+            found = self.tracker.follow(self.frames[span], queries[own, 1:], self.masks[span])
+            xy[span, own], visible[span, own], sure[span, own] = found.xy, found.visible, found.confidence
+        return Tracks(xy, visible, sure)
 
 
 def _run_lucas_kanade(a, b, points, guess):
@@ -197,7 +190,7 @@ def _crop(image: np.ndarray, corner: np.ndarray, w: int, h: int) -> np.ndarray:
     )
 
 
-def _look_up(flow: np.ndarray, xy: np.ndarray) -> np.ndarray:
+def look_up(flow: np.ndarray, xy: np.ndarray) -> np.ndarray:
     """Bilinear flow at positions (pixel centres at +0.5), shape (N, 2)."""
     at = (xy - 0.5).astype(np.float32)
     return cv2.remap(flow, at[:, None, 0], at[:, None, 1], cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)[
@@ -205,7 +198,7 @@ def _look_up(flow: np.ndarray, xy: np.ndarray) -> np.ndarray:
     ]
 
 
-def _find_inside(mask: np.ndarray, xy: np.ndarray) -> np.ndarray:
+def find_inside(mask: np.ndarray, xy: np.ndarray) -> np.ndarray:
     """Return whether positions lie on the mask, shape (N,)."""
     h, w = mask.shape
     x, y = np.floor(xy[:, 0]).astype(int), np.floor(xy[:, 1]).astype(int)

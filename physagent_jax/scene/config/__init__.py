@@ -41,6 +41,8 @@ from physagent_jax.scene.config.numerics import MOST_FRAMES as MOST_FRAMES
 from physagent_jax.scene.config.numerics import Domain as Domain
 from physagent_jax.scene.config.numerics import Timing as Timing
 from physagent_jax.scene.config.numerics import Transfer as Transfer
+from physagent_jax.scene.config.photo import Cutout as Cutout
+from physagent_jax.scene.config.photo import Photo as Photo
 from physagent_jax.scene.config.rendering import CameraConfig as CameraConfig
 from physagent_jax.scene.config.rendering import Rendering as Rendering
 from physagent_jax.scene.config.scene import SceneConfig as SceneConfig

@@ -18,6 +18,7 @@ from physagent_jax.scene.config.common import (
     SignedAxis,
     SplatEncoding,
 )
+from physagent_jax.scene.config.photo import Photo
 
 MESH_SUFFIXES = (".obj", ".glb", ".gltf", ".stl", ".off")
 MOST_MESH_BYTES = 512 * 2**20
@@ -28,7 +29,7 @@ class Source(Strict):
     """The object's file and how it is brought into the domain.
 
     Attributes:
-        path: 3D Gaussians (`gaussians.formats`) or a mesh, absolute or relative to the scene file.
+        path: 3D Gaussians (`gaussians.formats`), a mesh or a photo, absolute or relative to the scene file.
         sha256: Hash of the file; checked on replay if present.
         name: What the object is called; from the file name if empty.
         kind: Class with a physical prior ("plant", "food", "robot", ...); see `scene.priors`.
@@ -45,6 +46,7 @@ class Source(Strict):
         extent: Longest side in the domain [m].
         center: Centre of the bounding box in the domain [m]; None = the domain's centre.
         parts: Parts that a person names.
+        photo: How a photo is lifted; None = as what stands out in it (photos only).
         surface_samples: Gaussians sampled on a mesh's surface (meshes only).
     """
 
@@ -62,6 +64,7 @@ class Source(Strict):
     extent: Length = 1.0
     center: Point | None = None
     parts: Annotated[tuple[PartChoice, ...], Field(max_length=64)] = ()
+    photo: Photo | None = None
     surface_samples: int = Field(default=20_000, ge=8, le=10_000_000)
 
     @model_validator(mode="after")

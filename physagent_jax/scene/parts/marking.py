@@ -12,6 +12,7 @@ from physagent_jax.forces.schema import CellsRegion
 from physagent_jax.scene.parts.cells import spread
 from physagent_jax.scene.parts.digits import name_digits
 from physagent_jax.scene.parts.ends import find_ends
+from physagent_jax.scene.parts.evidence import weigh
 from physagent_jax.scene.parts.lattice import Lattice, make_lattice
 from physagent_jax.scene.parts.limbs import Limb, find_limbs, measure
 from physagent_jax.scene.parts.roles import Roles
@@ -40,6 +41,10 @@ def find_parts(points: np.ndarray) -> tuple[Part, ...]:
     named = Roles(limbs, lattice)
     roles = name_digits(limbs, named.assign(), named.mirrored)
     told = [(limbs[k], roles[k]) for k in sorted(roles)]
+    chances = {
+        id(limbs[k]): weigh(limbs[k], names[0], named.missed[k], named.mirror.likeness)
+        for k, names in roles.items()
+    }
     counts = collections.Counter(role for names in roles.values() for role in names)
     known = frozenset(role for role, count in counts.items() if count > 1 or role not in ("arm", "wing"))
     for nodes, names in find_ends(lattice, known):
@@ -49,9 +54,14 @@ def find_parts(points: np.ndarray) -> tuple[Part, ...]:
             told.append((limb, (*had, *names)))
         else:  # a stem may be a leg: its place goes first
             told.append((measure(lattice, nodes), (*(had if names[0] in _UPRIGHT else ()), *names)))
-    return tuple(
+    parts = [
         (_make_stem if "stem" in names else _make_part)(lattice, limb, names, low, high)
         for limb, names in told
+    ]
+    # Ends are named only where the breadth tells them clearly (`ends`).
+    return tuple(
+        part.model_copy(update=dict(confidence=chances.get(id(limb), 1.0)))
+        for part, (limb, _) in zip(parts, told)
     )
 
 

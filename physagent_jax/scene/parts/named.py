@@ -174,7 +174,7 @@ def join_parts(points: np.ndarray, named: Sequence[Part], shapes: Sequence[Part]
         same = int(np.argmax(overlaps)) if overlaps and max(overlaps) > _SAME else None
         if same is not None:
             taken.add(same)
-            part = part.model_copy(update=dict(roles=shapes[same].roles))
+            part = part.model_copy(update=dict(roles=shapes[same].roles))  # its name is certain
         found.append(part)
     return (*found, *(part for index, part in enumerate(shapes) if index not in taken))
 
@@ -199,7 +199,7 @@ def choose_parts(
     """
     found, count = list(parts), len(parts)
     for choice in choices:
-        told = dict(name=choice.name, origin="option")
+        told = dict(name=choice.name, origin="option", confidence=1.0)
         if choice.box is not None:
             source = placement.to_source(points)
             mask = np.asarray(((source >= choice.box[:3]) & (source <= choice.box[3:])).all(1))

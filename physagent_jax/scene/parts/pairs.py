@@ -27,10 +27,12 @@ class Pairs:
     Attributes:
         mirror: The plane that they are images in.
         partners: Place of each limb's image; None = it has none.
+        missed: Distance of each limb's image from its partner, 1 = no pair any more; None = it has none.
     """
 
     mirror: Mirror
     partners: tuple[int | None, ...]
+    missed: tuple[float | None, ...]
 
 
 def find_pairs(limbs: list[Limb], lattice: Lattice) -> Pairs:
@@ -40,14 +42,21 @@ def find_pairs(limbs: list[Limb], lattice: Lattice) -> Pairs:
     for mirror in mirrors:
         if mirror.likeness >= mirrors[0].likeness - _ALMOST:
             images = [_find_image(limbs, k, mirror, size) for k in range(len(limbs))]
-            partners = tuple(j if j is not None and images[j] == k else None for k, j in enumerate(images))
+            partners = tuple(
+                j if j is not None and images[j][0] == k else None for k, (j, _) in enumerate(images)
+            )
+            missed = tuple(None if j is None else apart for j, (_, apart) in zip(partners, images))
             shares = [limb.share for limb, j in zip(limbs, partners) if j is not None and limb.share < _HALF]
-            told.append((mirror.likeness + sum(shares), Pairs(mirror, partners)))
+            told.append((mirror.likeness + sum(shares), Pairs(mirror, partners, missed)))
     return max(told, key=lambda each: each[0])[1]
 
 
-def _find_image(limbs: list[Limb], index: int, mirror: Mirror, size: float) -> int | None:
-    """The limb that is most like the image of another one in a plane, or in that of the limb they are both on."""
+def _find_image(limbs: list[Limb], index: int, mirror: Mirror, size: float) -> tuple[int | None, float]:
+    """The limb that is most like the image of another one in a plane, or in that of the limb they are both on.
+
+    Returns:
+        Its place, and how far the image is off it; None if there is none.
+    """
     limb, found = limbs[index], {}
     for k, other in enumerate(limbs):
         nested = k in (index, *list_outer(limbs, index)) or index in list_outer(limbs, k)
@@ -61,8 +70,9 @@ def _find_image(limbs: list[Limb], index: int, mirror: Mirror, size: float) -> i
             if abs(across @ mirror.normal) > _TURNED and abs(way[2]) < _LEVEL * np.linalg.norm(way):
                 missed = min(missed, _miss(turned, limb, other, size))
         if missed < 1:
-            found[k] = missed + abs(math.log(limb.share / other.share))
-    return min(found, key=lambda k: found[k], default=None)
+            found[k] = missed + abs(math.log(limb.share / other.share)), missed
+    image = min(found, key=lambda k: found[k][0], default=None)
+    return image, math.inf if image is None else found[image][1]
 
 
 def _miss(mirror: Mirror, limb: Limb, other: Limb, size: float) -> float:

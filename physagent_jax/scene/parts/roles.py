@@ -49,6 +49,7 @@ class Roles:
         middle: Its centre of mass [m], shape (3,).
         mirror: Its upright mirror plane.
         partners: Place of each limb's image.
+        missed: How far that is off its partner.
     """
 
     def __init__(self, limbs: list[Limb], lattice: Lattice):
@@ -57,7 +58,7 @@ class Roles:
         self.middle = self.places.mean(0)
         self.size, self.height = float((self.high - self.low).max()), float((self.high - self.low)[2])
         found = find_pairs(limbs, lattice)
-        self.mirror, self.partners = found.mirror, found.partners
+        self.mirror, self.partners, self.missed = found.mirror, found.partners, found.missed
         self.things = Things(limbs, found, self.places)
         self.axis = np.cross((0.0, 0.0, 1.0), self.mirror.normal)
         self.pairs = sorted(

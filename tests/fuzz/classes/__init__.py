@@ -46,26 +46,27 @@ class FuzzClass:
 CLASSES = {
     each.name: each
     for each in (
-        FuzzClass("gaussian_files", 480),
+        FuzzClass("gaussian_files", 400),
         FuzzClass("splat_layouts", 160),
         FuzzClass("compressed_plys", 80, "splat_formats", "make_compressed_ply"),
         FuzzClass("spz_files", 80, "splat_formats", "make_spz"),
         FuzzClass("splat_files", 80, "splat_formats", "make_splat"),
         FuzzClass("sog_bundles", 80, "splat_formats", "make_sog"),
         FuzzClass("gltf_splats", 80, "splat_formats", "make_gltf"),
-        FuzzClass("meshes", 320),
+        FuzzClass("meshes", 240),
         FuzzClass("motion_files", 200),
         FuzzClass("masks", 160),
         FuzzClass("cards", 120),
-        FuzzClass("scenes", 560),
-        FuzzClass("physgaussian", 240),
+        FuzzClass("scenes", 400),
+        FuzzClass("physgaussian", 160),
         FuzzClass("physgm", 120),
-        FuzzClass("force_fields", 240),
-        FuzzClass("run_folders", 160),
-        FuzzClass("prompts", 360),
+        FuzzClass("force_fields", 160),
+        FuzzClass("run_folders", 80),
+        FuzzClass("prompts", 160),
         FuzzClass("steps", 80),
         FuzzClass("pictures", 80),
-        FuzzClass("commands", 240),
+        FuzzClass("photos", 60),
+        FuzzClass("commands", 160),
     )
 }
 

@@ -1,0 +1,64 @@
+"""The balance that what jumps, is carried or slides keeps by itself, or the hand that moves it: it stays upright.
+
+The attitude is fed back, as a gymnast's or a gyroscope's is: with e the turn back to the attitude at rest, by the mean
+moment of both positions about the mass centre (sin e for a rigid body), and s the spin,
+
+    angular acceleration = w^2 e - 2 w s,   w = `RATE`, critically damped,
+
+of no more than a few times what weight can turn it by. It is a field of a rigid body, and mean turn and spin are what
+it answers: it damps, and leaves alone what bends. What stands may rock within a slack, over which it sets in.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.core.pytree import register_dataclass
+from physagent_jax.forces.terms.rigid import find_turn, limit, mass_centre
+from physagent_jax.mpm.edges import window_fraction
+from physagent_jax.mpm.fields import EDGE, END, PER_PARTICLE, START
+from physagent_jax.mpm.linalg import cross
+from physagent_jax.mpm.reductions import sum_particles
+
+RATE = 20.0  # [1/s] of the critically damped return: in a sixth of a second
+
+
+@register_dataclass
+@dataclasses.dataclass(frozen=True)
+class Balance:
+    """Keeps the attitude that the object has at rest.
+
+    Attributes:
+        rest: Positions at rest [m], shape (n, 3).
+        most: Largest angular acceleration [rad/s^2], scalar.
+        slack: Turn up to which nothing is done [rad], scalar; at twice that all is. 0 = all is always done.
+        start, end: Window [s], scalars.
+        edge: Width of the window's smooth edges [s], scalar; None = hard.
+    """
+
+    rest: jax.Array = dataclasses.field(metadata=PER_PARTICLE)
+    most: jax.Array
+    slack: jax.Array
+    start: jax.Array = dataclasses.field(metadata=START)
+    end: jax.Array = dataclasses.field(metadata=END)
+    edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
+
+    def acceleration(self, x, v, mass, time, dt):
+        """Mean over the substep [m/s^2], shape (n, 3)."""
+        r, first = x - mass_centre(x, mass), self.rest - mass_centre(self.rest, mass)
+        moments = jnp.stack([cross(r, first), cross(r, v)])
+        moments = sum_particles((mass[:, None] * moments).sum(1)) / sum_particles(mass.sum())
+        off, spin = (find_turn(each, r, mass)[0] for each in moments)
+        tiny = jnp.finfo(x.dtype).tiny
+        beyond = jnp.sqrt((off**2).sum() + tiny) / jnp.maximum(self.slack, tiny) - 1
+        share = jnp.where(self.slack > 0, jnp.clip(beyond, 0.0, 1.0), 1.0)
+        turn = limit(share * (RATE**2 * off - 2 * RATE * spin), self.most)
+        turn = turn * window_fraction(time, dt, self.start, self.end, self.edge)
+        return cross(jnp.broadcast_to(turn, x.shape), r)
+
+    def gradient(self, x, time, dt):
+        """None, as of `TurnCompensation`."""
+        del x, time, dt

@@ -1,0 +1,181 @@
+"""Regions that a word names by their place: the front of a head, the middle of a leg, the top of the whole.
+
+They stick out little, so that a shape does not show them. `places.yaml` says where each is: which end of which parent.
+What the object has no parent for is not found.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from collections.abc import Collection, Sequence
+from importlib import resources
+from typing import Any
+
+import numpy as np
+import yaml
+
+from physagent_jax.forces.part import Part, split_name
+from physagent_jax.forces.regions import make_region_mask
+from physagent_jax.scene.parts.cells import fit_part
+
+_LIMBS = frozenset("head ear horn arm wing leg tail handle spout nose".split())  # the body is the rest
+_FIGURE = frozenset("head leg arm wing tail".split())  # of which something shows that the rest is a body
+_OWN = ("head", "skull", "mask")  # what the object is called that is a head as a whole
+_OFF = 0.15  # of the length, by which an animal's head is off its middle in the way that it looks
+_TRIMMED = 2.0  # percent of a parent on either side, that its ends are without
+_FEWEST = 24  # particles of a region
+_MOST = 0.5  # share of the object
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+@dataclasses.dataclass(frozen=True)
+class Frame:
+    """The viewer's directions.
+
+    Attributes:
+        toward, right: Unit world vectors, level, shape (3,).
+    """
+
+    toward: np.ndarray
+    right: np.ndarray
+
+
+@functools.cache
+def read_places() -> dict[str, dict[str, Any]]:
+    """The rows of the table by their words."""
+    text = (resources.files("physagent_jax.scene.parts") / "places.yaml").read_text("utf-8")
+    return {word: row for row in yaml.safe_load(text) for word in row["words"].split(", ")}
+
+
+def find_places(
+    points: np.ndarray, parts: Sequence[Part], words: Collection[str], name: str, viewer: Frame
+) -> tuple[Part, ...]:
+    """The regions of an object that some words name.
+
+    Args:
+        points: Its particles at rest, z up [m], shape (n, 3).
+        parts: Its parts: what is one of them, or has a part for it, is no region.
+        words: Words of a sentence, in lower case.
+        name: What the object is called.
+        viewer: The viewer's directions.
+
+    Returns:
+        Parts with the words as names, and a side before it where there are two.
+    """
+    known = {split_name(part.name)[-1] for part in parts if part.name}
+    roles = {role for part in parts for role in part.roles[:1]}
+    said = {
+        word: read_places()[word] for each in words for word in (each, each[:-1]) if word in read_places()
+    }
+    asked = {word: row for word, row in said.items() if word not in known and row.get("role") not in roles}
+    if not asked:
+        return ()
+    masks = [
+        make_region_mask(part.moved, points)
+        if "head" in part.roles[:1]
+        else ~make_region_mask(part.rest, points)
+        for part in parts
+    ]  # of a head without its neck
+    parents = _Parents(points, parts, masks, name, viewer)
+    return tuple(region for word, row in asked.items() for region in parents.find(word, row))
+
+
+@dataclasses.dataclass(frozen=True)
+class _Parents:
+    """The parents that regions lie on."""
+
+    points: np.ndarray
+    parts: Sequence[Part]
+    masks: list[np.ndarray]
+    name: str
+    viewer: Frame
+
+    def find(self, word: str, row: dict[str, Any]) -> list[Part]:
+        """The regions of a word."""
+        legs = self._count("leg")
+        row = row | row.get("four" if legs > 2 else "standing" if legs == 0 else "", {})
+        found = []
+        for parent, part in self._list(row["of"]):
+            inside = parent & self._is_within(parent, part, row)
+            across = (self.points - self.points[parent].mean(0)) @ self._side
+            sides = (("left ", -1), ("right ", 1)) if "side" in row else (("", 0),)
+            for side, sign in sides:
+                mask = inside & (across * sign >= 0)
+                if _FEWEST <= mask.sum() < _MOST * len(mask):
+                    told = dict(
+                        name=side + word, origin="place", seated=True, arm=self._find_arm(mask, row, sign)
+                    )
+                    told |= dict(confidence=1.0 if part is None else part.confidence)
+                    found.append(fit_part(self.points, mask, joined=True).model_copy(update=told))
+        return found
+
+    def _find_arm(self, mask: np.ndarray, row: dict[str, Any], sign: int) -> tuple[float, ...]:
+        """The way out of the parent, as long as the region is that way [body lengths]."""
+        out = sum(
+            (np.mean(row[key]) - 0.5) * way
+            for key, way in (("front", self._front), ("up", _UP))
+            if key in row
+        )
+        way = out + 0.5 * sign * self._side if "front" in row or "up" in row else self._front
+        way = np.asarray(way) / max(float(np.linalg.norm(way)), 1e-12)
+        length = float(np.ptp(self.points[mask] @ way) / np.ptp(self.points, axis=0).max())
+        return tuple(np.round(length * way, 4).tolist())
+
+    def _list(self, of: str) -> list[tuple[np.ndarray, Part | None]]:
+        """The parents of a kind, each as a mask of particles, shape (n,), and as a part; None = it is none."""
+        every = np.ones(len(self.points), bool)
+        if of == "whole":
+            return [(every, None)]
+        limbs = [mask for mask, part in zip(self.masks, self.parts) if not _LIMBS.isdisjoint(part.roles[:1])]
+        if of == "body":
+            body = ~np.logical_or.reduce([~every, *limbs])
+            return [(body, None)] if any(map(self._count, _FIGURE)) and body.any() else []
+        if of == "head" and self._count("handle"):
+            return []  # a hammer's head has no face
+        found = [(mask, part) for mask, part in zip(self.masks, self.parts) if of in part.roles[:1]]
+        if not found and of == "head" and self.name.lower().endswith(_OWN):
+            return [(~np.logical_or.reduce([~every, *limbs]), None)]
+        inner = [
+            m for m, each in zip(self.masks, self.parts) if not {"ear", "horn"}.isdisjoint(each.roles[:1])
+        ]
+        return [(mask & ~np.logical_or.reduce([~every, *inner]), part) for mask, part in found]
+
+    def _is_within(self, parent: np.ndarray, part: Part | None, row: dict[str, Any]) -> np.ndarray:
+        """The particles in the ranges of a parent, shape (n,)."""
+        mask = np.ones(len(self.points), bool)
+        ways = dict(front=self._front, up=_UP)
+        ways |= {} if part is None else dict(along=np.asarray(part.arm))
+        for key, way in ways.items():
+            if key in row:
+                place = self._measure(parent, way)
+                mask &= (place >= row[key][0]) & (place <= row[key][1])
+        if "side" in row:
+            place = np.abs(2 * self._measure(parent, self._side) - 1)
+            mask &= (place >= row["side"][0]) & (place <= row["side"][1])
+        return mask
+
+    def _measure(self, parent: np.ndarray, way: np.ndarray) -> np.ndarray:
+        """Places along a way, from 0 to 1 within a parent, beyond what is trimmed off 0 or 1; shape (n,)."""
+        along = self.points @ way
+        low, high = np.percentile(along[parent], [_TRIMMED, 100 - _TRIMMED])
+        return ((along - low) / max(float(high - low), 1e-12)).clip(0, 1)
+
+    @functools.cached_property
+    def _front(self) -> np.ndarray:
+        """The level way in which it looks, shape (3,)."""
+        heads = [mask for mask, part in zip(self.masks, self.parts) if "head" in part.roles[:1]]
+        off = self.points[heads[0]].mean(0) - self.points.mean(0) if len(heads) == 1 else np.zeros(3)
+        off[2] = 0.0
+        away = float(np.linalg.norm(off))
+        return off / away if away > _OFF * np.ptp(self.points, axis=0).max() else self.viewer.toward
+
+    @functools.cached_property
+    def _side(self) -> np.ndarray:
+        """The level way across, to the viewer's right or away from the viewer, shape (3,)."""
+        across = np.cross(self._front, _UP)
+        turned = float(across @ self.viewer.right)
+        return across if turned >= -1e-6 else -across
+
+    def _count(self, role: str) -> int:
+        return sum(role in part.roles[:1] for part in self.parts)

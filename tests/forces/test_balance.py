@@ -1,0 +1,132 @@
+"""The balance of what jumps, is lifted or pushed over the ground: it stays upright, and comes to rest standing."""
+
+import itertools
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from physagent_jax.forces import calibration
+from physagent_jax.forces.compilation import compile_force_field
+from physagent_jax.forces.scaling import make_closed_form_scaling
+from physagent_jax.forces.schema import ForceField, Opposition, Response
+from physagent_jax.forces.terms import Balance, PushCompensation
+
+G, FRICTION, WIDTH, HEIGHT = calibration.GRAVITY, 0.4 * calibration.GRAVITY, 0.2, 1.0
+TOWER = np.array(list(itertools.product(*[np.linspace(-0.5, 0.5, 5)] * 3))) * [WIDTH, 0.3, HEIGHT]
+TOWER[:, 2] += 0.5 * HEIGHT
+UP = (0.0, 0.0, 1.0)
+MASS = np.ones(len(TOWER))
+
+
+def compile_entries(*actions, constraints=(), lever=0.5 * HEIGHT, responses=()):
+    opposition = Opposition(friction=FRICTION, weight=G, tipping=1.0, lever=lever, travel=1.0, time=2.0)
+    scaling = make_closed_form_scaling(
+        extent=1.0, youngs_modulus=1e5, density=1.0, duration=2.0, opposition=opposition
+    )
+    scaling = scaling.model_copy(update=dict(responses=tuple(responses)))
+    field = ForceField.model_validate(dict(actions=list(actions), constraints=list(constraints)))
+    numbers = dict(frame_dt=0.04, frame_count=51)
+    return compile_force_field(field, scaling, TOWER.astype(np.float32), MASS.astype(np.float32), **numbers)
+
+
+def act(kind, vector, first, last, magnitude=1.0):
+    return dict(action_type=kind, vector=vector, magnitude=magnitude, active_time=(first, last))
+
+
+def find_balance(*actions, **more):
+    return [each for each in compile_entries(*actions, **more)[0] if isinstance(each, Balance)]
+
+
+def evaluate(terms, x, v, time):
+    state = (jnp.asarray(each, jnp.float32) for each in (x, v, MASS, time, 1e-3))
+    state = list(state)
+    return np.asarray(sum(each.acceleration(*state) for each in terms), float)
+
+
+def push_mean(terms, velocity, time):
+    return evaluate(terms, TOWER, np.broadcast_to(velocity, TOWER.shape), time).mean(0)
+
+
+def turned(degrees):
+    return Rotation.from_euler("x", degrees, degrees=True).apply(TOWER)
+
+
+def test_what_jumps_is_turned_back_to_how_it_stood():
+    (balance,) = find_balance(act("impulse", (0, 0, 1), 0, 1))
+    r = turned(10) - turned(10).mean(0)
+    field = evaluate([balance], turned(10), np.zeros_like(TOWER), 0.5)
+    spin = np.cross(r, field).mean(0)
+    assert spin[0] < 0 and abs(spin[1:]).max() < 1e-3 * abs(spin[0])
+    np.testing.assert_allclose(field.mean(0), 0, atol=1e-3)  # and is not moved
+    wanted = -np.sin(np.radians(10)) * 20.0**2
+    np.testing.assert_allclose(field, np.cross([wanted, 0, 0], r), atol=0.02 * abs(wanted))
+
+
+def test_it_lets_go_when_something_else_begins_and_leaves_alone_what_rolls_is_kicked_or_turned():
+    hop, topple = act("impulse", (0, 0, 1), 0, 1), act("torque", (1, 0, 0), 25, 50)
+    (balance,) = find_balance(hop, topple)
+    assert float(balance.end) == pytest.approx(1.0)
+    assert float(find_balance(hop)[0].end) > 100
+    assert not find_balance(hop, lever=0.0)
+    assert not find_balance(act("impulse", (1, 0, 0), 0, 1))
+    assert not find_balance(act("impulse", (0, 0, 1), 0, 2), act("torque", (1, 0, 0), 0, 30))
+
+
+def test_what_is_lifted_rises_as_fast_as_was_asked_whatever_slows_it():
+    terms, _ = compile_entries(act("translation", (0, 0, 1), 0, 50))
+    k = 2 * calibration.TRAVEL / 2.0**2
+    np.testing.assert_allclose(push_mean(terms, [0, 0, k], 1.0)[2], k + G, rtol=0.01)
+    assert push_mean(terms, [0, 0, k + 0.05], 1.0)[2] < G  # faster: less than its weight is borne
+    assert push_mean(terms, [0, 0, k - 0.05], 1.0)[2] > k + 1.3 * G
+
+
+def test_what_is_lifted_by_a_small_part_of_it_is_borne_as_a_whole():
+    """The end of a handle that is too stiff to bend: the whole follows, and its weight is what there is to lift."""
+    grip = dict(kind="box", low=(0, 0, 0.8), high=(1, 1, 1))
+    k, share = 2.5, 0.2
+    response = Response.model_validate(dict(quantity="translation", region=grip, vector=UP, k=k, share=share))
+    terms, _ = compile_entries(act("translation", UP, 0, 50) | dict(region=grip), responses=[response])
+    field = evaluate(terms, TOWER, np.broadcast_to([0, 0, k * share], TOWER.shape), 1.0)
+    np.testing.assert_allclose(field.mean(0)[2], G + k * share, rtol=0.01)
+    assert abs(field[TOWER[:, 2] < 0.7] - [0, 0, G]).max() < 0.2 * G  # and not by its end alone
+    assert push_mean(terms, [0, 0, k * share + 0.3], 1.0)[2] < k * share + 0.1
+
+
+def test_a_push_over_the_ground_ends_in_a_slide_that_does_not_trip():
+    """A tower of this width tips with g w / h; what is fast is stopped within 0.7 s, and steadied."""
+    terms, _ = compile_entries(act("translation", (-1, 0, 0), 0, 50, 1.3))
+    slide = [each for each in terms if isinstance(each, PushCompensation)]
+    rate = max(0.7 * G * WIDTH / HEIGHT, 1.3 / 0.7)
+    for late in (0.1, 0.3, 0.6):
+        helped = -push_mean(slide, [rate * late - 1.3, 0, 0], 2.0 + late)[0]
+        assert FRICTION - helped == pytest.approx(rate, rel=0.03)
+    assert push_mean(slide, [0, 0, 0], 2.75) == pytest.approx(np.zeros(3), abs=1e-3)  # it stands
+    brief = compile_entries(act("translation", (-1, 0, 0), 0, 10), act("torque", (0, 0, 1), 10, 50))[0]
+    assert push_mean(brief[1:2], [-0.2, 0, 0], 0.45) == pytest.approx(np.zeros(3))  # left to what follows
+
+
+def test_what_is_tilted_by_a_constraint_turns_about_the_edge_of_its_foot():
+    turn = dict(constraint_type="enforce_particle_rotation", magnitude=0.42)
+    there = turn | dict(vector=(0, 1, 0), active_time=(0, 25), held_until=40)
+    back = turn | dict(vector=(0, -1, 0), active_time=(40, 50))
+    motions = compile_entries(constraints=[there, back])[1]
+    for motion in motions[:1] + motions[2:]:
+        np.testing.assert_allclose(np.asarray(motion.center)[[0, 2]], [0.5 * WIDTH, 0], atol=1e-6)
+    over = compile_entries(constraints=[there | dict(magnitude=1.6, active_time=(0, 39))])[1]
+    assert over[0].center is None  # it is turned over about its middle
+
+
+def test_gradients_of_the_balance_are_finite_also_where_nothing_is_off():
+    import jax
+
+    (balance,) = find_balance(act("translation", (-1, 0, 0), 0, 50))
+
+    def find(x):
+        state = (jnp.asarray(each, jnp.float32) for each in (0 * TOWER, MASS, 1.0, 1e-3))
+        v, mass, time, dt = state
+        return (balance.acceleration(x, v, mass, time, dt) ** 2).sum()
+
+    for x in (TOWER, turned(6)):
+        assert np.isfinite(np.asarray(jax.grad(find)(jnp.asarray(x, jnp.float32)))).all()

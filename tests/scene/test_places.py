@@ -1,0 +1,133 @@
+"""Regions that a word names by their place: where they lie, what they leave alone, and what is not found."""
+
+import numpy as np
+import pytest
+
+from physagent_jax.agents.lexicon import read_lexicon
+from physagent_jax.forces.regions import grade_part, make_region_mask
+from physagent_jax.forces.schema import Bend
+from physagent_jax.scene.parts import Frame, find_parts, find_places
+from physagent_jax.scene.parts.places import read_places
+from tests.scene.test_part_roles import CAT, FIGURE, make
+
+VIEWER = Frame(toward=np.array([0.0, -1.0, 0.0]), right=np.array([1.0, 0.0, 0.0]))
+
+
+@pytest.fixture(scope="module")
+def known():
+    """Points and parts of a cat that looks along +x, and of a figure with its arms along x."""
+    return {name: (x := make(shapes), find_parts(x)) for name, shapes in (("cat", CAT), ("man", turn_up()))}
+
+
+def turn_up():
+    """The figure turned about the vertical, so that its left and right are the viewer's."""
+
+    def turn(value):
+        x, y, z = value
+        return (y, -x, z)
+
+    return [
+        tuple(turn(each) if np.ndim(each) else each for each in shape[:2]) + shape[2:] for shape in FIGURE
+    ]
+
+
+def find(known, name, *words, called="thing"):
+    points, parts = known[name]
+    return points, find_places(points, parts, words, called, VIEWER)
+
+
+@pytest.mark.parametrize(
+    ("name", "word", "low", "high"),
+    [
+        ("cat", "muzzle", (0.7, -0.13, 0.15), (0.9, 0.13, 0.42)),
+        ("cat", "forehead", (0.6, -0.15, 0.3), (0.9, 0.15, 0.45)),
+        ("cat", "chest", (0.15, -0.2, -0.2), (0.6, 0.2, 0.2)),
+        ("cat", "belly", (-0.4, -0.2, -0.2), (0.35, 0.2, 0.02)),
+        ("cat", "rump", (-0.65, -0.2, -0.1), (-0.2, 0.2, 0.2)),
+        ("man", "nose", (-0.13, -0.15, 0.36), (0.13, 0.0, 0.6)),
+        ("man", "chest", (-0.2, -0.15, 0.05), (0.2, 0.03, 0.45)),
+        ("man", "belly", (-0.2, -0.15, -0.25), (0.2, 0.03, 0.15)),
+        ("man", "roof", (-0.2, -0.2, 0.3), (0.2, 0.2, 0.75)),
+    ],
+)
+def test_a_word_for_a_place_is_a_region_of_its_parent(known, name, word, low, high):
+    points, (region,) = find(known, name, word)
+    inside = make_region_mask(region.moved, points)
+    within = ((points >= np.subtract(low, 0.04)) & (points <= np.add(high, 0.04))).all(1)
+    assert region.name == word and region.origin == "place" and 0.003 < inside.mean() < 0.35
+    assert (inside & within).sum() > 0.95 * inside.sum()
+
+
+def test_of_two_sides_each_is_a_region(known):
+    points, regions = find(known, "man", "shoulders")
+    assert [each.name for each in regions] == ["left shoulder", "right shoulder"]
+    left, right = (points[make_region_mask(each.moved, points)] for each in regions)
+    assert (
+        left[:, 0].max() < -0.02 < 0.02 < right[:, 0].min() and min(left[:, 2].min(), right[:, 2].min()) > 0
+    )
+
+
+def test_each_limb_has_its_own_middle(known):
+    points, knees = find(known, "cat", "knee")
+    assert len(knees) == 4
+    for knee in knees:
+        height = points[make_region_mask(knee.moved, points)][:, 2]
+        assert -0.38 < height.min() and height.max() < -0.1
+
+
+def test_its_edges_are_soft_and_the_rest_stays(known):
+    points, (region,) = find(known, "cat", "muzzle")
+    size = float(np.ptp(points, axis=0).max())
+    bend = Bend(joint=region.joint, rest=region.rest, reach=2.0, depth=float(np.linalg.norm(region.arm)))
+    inside, share, _ = grade_part(bend, points)
+    assert np.linalg.norm(region.arm) > 0.04 and inside.mean() < 0.1
+    assert 0.1 < (share > 0.95).mean() < 0.7 and (share < 0.5).mean() > 0.1
+    out = points[inside][share > 0.95].mean(0) - points[inside].mean(0)
+    assert out[0] > 0.01 * size  # its tip goes farthest
+
+
+@pytest.mark.parametrize(
+    ("name", "word"), [("cat", "elbow"), ("cat", "horn"), ("cat", "axe"), ("man", "tail"), ("cat", "head")]
+)
+def test_what_has_no_parent_or_no_place_is_not_found(known, name, word):
+    assert find(known, name, word)[1] == ()
+
+
+def test_of_a_ball_only_ends_are_found():
+    points = make([((0, 0, 0), (0.3, 0.3, 0.3))], count=4000)
+    words = ("nose", "chest", "knee", "shoulder", "forehead", "rim")
+    assert [each.name for each in find_places(points, (), words, "ball", VIEWER)] == ["rim"]
+    names = [each.name for each in find_places(points, (), words, "monkey head", VIEWER)]
+    assert names == ["nose", "forehead", "rim"]
+
+
+def test_a_figure_without_legs_has_its_belly_above_the_ground_and_no_hips(known):
+    points, parts = known["man"]
+    parts = tuple(part for part in parts if part.roles[0] != "leg")
+    assert find_places(points, parts, ("hip",), "", VIEWER) == ()
+    (belly,) = find_places(points, parts, ("belly",), "", VIEWER)
+    height = points[make_region_mask(belly.moved, points)][:, 2] - points[:, 2].min()
+    assert height.min() > 0.2 * np.ptp(points[:, 2])
+
+
+def test_the_head_of_a_tool_has_no_face(known):
+    points, parts = known["cat"]
+    handle = parts[0].model_copy(update=dict(roles=("handle",)))
+    assert find_places(points, (*parts, handle), ("muzzle", "forehead"), "hammer", VIEWER) == ()
+
+
+def test_a_part_that_is_named_or_sticks_out_is_no_region(known):
+    points, parts = known["cat"]
+    assert (
+        find_places(
+            points, (parts[0].model_copy(update=dict(name="chin", origin="file")),), ("chin",), "", VIEWER
+        )
+        == ()
+    )
+    nose = parts[0].model_copy(update=dict(roles=("nose",)))
+    assert find_places(points, (*parts, nose), ("muzzle",), "", VIEWER) == ()
+
+
+def test_the_grammar_knows_all_words_for_places():
+    lexicon = read_lexicon()
+    assert set(read_places()) <= lexicon.parts.keys() | lexicon.unplaced
