@@ -76,6 +76,9 @@ def test_the_objects_own_name_is_the_object():
     assert find_limbs("push the pot to the left", object_name="pot")[0] == [None]
     assert find_limbs("turn the lid", object_name="pot with lid")[0] == [0]
     assert find_limbs("push the pot to the left")[0] == [1]
+    arm = make_part("upper arm")
+    assert find_limbs("push the robot arm to the left", arm, object_name="robot-arm") == ([None], ())
+    assert find_limbs("push the upper arm to the left", arm, object_name="robot-arm")[0] == [0]
 
 
 def test_a_plural_means_all_and_a_word_for_several_is_asked_about():

@@ -36,6 +36,8 @@ def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
     tokens = tokenise(sentence)
     texts = [token.text for token in tokens]
     own |= _find_halves(name, texts)
+    if f" {' '.join(_split(brief.object_name))} " in f" {' '.join(texts)} ":
+        own.update(_split(brief.object_name))  # "the robot arm", whose parts are arms too
     places = [at for at, text in enumerate(texts) if text in own]
     if not places:
         found = nouns.intersection(texts)
