@@ -234,7 +234,8 @@ class Holding(Strict):
     Attributes:
         compliance: Mean displacement per uniform acceleration [s^2], rows answer the world's axes.
         square: Mean product of these displacements [s^4]: how fast it swings; None = not known.
-        damping_ratio: Share of critical damping with which it swings; None = not known.
+        damping_ratio: Share of critical damping with which it swings, where somebody chose one; None = that of
+            `forces.holding.OVERSHOOT`, whatever its kind's is.
         shift: How far M = 1 is to move its centre [m].
         least, most: Limits of what a push's k may be [m/s^2].
     """

@@ -34,9 +34,8 @@ LEAST_PUSHES = 3  # out, back and to rest; two are a push and its brake
 _PARALLEL = 0.99  # cosine
 _GAP = 1.0  # [frames] between pushes that follow each other
 _BALANCE = 0.25  # of the strongest push: what the others may leave of its velocity
-_DAMPING = -np.log(OVERSHOOT - 1) / np.hypot(
-    np.pi, np.log(OVERSHOOT - 1)
-)  # ratio with that overshoot, if unknown
+_LOST = -np.log(OVERSHOOT - 1)  # logarithmic decrement of half a swing with that overshoot
+_DAMPING = _LOST / np.hypot(np.pi, _LOST)  # ratio where nobody chose one
 _SAMPLES = 16  # of a push, at which the way is looked at
 _TURNS = 0.8 * np.pi  # phase of its own swing that a push must last for it to turn back
 
