@@ -76,12 +76,17 @@ def test_raw_rows_are_restored_from_history_and_never_over_others(tmp_path, monk
     """They give the same summary again."""
     monkeypatch.setattr("benchmarks.evidence.__main__.ROOT", tmp_path)
     monkeypatch.setattr("benchmarks.evidence.__main__.list_stale", lambda pages: "")
-    assert main(["perception", "--restore"]) == 0
-    kept, raw = read_summary(RESULTS / "perception.json"), tmp_path / "benchmarks" / "raw" / "perception.json"
-    assert "text" in json.loads(raw.read_text())["clips"]["rows"][0]
-    restored = summarise(PAGES["perception"], raw)["parts"]
+    assert main(["distillation", "--restore"]) == 0
+    kept, raw = (
+        read_summary(RESULTS / "distillation.json"),
+        tmp_path / "benchmarks" / "raw" / "distillation.json",
+    )
+    assert json.loads(raw.read_text())["cosines"]["rows"]
+    restored = summarise(PAGES["distillation"], raw)["parts"]
     assert restored == {part: kept["parts"][part] for part in restored}
-    assert main(["perception", "--restore"]) == 2 and "there are raw rows already" in capsys.readouterr().err
+    assert (
+        main(["distillation", "--restore"]) == 2 and "there are raw rows already" in capsys.readouterr().err
+    )
     with pytest.raises(UserError, match="has no raw rows"):
         summaries.restore({"raw": {"part": {"sha256": "s"}}})
 
