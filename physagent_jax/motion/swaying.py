@@ -7,12 +7,13 @@ own weight, and pushes in time with it swing it farther each time. So the bendin
 from __future__ import annotations
 
 import itertools
+import re
 
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import Bend, CellsRegion, VelocityConstraint
-from physagent_jax.motion.schema import SceneBrief
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import cross, dot, normalise
 from physagent_jax.motion.windows import Window
 
@@ -22,7 +23,14 @@ _ANGLE = 16.0  # [degrees] that its top turns by to either side with a strength 
 _DEPTH = 0.2  # [body lengths] over which it bends, over its foot
 _REACH = 2.0  # [body lengths]: all of its foot borders on the rest
 _LEVEL = 0.7  # cosine to the vertical below which a way leads aside
+_BENDS = re.compile(r"\b(bend|bent|bow|lean|droop|sway|rock|wobbl|jiggl|teeter|totter)")
 FOOT = CellsRegion(inside=_LOW, outside=_HIGH, label="its foot")
+
+
+def bends(motion: ExpectedMotion) -> bool:
+    """Return whether a motion of the whole is one over its foot, by its verb: what is shaken may slide as well."""
+    kinds = (MotionKind.MOVE, MotionKind.SWAY)
+    return motion.kind in kinds and _BENDS.search(motion.words.lower()) is not None
 
 
 def leads_aside(way: Vector | None, brief: SceneBrief) -> bool:

@@ -123,6 +123,10 @@ class Tolerance:
         return Tolerance(lower, min(aim, 0.9 * self.high), self.high, self.unit)
 
 
+FLAT = Tolerance(0.3, 0.6, 0.95, "of its length")
+"""The depth of a squeeze that leaves flat what it presses."""
+
+
 def pick_band(bands: Bands, strength: float, unit: str) -> Tolerance:
     """The range for a strength, between those of the words geometrically."""
     s = clamp(strength, _STRENGTHS[0], _STRENGTHS[2])
@@ -180,12 +184,17 @@ def expect_rotation(expectation: ExpectedMotion, anchored: bool, *, seconds: flo
     return band.scaled(share * clamp(seconds / _UNHURRIED, 0.3, 1.0), least=VISIBLE_DEGREES)
 
 
-def expect_strain(expectation: ExpectedMotion, squeeze: bool) -> Tolerance:
-    """Relative change of length along the direction; in all directions if there is none."""
+def expect_strain(expectation: ExpectedMotion, squeeze: bool, flat: bool = False) -> Tolerance:
+    """Relative change of length along the direction; in all directions if there is none.
+
+    ``flat``: the sentence says that it is flat in the end.
+    """
     bands = SQUEEZE if squeeze else STRETCH
     if expectation.direction is None:
         bands = SHRINK if squeeze else SWELL
     share = _PART if expectation.partial else 1.0
+    if squeeze and flat:
+        return FLAT
     return pick_band(bands, expectation.strength, "of its length").scaled(share, least=VISIBLE_STRAIN)
 
 

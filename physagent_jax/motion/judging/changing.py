@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion import tolerances
@@ -23,6 +24,8 @@ from physagent_jax.perception.reasons import BY_SIZE
 _FIRST = 0.2  # of the largest turn or strain: what is seen of it first
 _OWN_AXIS = 0.6  # of the asked strain that other directions may show the same way
 _UPRIGHT = 0.7  # cosine
+_FLAT = re.compile(r"(?<!\bthe )(?<!\ba )\bflat(ten\w*)?\b(?! on| onto| against)")
+"""Words of who asks that it is pressed flat, but not of a flat thing, or of one pressed flat against another."""
 _FITTED, _OUTLINE = "from the affine fit", "from the outline"
 _KEPT = 0.4  # of the largest turn that a free thing has left where it ends
 _LIMITS_OF_STILLNESS = {
@@ -104,7 +107,8 @@ def check_strain(asked: Asked) -> list[Check]:
         checks += _check_own_axis(asked, asked.direction, until, along, peak)
     if motion.amount is not None and motion.amount.unit != "seconds":
         return checks
-    tolerance = tolerances.expect_strain(motion, motion.kind is MotionKind.SQUEEZE)
+    flat = _FLAT.search(view.sentence.lower()) is not None
+    tolerance = tolerances.expect_strain(motion, motion.kind is MotionKind.SQUEEZE, flat)
     words = f"{1 + sign * peak:.2f} times its length ({how})"
     question = f"how much {change} does it get?"
     return [*checks, compare_amount(asked, question, tolerance, peak, words, half_width=half_width)]
