@@ -46,7 +46,8 @@ _STRAIN_HIT = 0.6  # [1] the same when it turns, or bends while it is held
 _ANOTHER_SIDE = (
     45.0  # [degrees] from which on another side is seen, so that the shape is told from fewer points
 )
-_STRAIN_TUMBLING = 1.0  # [1] of what tumbles, whose far side nobody sees from the start, and of what is twisted: one map fits neither
+_STRAIN_TUMBLING = 1.0
+"""[1] of what tumbles, whose far side nobody sees from the start, and of what is twisted: no one map fits either."""
 _UPRIGHT = re.compile(
     r"\bupright\b|\b(without|not|never)\b.{0,20}\b(fall|tip|toppl|roll)|n't (fall|tip|toppl|roll)"
 )

@@ -19,7 +19,7 @@ _THROWN = re.compile(r"\b(throw|threw|toss|fling|flung|hurl|lob|chuck|catapult)"
 
 
 def check_manner(asked: Asked) -> list[Check]:
-    """Check that what stands and is to bend or sway does not slide instead, and that what is thrown leaves the ground."""
+    """Check that what stands and is to bend or sway does not slide instead, and that what is thrown flies."""
     view, motion, up = asked.view, asked.motion, asked.view.brief.directions.up
     whole = motion.part is None and motion.limb is None
     if not view.grounded or view.anchored or not whole or not leads_aside(asked.direction, view.brief):
