@@ -7,6 +7,7 @@ from physagent_jax.agents.grammar.semantic import read_sentence
 from physagent_jax.motion.parts import explain_guess
 from physagent_jax.motion.schema import Verdict
 from physagent_jax.perception.schema import PartMotion
+from physagent_jax.scene.priors import list_nouns
 from tests.agents.scenes import IDENTITY, brief, judge, make_report, read
 from tests.agents.test_limbs import HEAD, LEFT_ARM, RIGHT_ARM
 
@@ -152,3 +153,11 @@ def test_a_word_for_a_role_that_one_part_alone_may_have_is_certain(roles, certai
     top = HEAD.model_copy(update={"roles": roles})
     doubt = explain_guess("crown", (top, LEFT_ARM), (0,), plural=False)
     assert (doubt is None) == certain
+
+
+@pytest.mark.parametrize(("kind", "noun"), [("vehicle", "pickup"), ("object", "tower")])
+def test_an_object_may_be_called_by_a_noun_of_its_kind(kind, noun):
+    scene = brief(object_name="small-a", object_kind=kind, object_nouns=list_nouns(kind))
+    assert not read_sentence(f"twist the {noun}", scene).unsure
+    named = brief(object_name="teapot", object_kind="vessel", object_nouns=list_nouns("vessel"))
+    assert read_sentence(f"twist the {noun}", named).unsure
