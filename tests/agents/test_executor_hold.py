@@ -73,7 +73,7 @@ def test_what_is_led_by_its_ends_is_not_held_as_well(ground):
 
 
 def test_what_is_to_bend_and_slides_is_held(ground):
-    """Where it is pushed to the same place without a word of bending, it may slide."""
+    """A word of bending asks for it; what is pushed to the same place may slide."""
     for prompt, hold in (
         ("a gust bends the robot to the left", "base"),
         ("a gust pushes the robot to the left", None),

@@ -102,6 +102,7 @@ def test_what_rolls_over_may_end_on_its_back(degrees, verdict):
     scene = brief(frame_dt=0.08)
     reading = read("the robot rolls over", scene)
     (motion,) = reading.expectations
+    assert motion.direction is not None
     share = np.minimum(np.arange(FRAMES) / max(motion.window[1], 1.0), 1.0)
     turns = [tuple(degrees * float(s) * np.asarray(motion.direction)) for s in share]
     wide = ((1.75, 0, 0), (0, 1, 0), (0, 0, 1))
