@@ -162,3 +162,12 @@ def test_an_object_may_be_called_by_a_noun_of_its_kind(kind, noun):
     assert not read_sentence(f"twist the {noun}", scene).unsure
     named = brief(object_name="teapot", object_kind="vessel", object_nouns=list_nouns("vessel"))
     assert read_sentence(f"twist the {noun}", named).unsure
+
+
+@pytest.mark.parametrize(("strain", "passed"), [(0.7, True), (0.9, False)])
+def test_one_map_does_not_fit_what_is_twisted(strain, passed):
+    """Its shape then seems to change: by more than what only turns may, and not by any amount."""
+    judgement = tell(
+        "twist the robot", 0 * RAMP, stretches=[((1 + strain, 0, 0), (0, 1, 0), (0, 0, 1))] * FRAMES
+    )
+    assert passed == ("does its shape change although nobody asked for it?" not in list_failed(judgement))

@@ -47,7 +47,10 @@ _ANOTHER_SIDE = (
     45.0  # [degrees] from which on another side is seen, so that the shape is told from fewer points
 )
 _STRAIN_TUMBLING = 1.0
-"""[1] of what tumbles, whose far side nobody sees from the start, and of what is twisted: no one map fits either."""
+"""[1] of what tumbles, whose far side nobody sees from the start."""
+_STRAIN_TWISTED = (
+    0.75  # [1] of what turns one way at one end and the other way at the other, which no one map fits
+)
 _UPRIGHT = re.compile(
     r"\bupright\b|\b(without|not|never)\b.{0,20}\b(fall|tip|toppl|roll)|n't (fall|tip|toppl|roll)"
 )
@@ -211,7 +214,9 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     if left and min(v for _, v in left) > _STRAIN:  # it swings or lands, and is out of shape from then on
         return _check_lasting(view, "shape", left, _STRAIN, sigma)
     twists = sum(e.kind is MotionKind.ROTATE and e.part is not None for e in asked) > 1
-    limit = _STRAIN_TUMBLING if tumbles or twists else _STRAIN_HIT if yielding else _STRAIN
+    limit = (
+        _STRAIN_TUMBLING if tumbles else _STRAIN_TWISTED if twists else _STRAIN_HIT if yielding else _STRAIN
+    )
     return _check_lasting(view, "shape", strains, limit, sigma)
 
 
