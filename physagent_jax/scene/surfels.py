@@ -61,7 +61,7 @@ def place_evenly(points: np.ndarray, count: int) -> np.ndarray:
     Repeatedly thins the set: of every pair of mutual nearest neighbours the second goes, closest pairs
     first, which removes clumps and leaves the spacing of a blue-noise set. The last sets are remembered.
     """
-    key = hashlib.sha256(np.ascontiguousarray(points)).digest(), count
+    key = hashlib.sha256(np.ascontiguousarray(points).data).digest(), count
     if (known := _thinned.get(key)) is not None:
         return known
     found = _thin(points, count)
