@@ -11,12 +11,13 @@ import numpy as np
 from physagent_jax.core.strict import Vector
 from physagent_jax.scene.config import Domain, Source
 from physagent_jax.scene.load import load_object
-from physagent_jax.scene.placement import place
+from physagent_jax.scene.placement import find_up_rotation, place
 
 STEP = 15  # [degrees] between the directions that are tried
 GAIN = 1.1  # times as much as from the front must be seen from elsewhere; what is about as broad all around stays
 AS_GOOD = 0.985  # of the largest silhouette counts as the largest: of such, the direction nearest to the front is taken
 RICHER = 1.25  # times as varied the colours must be on the other side for that to be the face
+_STEEP = 0.9  # rise of a front, from which on it is up or down
 LONGER = 1.3  # times as long as along the other axes it must be along its long one
 TRIMMED = 0.005  # share of the points on each side that may be floaters
 FEWEST_CELLS, MOST_CELLS = 8, 48  # across the object, for counting its silhouette
@@ -51,9 +52,14 @@ def _measure_cached(source: str, domain: str) -> tuple[float, Vector | None]:
         warnings.simplefilter("ignore", UserWarning)  # they are heeded when the object is loaded in earnest
         parsed = Source.model_validate_json(source)
         loaded = load_object(parsed, Path())
-        cloud, _ = place(loaded.cloud, parsed, Domain.model_validate_json(domain), loaded.origin)
-    points = np.asarray(cloud.means, np.float64)
-    return find_broad_azimuth(points, np.asarray(cloud.sh[:, 0], np.float64)), _find_long_axis(points)
+        domain_read = Domain.model_validate_json(domain)
+        cloud, placement = place(loaded.cloud, parsed, domain_read, loaded.origin)
+    points, front = np.asarray(cloud.means, np.float64), None
+    if loaded.front is not None:
+        x, y, z = placement.rotation @ find_up_rotation(loaded.front).T[:, 2]
+        front = None if abs(z) > _STEEP else float(np.degrees(np.arctan2(x, -y)))
+    colours = np.asarray(cloud.sh[:, 0], np.float64)
+    return find_broad_azimuth(points, colours, front), _find_long_axis(points)
 
 
 def _find_long_axis(points: np.ndarray) -> Vector | None:
@@ -65,15 +71,17 @@ def _find_long_axis(points: np.ndarray) -> Vector | None:
     return x, y, z
 
 
-def find_broad_azimuth(points: np.ndarray, colours: np.ndarray) -> float:
+def find_broad_azimuth(points: np.ndarray, colours: np.ndarray, front: float | None = None) -> float:
     """The azimuth (`CameraConfig.azimuth_degrees`) from which an object's face is seen [degrees], in (-180, 180].
 
     The largest silhouette says which sides are broad. It is the same from behind: of the two, the side with the more
-    varied colours is the face if it is clearly so, else the one within a quarter turn of 0.
+    varied colours is the face if it is clearly so, else the one within a quarter turn of 0. Where the front is known, the
+    side within a quarter turn of it is the face, whatever its colours.
 
     Args:
         points: Shape (n, 3).
         colours: In any linear units, shape (n, 3).
+        front: The azimuth from which the front is seen [degrees]; None = nothing tells it.
     """
     low, high = np.quantile(points, [TRIMMED, 1 - TRIMMED], axis=0)
     inner = ((points >= low) & (points <= high)).all(axis=1)
@@ -83,10 +91,12 @@ def find_broad_azimuth(points: np.ndarray, colours: np.ndarray) -> float:
     cells = int(np.clip(np.sqrt(len(points)) / 4, FEWEST_CELLS, MOST_CELLS))
     cell = max(float(np.ptp(points, axis=0).max()), 1e-9) / cells
     tried = sorted(range(STEP - 90, 91, STEP), key=lambda azimuth: (abs(azimuth), -azimuth))
-    areas = [len(_find_seen(points, azimuth, cell)) for azimuth in tried]
+    areas = [len(_find_seen(points, (front or 0.0) + azimuth, cell)) for azimuth in tried]
     found = 0
     if max(areas) > GAIN * areas[0]:
         found = next(azimuth for azimuth, area in zip(tried, areas) if area >= AS_GOOD * max(areas))
+    if front is not None:
+        return 180 - (180 - front - found) % 360
     behind = found + 180 if found <= 0 else found - 180
     here, there = (_measure_variety(colours[_find_seen(points, each, cell)]) for each in (found, behind))
     return float(behind if there > RICHER * here else found)

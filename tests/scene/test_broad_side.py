@@ -47,6 +47,17 @@ def test_of_two_broad_sides_the_painted_one_is_the_face(turn):
         assert abs((found - expected + 180) % 360 - 180) <= 15 and -180 < found <= 180
 
 
+@pytest.mark.parametrize("turn", [0, 90, -90, 180])
+def test_the_back_is_not_shown_where_the_front_is_known(turn):
+    """A backpack has more colours than a face: a figure is seen from its front still, if its file tells that."""
+    board, colours = slab(turn), plain(4000).copy()
+    angle = np.radians(turn)
+    colours[board @ [np.sin(angle), -np.cos(angle), 0] < 0] += np.random.default_rng(3).normal(size=(1, 3))
+    colours[::2] += 0.3 * (board[::2] @ [np.sin(angle), -np.cos(angle), 0] < 0)[:, None]
+    found = find_broad_azimuth(board, colours, float(turn))
+    assert abs((found - turn + 180) % 360 - 180) <= 15 and -180 < found <= 180
+
+
 def test_what_is_about_as_broad_all_around_is_seen_from_the_front():
     rng = np.random.default_rng(1)
     ball = rng.normal(size=(5000, 3))
