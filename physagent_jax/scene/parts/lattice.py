@@ -15,6 +15,8 @@ _FEWEST_CELLS, _MOST_CELLS = 24, 64  # along the longest side
 _CELLS_PER_SPACING = 1.3
 _CLOSED = 0.95  # spacings within which a cell is closed up
 _ERODED = 0.6  # spacings that closing has added around
+_LARGEST_GAP = 0.95  # of the 95th percentile of distances to the fourth neighbour, that the largest holes have
+_LEAKED = 1.5  # times the cells, that closing up larger holes makes if the solid has leaked
 _SPECK = 0.01  # share of the solid
 _PAD = 4  # empty cells around
 _ALL = np.ones((3, 3, 3), bool)
@@ -105,6 +107,12 @@ def _shade(solid: np.ndarray, axis: int, back: bool) -> np.ndarray:
     return np.flip(seen, axis) if back else seen
 
 
+def _close(near: np.ndarray, reach: float, eroded: float, spacing: float) -> np.ndarray:
+    """The solid of cells that lie within a reach of the nearest point [m], and of what they enclose."""
+    closed = np.asarray(ndimage.binary_fill_holes(near <= reach))
+    return find_depth(closed) > eroded / spacing + 0.5
+
+
 def make_lattice(points: np.ndarray) -> Lattice:
     """The solid of a cloud.
 
@@ -119,10 +127,13 @@ def make_lattice(points: np.ndarray) -> Lattice:
     shape = np.floor((points.max(0) - low) / spacing).astype(int) + 1 + 2 * _PAD
     grid = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), -1)
     centres = low + (grid - _PAD + 0.5) * spacing
+    most = _LARGEST_GAP * float(np.percentile(distances[:, -1], 95))
     reach = max(_CLOSED * gap, 0.9 * spacing)
-    near = np.asarray(tree.query(centres.reshape(-1, 3), distance_upper_bound=reach)[0]).reshape(shape)
-    closed = np.asarray(ndimage.binary_fill_holes(np.isfinite(near)))
-    solid = find_depth(closed) > max(_ERODED * gap / spacing, 0.5) + 0.5
+    near = np.asarray(tree.query(centres.reshape(-1, 3), distance_upper_bound=max(reach, most))[0])
+    solid = _close(near.reshape(shape), reach, max(_ERODED * gap, 0.5 * spacing), spacing)
+    if most > reach:  # where the cloud is thin its surface has holes, by which what it encloses is lost
+        wider = _close(near.reshape(shape), most, _ERODED / _CLOSED * most, spacing)
+        solid = wider if wider.sum() > _LEAKED * solid.sum() else solid
     solid[tuple(((points - low) / spacing).astype(int).T + _PAD)] = True
     labels = find_pieces(solid)
     solid = labels == np.bincount(labels[labels > 0]).argmax()
