@@ -7,7 +7,8 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.formats.ply import write_ply
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.resolve import resolve
-from physagent_jax.scene.broad_side import find_broad_azimuth
+from physagent_jax.scene.broad_side import find_broad_azimuth, find_named_front
+from physagent_jax.scene.mesh_formats import MeshPart
 from physagent_jax.scene.procedural import PROCEDURAL
 from tests.run.specs import small
 
@@ -56,6 +57,21 @@ def test_the_back_is_not_shown_where_the_front_is_known(turn):
     colours[::2] += 0.3 * (board[::2] @ [np.sin(angle), -np.cos(angle), 0] < 0)[:, None]
     found = find_broad_azimuth(board, colours, float(turn))
     assert abs((found - turn + 180) % 360 - 180) <= 15 and -180 < found <= 180
+
+
+@pytest.mark.parametrize("looks", [(0, 1), (1, 0), (-0.6, -0.8)])
+def test_parts_called_left_and_right_tell_the_front(looks):
+    """The left of what looks along y is at -x."""
+    x, y = looks
+    faces = np.array([[0, 1, 2]])
+    triangle = 0.1 * np.eye(3)
+    sides = [
+        MeshPart(triangle + sign * np.array([-y, x, 0.3 * sign]), faces, names=(f"arm {side}",))
+        for side, sign in (("left", 1), ("right", -1))
+    ]
+    other = MeshPart(triangle, faces, names=("left",))
+    assert np.allclose(find_named_front([*sides, other], np.eye(3)), [x, y, 0])
+    assert find_named_front([sides[0], other], np.eye(3)) is None
 
 
 def test_what_is_about_as_broad_all_around_is_seen_from_the_front():
