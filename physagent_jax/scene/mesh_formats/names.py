@@ -16,7 +16,7 @@ _MACHINE = frozenset(
     poly polysurface shape shapes root rootnode scene world model material materials mat primitive primitives prim
     instance untitled none null unnamed noname submesh part parts element item entity layer collection surface
     surf solid sketchfab gltf glb fbx dae usd blender cleaner merger materialmerger gles export exported import
-    imported empty transform locator component
+    imported empty transform locator component copy cut duplicate dup clone low lod
     """.split()
 )
 _PRIMITIVES = frozenset(

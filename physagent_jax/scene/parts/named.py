@@ -63,11 +63,17 @@ def find_groups(points: np.ndarray, normals: np.ndarray, surfaces: Sequence[Mesh
     found: list[Group] = []
     for name in dict.fromkeys(name for each in surfaces for name in each.names):
         mine = np.array([name in each.names for each in surfaces])
+        if _is_all(mine[owner]):  # the root of what hangs on it is that alone
+            mine = np.array([name == each.names[0] if each.names else False for each in surfaces])
         mask = mine[owner]
         known = any((mask == other.mask).all() for other in found)
-        if _FEWEST <= mask.sum() < _WHOLE * len(mask) and not known:
+        if mask.sum() >= _FEWEST and not _is_all(mask) and not known:
             found.append(Group(name, mask, _is_joined(surfaces, mine)))
     return found
+
+
+def _is_all(mask: np.ndarray) -> bool:
+    return bool(mask.sum() >= _WHOLE * len(mask))
 
 
 def _find_owners(points: np.ndarray, normals: np.ndarray, surfaces: Sequence[MeshPart]) -> np.ndarray:
