@@ -15,8 +15,8 @@ _FEWEST_CELLS, _MOST_CELLS = 24, 64  # along the longest side
 _CELLS_PER_SPACING = 1.3
 _CLOSED = 0.95  # spacings within which a cell is closed up
 _ERODED = 0.6  # spacings that closing has added around
-_LARGEST_GAP = 0.95  # of the 95th percentile of distances to the fourth neighbour, that the largest holes have
-_LEAKED = 1.5  # times the cells, that closing up larger holes makes if the solid has leaked
+_WIDER = (1.0, 1.5, 2.25)  # times that, within which it is closed up if the solid leaks
+_LEAKED = 2.0  # times the cells, from which on closing up larger holes shows that it has
 _SPECK = 0.01  # share of the solid
 _PAD = 4  # empty cells around
 _ALL = np.ones((3, 3, 3), bool)
@@ -127,13 +127,14 @@ def make_lattice(points: np.ndarray) -> Lattice:
     shape = np.floor((points.max(0) - low) / spacing).astype(int) + 1 + 2 * _PAD
     grid = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), -1)
     centres = low + (grid - _PAD + 0.5) * spacing
-    most = _LARGEST_GAP * float(np.percentile(distances[:, -1], 95))
-    reach = max(_CLOSED * gap, 0.9 * spacing)
-    near = np.asarray(tree.query(centres.reshape(-1, 3), distance_upper_bound=max(reach, most))[0])
-    solid = _close(near.reshape(shape), reach, max(_ERODED * gap, 0.5 * spacing), spacing)
-    if most > reach:  # where the cloud is thin its surface has holes, by which what it encloses is lost
-        wider = _close(near.reshape(shape), most, _ERODED / _CLOSED * most, spacing)
-        solid = wider if wider.sum() > _LEAKED * solid.sum() else solid
+    reach, eroded = max(_CLOSED * gap, 0.9 * spacing), max(_ERODED * gap, 0.5 * spacing)
+    near = np.asarray(tree.query(centres.reshape(-1, 3), distance_upper_bound=_WIDER[-1] * reach)[0])
+    solids = (_close(near.reshape(shape), k * reach, k * eroded, spacing) for k in _WIDER)
+    solid = next(solids)
+    for wider in solids:  # where a cloud is thin its surface has holes, by which what it encloses is lost
+        if wider.sum() <= _LEAKED * solid.sum():
+            break
+        solid = wider
     solid[tuple(((points - low) / spacing).astype(int).T + _PAD)] = True
     labels = find_pieces(solid)
     solid = labels == np.bincount(labels[labels > 0]).argmax()
