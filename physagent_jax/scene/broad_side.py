@@ -109,8 +109,9 @@ def find_broad_azimuth(points: np.ndarray, colours: np.ndarray, front: float | N
     """The azimuth (`CameraConfig.azimuth_degrees`) from which an object's face is seen [degrees], in (-180, 180].
 
     The largest silhouette says which sides are broad. It is the same from behind: of the two, the side with the more
-    varied colours is the face if it is clearly so, else the one within a quarter turn of 0. Where the front is known, the
-    side within a quarter turn of it is the face, whatever its colours: parts called left and right tell it, or the format.
+    varied colours is the face if it is clearly so, else the one within a quarter turn of 0. Where the front is known,
+    the side within a quarter turn of it is the face, whatever its colours: parts called left and right tell it, or the
+    format.
 
     Args:
         points: Shape (n, 3).

@@ -97,9 +97,7 @@ def _read_parts(document: Document, place: str, beside: Neighbours) -> list[Mesh
                 moved, limbs = _move(part, world if skin is None else skin.transforms), None
                 if skin is not None:
                     limbs = skin.find_owners(part.faces), _name_limbs(document.tree, node["skin"])
-                parts.append(
-                    dataclasses.replace(moved, names=list_names(names[index], looks), bones=limbs)
-                )
+                parts.append(dataclasses.replace(moved, names=list_names(names[index], looks), bones=limbs))
     return parts
 
 

@@ -19,7 +19,11 @@ from physagent_jax.scene.parts.lattice import Lattice, find_pieces
 _PATCHES, _EYES = 140, 3  # patches of a solid; places of each that are looked from
 _STEPS = 24  # of a line of sight
 _OUTSIDE = 0.1  # of a line, that may be outside: lattices are rough
-_LEVELS = (0.9, 0.85, 0.8)  # shares of its own lines of sight that a part has, and would have no more with the next
+_LEVELS = (
+    0.9,
+    0.85,
+    0.8,
+)  # shares of its own lines of sight that a part has, and would have no more with the next
 _LEAST = 3  # patches
 _LOOSE = 0.6  # share of a part that a patch sees, below which it only hangs on it
 _WHOLE = 0.98  # share of the rest that is in one piece
@@ -71,7 +75,7 @@ def _is_end(lattice: Lattice, nodes: np.ndarray) -> bool:
 
 
 def _divide(lattice: Lattice) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Patches about as far apart, as the patch of each node, shape (n,), and the pairs of nodes that touch, (e,) each."""
+    """The patch of each node, shape (n,), and the pairs of nodes that touch, shape (e,) each."""
     firsts, seconds = [], []
     for axis in range(3):
         low, high = (np.moveaxis(lattice.node, axis, 0)[cut] for cut in (slice(None, -1), slice(1, None)))

@@ -169,8 +169,8 @@ def find_pieces(
 def join_parts(points: np.ndarray, named: Sequence[Part], shapes: Sequence[Part]) -> tuple[Part, ...]:
     """The parts that the file names, then those of the shape that are none of them.
 
-    A named part takes the roles of the shape that it is. Where the file names all of the object, a shape that lies across
-    the borders of its parts is none. Parts without particles are left out.
+    A named part takes the roles of the shape that it is. Where the file names all of the object, a shape that lies
+    across the borders of its parts is none. Parts without particles are left out.
 
     Args:
         points: Particles at rest [m], shape (n, 3).
