@@ -152,6 +152,8 @@ class _Parents:
         found = [(mask, part) for mask, part in zip(self.masks, self.parts) if of in part.roles[:1]]
         if not found and of == "head" and self.name.lower().endswith(_OWN):
             return [(~np.logical_or.reduce([~every, *limbs]), None)]
+        if of == "head":  # not that with its neck
+            found = sorted(found, key=lambda each: int(each[0].sum()))[:1]
         inner = [
             m for m, each in zip(self.masks, self.parts) if not {"ear", "horn"}.isdisjoint(each.roles[:1])
         ]
