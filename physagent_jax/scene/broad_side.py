@@ -63,8 +63,9 @@ def _measure_cached(source: str, domain: str) -> tuple[float, Vector | None]:
     points = np.asarray(cloud.means, np.float64)
     if way is None and loaded.front is not None:
         way = placement.rotation @ find_up_rotation(loaded.front).T[:, 2]
-    level = way is not None and abs(way[2]) < _STEEP
-    front = float(np.degrees(np.arctan2(way[0], -way[1]))) if level else None
+    front = None
+    if way is not None and abs(way[2]) < _STEEP:
+        front = float(np.degrees(np.arctan2(way[0], -way[1])))
     colours = np.asarray(cloud.sh[:, 0], np.float64)
     return find_broad_azimuth(points, colours, front), _find_long_axis(points)
 
