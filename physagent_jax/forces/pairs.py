@@ -3,7 +3,7 @@
 Two opposed translations of the ends, or two opposed plates, change the length of the whole; two opposed rotations wring
 it. Moved as slabs, ends would tear off what is thin between them; with a motion that grows evenly from end to end every
 section is strained alike, and nothing is toppled. One plate that presses towards the ground or the fixture has that for
-its partner.
+its partner, and so has an end of what is held that is turned.
 """
 
 from __future__ import annotations
@@ -60,12 +60,21 @@ def find_pairs(field: ForceField, scaling: SkillScaling, rest: np.ndarray) -> li
         borne = (grounded and up < -_UPRIGHT) or (scaling.holding is not None and abs(up) > _UPRIGHT)
         if i not in taken and get_skill(one).deforms == "plates" and one.region is None and borne:
             pairs.append(Pair(i, None, -1.0))
+        if i not in taken and scaling.holding is not None and one.region is not None and _turns(one):
+            height = rest @ np.asarray(one.vector) * np.sign(one.magnitude)
+            mask = make_region_mask(one.region, rest)
+            pairs += [Pair(i, None, sign) for sign in (1.0, -1.0) if _is_end(mask, sign * height)]
     return pairs
+
+
+def _turns(one: VelocityConstraint) -> bool:
+    """Return whether it turns what it is on about its own middle."""
+    return get_skill(one).prescribes and get_skill(one).is_axis and one.pivot is None
 
 
 def _match(one: VelocityConstraint, other: VelocityConstraint) -> bool:
     skill = get_skill(one)
-    ends = skill.deforms is not None or (skill.prescribes and skill.is_axis)
+    ends = skill.deforms is not None or _turns(one)
     same = one.constraint_type == other.constraint_type and one.object == other.object
     together = one.active_time == other.active_time and one.held_until == other.held_until
     ways = np.sign(one.magnitude) * np.sign(other.magnitude) * np.dot(one.vector, other.vector)

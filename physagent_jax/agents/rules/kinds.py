@@ -17,7 +17,6 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
     GAIN_MAX,
     MAGNITUDE_MAX,
-    MAGNITUDE_MIN,
     PRESCRIBED_TRAVEL,
     QUICK,
     TRAVEL,
@@ -30,7 +29,7 @@ from physagent_jax.forces.slabs import make_box, make_end_region
 from physagent_jax.motion.efforts import MOVING, find_pace, find_strain, find_wanted_way, spread_effort
 from physagent_jax.motion.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, share_time
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.motion.tolerances import expect_rotation, find_told
+from physagent_jax.motion.tolerances import expect_rotation, expect_wrung, find_told
 from physagent_jax.motion.vectors import clamp, cosine, scale
 
 SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinner one tears off what tapers
@@ -266,18 +265,19 @@ def _squeeze_limb(wish: Wish) -> _Replaced:
 
 
 def _turn_ends(wish: Wish) -> _Replaced:
-    """One end turned against the other: two opposed rotations of the ends; a torque on each half would shear it."""
-    other = next((e for e in wish.expectations if _is_turned_against(wish.expectation, e)), None)
-    if other is None:
+    """One end turned against the other, or against what holds that; a torque on each half would shear it."""
+    here = wish.expectation
+    turned = [each for each in wish.expectations if each is here or _is_turned_against(here, each)]
+    line = abs(cosine(here.part or _NO_WAY, here.direction or _NO_WAY))
+    wrung = wish.brief.anchored and here.repeats == 1 and here.limb is None and line > _VERTICAL
+    if here.kind is not MotionKind.ROTATE or not (wrung or len(turned) == 2):
         return None
-    taken, ends = [], []
-    for each in (wish, wish.about(other)):
-        causes = _find_forces(each, lambda c: c.item.region is not None and agrees(c, each.expectation))  # noqa: B023
-        if not causes:
-            return None
-        taken.append(causes[0])
-        ends.append(_make_turn(each, causes[0]))
-    return _put(wish, taken, *ends), "its ends are turned against each other, each about its own middle"
+    found = [_find_forces(wish.about(e), lambda c, e=e: c.item.region and agrees(c, e)) for e in turned]
+    if not all(found):
+        return None
+    ends = [_make_turn(wish.about(each), causes[0]) for each, causes in zip(turned, found)]
+    taken = [causes[0] for causes in found]
+    return _put(wish, taken, *ends), "one end is turned against the other, all between in proportion"
 
 
 def _is_turned_against(one: ExpectedMotion, other: ExpectedMotion) -> bool:
@@ -287,16 +287,15 @@ def _is_turned_against(one: ExpectedMotion, other: ExpectedMotion) -> bool:
 
 
 def _make_turn(wish: Wish, cause: Cause) -> VelocityConstraint:
-    expectation, (first, end) = wish.expectation, wish.get_span([cause])
-    end = min(end, wish.brief.last)
-    assert expectation.part is not None
-    until = max(float(round(first + TURNING * (end - first))), first + 1.0)
-    magnitude, amount = cause.item.magnitude, expectation.amount
-    if amount is not None and amount.unit == "degrees":
-        needed = math.radians(amount.value) / TURN * wish.reference / (until - first)
-        magnitude = math.copysign(clamp(needed, MAGNITUDE_MIN, MAGNITUDE_MAX), magnitude)
-    region = make_end_region(expectation.part, SLAB)
-    return _prescribe(cause, cause.item.vector, magnitude, (first, until), _find_hold_end(wish, end), region)
+    expectation, (first, end), size = wish.expectation, wish.get_span([cause]), cause.item.magnitude
+    end, told = min(end, wish.brief.last), expectation.amount
+    effort = abs(size) * TURNING * (end - first)
+    if told is not None and told.unit == "degrees" or wish.brief.anchored:
+        effort = math.radians(expect_wrung(expectation, wish.brief)) / TURN * wish.reference
+    amount, until = spread_effort(effort, first, end, TURNING)
+    way, region = cause.item.vector, make_end_region(expectation.part or _NO_WAY, SLAB)
+    kept = _find_hold_end(wish, end)
+    return _prescribe(cause, way, math.copysign(amount, size), (first, until), kept, region)
 
 
 def _strike(wish: Wish) -> _Replaced:
