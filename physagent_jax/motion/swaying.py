@@ -1,28 +1,44 @@
-"""Swaying of free objects where they stand: the foot stays, and the rest bends to and fro over it.
+"""Swaying and bending of objects where they stand: the foot stays, and the rest bends over it.
 
 Pushes cannot do this for every object: what is stiff slides instead, what stands on thin ankles breaks down under its
-own weight, and pushes in time with it swing it farther each time. So the bending is prescribed, as a limb's is.
+own weight, and pushes in time with it swing it farther each time. So the bending is prescribed, as a limb's is. What
+rocks does not bend: it is tilted over the edges of its foot, to either side.
 """
 
 from __future__ import annotations
 
 import itertools
+from collections.abc import Sequence
 
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import Bend, CellsRegion, VelocityConstraint
-from physagent_jax.motion.schema import SceneBrief
+from physagent_jax.motion.schema import Amount, SceneBrief
 from physagent_jax.motion.vectors import cross, dot, normalise
 from physagent_jax.motion.windows import Window
 
 _FOOT = 0.1  # of its height, that stays
 _LOW, _HIGH = ((0.5, 0.5, 0.0),), ((0.5, 0.5, 2 * _FOOT),)  # the plane between them is where the foot ends
 _ANGLE = 16.0  # [degrees] that its top turns by to either side with a strength of 1
-_DEPTH = 0.2  # [body lengths] over which it bends, over its foot
+_DEPTH, _CURVED = 0.2, 0.8  # [body lengths] over which it sways, and is bent, over its foot
+_BENT, _FARTHEST, _MOST = (
+    45.0,
+    75.0,
+    120.0,
+)  # [degrees] that a bend of strength 1, of any, and by a quantity turns its top
+_TIME = 1.0  # [s] in which it is bent, at most
+_TILT = 9.0  # [degrees] that it rocks by to either side with a strength of 1
+_SETTLED = 0.2  # [s] for which it is kept upright where it has stopped rocking
+_ROCKS = frozenset(("rock", "teeter", "totter", "seesaw"))
 _REACH = 2.0  # [body lengths]: all of its foot borders on the rest
 _LEVEL = 0.7  # cosine to the vertical below which a way leads aside
 FOOT = CellsRegion(inside=_LOW, outside=_HIGH, label="its foot")
+
+
+def rocks(verb: str) -> bool:
+    """Return whether what does it tilts over its foot as a whole."""
+    return verb in _ROCKS
 
 
 def leads_aside(way: Vector | None, brief: SceneBrief) -> bool:
@@ -42,19 +58,67 @@ def sway(
         count: How often it goes to and fro.
         window: First and last frame.
     """
-    axis = normalise(cross(brief.directions.up, way))
-    assert axis is not None  # the way is level
-    joint = (0.5, 0.5, _FOOT)
-    upper = CellsRegion(inside=_HIGH, outside=_LOW, label="all but its foot")
-    body = Part(
-        moved=upper, rest=FOOT, joint=joint, arm=brief.directions.up, side=brief.directions.up, share=1.0
-    )
-    driver = PartDriver(body, brief.frame_dt, brief.frame_count)
     strokes = [1.0, *[-2.0, 2.0] * (count - 1), -2.0, 1.0]
+    return [
+        _turn(brief, way, stroke * strength * _ANGLE, span, None, _DEPTH)
+        for stroke, span in zip(strokes, _divide(window, strokes))
+    ]
+
+
+def bend(
+    brief: SceneBrief, way: Vector, strength: float, amount: Amount | None, window: Window, stop: float | None
+) -> VelocityConstraint:
+    """The turn of what stands over its foot, by which it bends evenly over its height.
+
+    Args:
+        brief: The scene.
+        way: Where its top goes (unit world vector), level.
+        strength: Factor on the angle, unless that is told.
+        amount: Quantity that the sentence tells, or None.
+        window: First and last frame.
+        stop: Frame until which it is then held; None = it is let go and springs back.
+    """
+    told = amount is not None and amount.unit == "degrees"
+    angle = min(amount.value, _MOST) if amount and told else min(_BENT * strength, _FARTHEST)
+    end = min(window[1], window[0] + max(_TIME / brief.frame_dt, 2.0))
+    kept = stop if stop is not None and stop > end else None
+    return _turn(brief, way, angle, (window[0], end), kept, _CURVED)
+
+
+def rock(
+    brief: SceneBrief, way: Vector, strength: float, count: int, window: Window
+) -> list[VelocityConstraint]:
+    """The tilts of what stands over the edges of its foot, to either side and back to where it was; as `sway`."""
+    strokes = [1.0, -1.0, -1.0, 1.0] * count
+    axis, last = normalise(cross(brief.directions.up, way)), float(brief.last)
+    assert axis is not None  # the way is level
+    driver = PartDriver(_make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
+    spans = _divide(window, strokes)
+    made = [driver.turn(axis, s * strength * _TILT, span, None) for s, span in zip(strokes, spans)]
+    rest = min(window[1] + _SETTLED / brief.frame_dt, last)
+    made[-1] = made[-1].model_copy(update=dict(held_until=rest if rest > window[1] else None))
+    return [each.model_copy(update=dict(region=None, pivot=None)) for each in made]
+
+
+def _divide(window: Window, strokes: Sequence[float]) -> list[Window]:
+    """The window of each stroke, as long as its size needs."""
     ends = list(itertools.accumulate([0.0, *map(abs, strokes)]))
     edges = [window[0] + (window[1] - window[0]) * each / ends[-1] for each in ends]
-    bend = Bend(joint=joint, rest=FOOT, reach=_REACH, depth=_DEPTH)
-    return [
-        driver.turn(axis, stroke * strength * _ANGLE, span, None).model_copy(update=dict(bend=bend))
-        for stroke, span in zip(strokes, itertools.pairwise(edges))
-    ]
+    return list(itertools.pairwise(edges))
+
+
+def _make_upper(brief: SceneBrief) -> Part:
+    upper = CellsRegion(inside=_HIGH, outside=_LOW, label="all but its foot")
+    up = brief.directions.up
+    return Part(moved=upper, rest=FOOT, joint=(0.5, 0.5, _FOOT), arm=up, side=up, share=1.0)
+
+
+def _turn(
+    brief: SceneBrief, way: Vector, angle: float, window: Window, stop: float | None, depth: float
+) -> VelocityConstraint:
+    """All but the foot turned so that its top goes a way, by an angle [degrees], bending over ``depth``."""
+    axis, body = normalise(cross(brief.directions.up, way)), _make_upper(brief)
+    assert axis is not None  # the way is level
+    made = PartDriver(body, brief.frame_dt, brief.frame_count).turn(axis, angle, window, stop)
+    place = Bend(joint=body.joint, rest=FOOT, reach=_REACH, depth=depth)
+    return made.model_copy(update=dict(bend=place))

@@ -55,7 +55,8 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     anchor = find_support(clauses, brief, _is_soft(intent, brief)) if anchor.kind is None else anchor
     held = anchor.kind in ("base", "top", "rest")
     anchored = held or (brief.anchored is not None and anchor.kind != "none")
-    builder = ForceFieldBuilder(brief, anchored, intent.surroundings.gravity, planted=anchor.kind == "rest")
+    rooted = anchored and "top" not in (anchor.kind or brief.anchored or "")
+    builder = ForceFieldBuilder(brief, anchored, intent.surroundings.gravity, rooted=rooted)
     builder.notes += intent.notes
     builder.obstacles += resolve_obstacles(intent.surroundings.solids, None, brief)
     slots, frame_count, remarks = schedule(make_events(clauses, builder), brief, anchored)
