@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 import trimesh
 
+from physagent_jax.forces.calibration import TURN, find_reference_time
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.motion.schema import DirectionTable, SceneBrief
+from physagent_jax.motion.schema import DirectionTable, MotionKind, SceneBrief
 from physagent_jax.motion.swaying import FOOT, sway
 from physagent_jax.simulation.simulate import simulate_frames
 from tests.agents.scenes import brief, read
@@ -15,11 +16,56 @@ STANDING = dict(world="ground", may_be_held=True)
 LAST = 24
 
 
-@pytest.mark.parametrize("sentence", ["the robot sways", "the robot wobbles", "the robot rocks to and fro"])
+@pytest.mark.parametrize("sentence", ["the robot sways", "the robot wobbles", "bend the robot"])
 def test_what_sways_where_it_stands_keeps_its_foot(sentence):
     reply = read(sentence, brief(**STANDING))
     assert reply.anchor.kind == "rest" and reply.anchor.region == FOOT
     assert not reply.force_field.actions and reply.force_field.constraints
+
+
+def test_what_rocks_tilts_over_its_foot_as_a_whole():
+    """To one side and back, to the other and back; nothing of it bends."""
+    reply = read("the robot rocks to and fro", brief(**STANDING))
+    turns = reply.force_field.constraints
+    assert reply.anchor.kind is None and not reply.force_field.actions and len(turns) == 8
+    assert all(each.region is None and each.bend is None and each.pivot is None for each in turns)
+    angles = [each.vector[1] * each.magnitude * (each.active_time[1] - each.active_time[0]) for each in turns]
+    size = abs(angles[0])
+    assert np.cumsum(angles) / angles[0] == pytest.approx([1, 0, -1, 0] * 2, abs=0.01) and size > 0
+
+
+@pytest.mark.parametrize("held", [{}, {"anchored": "plants are rooted"}])
+@pytest.mark.parametrize(
+    ("sentence", "angle", "held_until"),
+    [
+        ("bend the robot to the left", 45.0, 48.0),
+        ("bend the robot far to the left", 58.5, 48.0),
+        ("bend the robot a little to the left", 22.5, 48.0),
+        ("bend the robot to the left by 60 degrees", 60.0, 48.0),
+        ("bend the robot to the left, then let it spring back", 45.0, None),
+    ],
+)
+def test_what_stands_is_bent_over_its_foot_and_let_go(sentence, angle, held_until, held):
+    scene = brief(**STANDING | held)
+    reply = read(sentence, scene)
+    (turn,) = reply.force_field.constraints
+    seconds = (turn.active_time[1] - turn.active_time[0]) * scene.frame_dt
+    turned = np.degrees(TURN / find_reference_time(True, 0) * turn.magnitude * turn.gain * seconds)
+    assert turned == pytest.approx(angle, rel=0.01) and turn.held_until == held_until
+    assert turn.bend.rest == FOOT and turn.bend.depth > 0.5 and turn.vector == pytest.approx((0, -1, 0))
+    (motion,) = (each for each in reply.expectations if each.kind is MotionKind.MOVE)
+    assert motion.direction == (-1, 0, 0) and motion.released == (held_until is None)
+
+
+@pytest.mark.parametrize("sentence", ["shake the robot", "the robot trembles"])
+def test_what_is_rooted_shakes_quickly_and_ends_where_it_began(sentence):
+    """A train of pushes swings what is limp at its own pace."""
+    reply = read(sentence, brief(**STANDING, anchored="plants are rooted"))
+    turns = reply.force_field.constraints
+    ways = [
+        each.vector[1] * each.magnitude * np.subtract(*each.active_time[::-1]) * each.gain for each in turns
+    ]
+    assert not reply.force_field.actions and len(turns) == 9 and abs(sum(ways)) < 0.01 * max(ways)
 
 
 @pytest.mark.parametrize(
