@@ -11,7 +11,9 @@ from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL, TURN
 from physagent_jax.forces.compilation import compile_force_field
 from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ForceField, Holding, Opposition
+from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.mpm import step
+from physagent_jax.mpm.constraints import GradedRotation, GradedTranslation
 from physagent_jax.mpm.energy import angular_momentum, momentum
 from tests.mpm.blocks import block
 
@@ -307,6 +309,33 @@ def test_opposed_ends_part_by_a_share_of_the_extent_between_them(x64):
     width = [float(np.ptp(np.asarray(s.x[:, 1]))) for s in (start, end)]
     np.testing.assert_allclose(width[1] / width[0] - 1, 2 * 0.5 * 0.8 * 8 / 20, rtol=1e-6)
     np.testing.assert_allclose(momentum(model, end)[1], 0, atol=1e-9)
+
+
+@pytest.mark.parametrize("degrees", [0, 15, 40, 90])
+@pytest.mark.parametrize("kind", ["enforce_particle_translation", "enforce_particle_rotation"])
+def test_ends_are_ends_from_wherever_they_are_seen(kind, degrees):
+    """Regions are fractions of a box that is no cube: across an oblique line they are no slabs."""
+    way = np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees)), 0.0])
+    ends = [
+        dict(
+            constraint_type=kind,
+            vector=(sign * way).tolist(),
+            active_time=[0, 8],
+            region=make_end_region(tuple((sign * way).tolist()), 0.75),
+        )
+        for sign in (1, -1)
+    ]
+    rest = np.random.default_rng(0).uniform(0, 1, (500, 3)) * [1.0, 0.25, 0.7]
+    _, (made,) = compile_force_field(
+        ForceField.model_validate(dict(constraints=ends)),
+        SCALING,
+        rest.astype(np.float32),
+        np.ones(len(rest), np.float32),
+        frame_dt=FRAME_DT,
+        frame_count=FRAMES,
+    )
+    assert isinstance(made, GradedTranslation | GradedRotation)
+    np.testing.assert_allclose(np.abs(made.axis @ way), 1, rtol=1e-6)
 
 
 def test_opposed_rotations_wring_every_section_in_proportion(x64):
