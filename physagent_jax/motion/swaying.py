@@ -27,7 +27,13 @@ _BENT, _FARTHEST, _MOST = (
     75.0,
     120.0,
 )  # [degrees] that a bend of strength 1, of any, and by a quantity turns its top
-_TIME = 1.0  # [s] in which it is bent, at most
+_TIME, _SWING = 1.0, 0.28  # [s] in which it is bent, at most, and of each swing as it springs back
+_BACK = (
+    -1.4,
+    0.55,
+    -0.21,
+    0.06,
+)  # swings as it springs back, in parts of the angle: each 0.39 of the one before
 _TILT = 9.0  # [degrees] that it rocks by to either side with a strength of 1
 _SETTLED = 0.2  # [s] for which it is kept upright where it has stopped rocking
 _ROCKS = frozenset(("rock", "teeter", "totter", "seesaw"))
@@ -66,23 +72,37 @@ def sway(
 
 
 def bend(
-    brief: SceneBrief, way: Vector, strength: float, amount: Amount | None, window: Window, stop: float | None
-) -> VelocityConstraint:
-    """The turn of what stands over its foot, by which it bends evenly over its height.
+    brief: SceneBrief, way: Vector, strength: float, amount: Amount | None, window: Window, released: bool
+) -> list[VelocityConstraint]:
+    """The turn of what stands over its foot, by which it bends evenly over its height, and the swings back.
+
+    By itself something would hardly come back in a clip whose crown is heavy and whose stem is thin.
 
     Args:
         brief: The scene.
         way: Where its top goes (unit world vector), level.
         strength: Factor on the angle, unless that is told.
         amount: Quantity that the sentence tells, or None.
-        window: First and last frame.
-        stop: Frame until which it is then held; None = it is let go and springs back.
+        window: First and last frame in which it is bent and kept bent.
+        released: Whether it then springs back, as far as there is time.
     """
     told = amount is not None and amount.unit == "degrees"
     angle = min(amount.value, _MOST) if amount and told else min(_BENT * strength, _FARTHEST)
     end = min(window[1], window[0] + max(_TIME / brief.frame_dt, 2.0))
-    kept = stop if stop is not None and stop > end else None
-    return _turn(brief, way, angle, (window[0], end), kept, _CURVED)
+    made = [_turn(brief, way, angle, (window[0], end), window[1] if window[1] > end else None, _CURVED)]
+    last, frames = float(brief.last), _SWING / brief.frame_dt
+    if not released or last - window[1] < frames:
+        return made
+    spans = [(window[1] + i * frames, window[1] + (i + 1) * frames) for i in range(len(_BACK))]
+    swings = [
+        _turn(brief, way, share * angle, span, None, _CURVED)
+        for share, span in zip(_BACK, spans)
+        if span[1] <= last
+    ]
+    if len(swings) < len(_BACK):
+        return [*made, _turn(brief, way, -angle, spans[0], last if last > spans[0][1] else None, _CURVED)]
+    rests = swings[-1].model_copy(update=dict(held_until=last if last > spans[-1][1] else None))
+    return [*made, *swings[:-1], rests]
 
 
 def rock(

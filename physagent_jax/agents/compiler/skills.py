@@ -114,10 +114,9 @@ def _compile_lean(task: Task) -> None:
     if event.repeat.alternate or event.count > 1:
         _compile_sway(task)
     elif bends and task.builder.rooted:
-        kept = None if task.is_released else task.window[1]
-        bent = bend(brief, task.direction, event.strength, event.amount, task.window, kept)
-        task.builder.constraints.append(bent)
-        task.expect(MotionKind.MOVE, event.direction, task.window, released=task.is_released)
+        told, let_go = (event.strength, event.amount, task.window), task.is_released
+        task.builder.constraints += bend(brief, task.direction, *told, let_go)
+        task.expect(MotionKind.MOVE, event.direction, task.window, released=let_go)
     elif task.builder.anchored or event.limbs or event.is_in_wind or vertical or brief.object_kind == "plant":
         _compile_push(task)
     else:
