@@ -20,6 +20,7 @@ from physagent_jax.forces.schema import (
 )
 from physagent_jax.forces.skills import Skill, get_skill, list_skills
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.swaying import FOOT
 from physagent_jax.motion.vectors import cosine, scale
 
 POINTED = 0.95  # cosine from which a vector points where the sentence says
@@ -56,6 +57,12 @@ class Cause:
         """Return whether it turns a part about its joint, or presses it alone, whatever way that moves the part."""
         pressed = self.skill.deforms == "plates" and self.item.region is not None
         return isinstance(self.item, VelocityConstraint) and (self.item.pivot is not None or pressed)
+
+    @property
+    def bends_over(self) -> bool:
+        """Return whether it bends what stands over its foot, whatever way that moves it."""
+        bend = getattr(self.item, "bend", None)
+        return bend is not None and bend.rest == FOOT
 
     @property
     def pushes(self) -> bool:
@@ -131,7 +138,7 @@ def is_thrown_up(
 def find_causes(expectation: ExpectedMotion, force_field: ForceField) -> list[Cause]:
     """Entries of a fitting type that act in the window: those along the expected line, else all of them."""
     acting = [c for c in list_causes(force_field) if overlaps(c, expectation.window)]
-    if expectation.limb is not None and (turning := [c for c in acting if c.turns_limb]):
+    if turning := [c for c in acting if _turns_what_is_meant(c, expectation)]:
         return turning
     fitting = [c for c in acting if expectation.kind in c.skill.causes]
     if expectation.kind in AXIAL:  # a translation of something else than an end does neither
@@ -140,6 +147,13 @@ def find_causes(expectation: ExpectedMotion, force_field: ForceField) -> list[Ca
         return fitting
     aligned = [c for c in fitting if abs(cosine(c.item.vector, expectation.direction)) >= _ALIGNED]
     return aligned or fitting
+
+
+def _turns_what_is_meant(cause: Cause, expectation: ExpectedMotion) -> bool:
+    """Return whether a limb is meant and it turns one, or all of what stands and it bends that."""
+    if expectation.limb is not None:
+        return cause.turns_limb
+    return cause.bends_over and expectation.kind in (MotionKind.MOVE, MotionKind.SWAY)
 
 
 def find_own_causes(
@@ -217,7 +231,7 @@ def _brakes(cause: Cause, serving: Sequence[Cause]) -> bool:
 
 def agrees(cause: Cause, expectation: ExpectedMotion) -> bool:
     """Return whether a cause drives the motion the way that the sentence says (its sign, for stretch and squeeze)."""
-    if expectation.limb is not None and cause.turns_limb:
+    if _turns_what_is_meant(cause, expectation):
         return True
     if expectation.kind in AXIAL:
         if cause.group == "constraints":

@@ -8,6 +8,7 @@ import trimesh
 
 from physagent_jax.forces.calibration import TURN, find_reference_time
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.matching import agrees, find_causes
 from physagent_jax.motion.schema import DirectionTable, MotionKind, SceneBrief
 from physagent_jax.motion.swaying import FOOT, sway
 from physagent_jax.simulation.simulate import simulate_frames
@@ -23,6 +24,16 @@ def test_what_sways_where_it_stands_keeps_its_foot(sentence):
     reply = read(sentence, brief(**STANDING))
     assert reply.anchor.kind == "rest" and reply.anchor.region == FOOT
     assert not reply.force_field.actions and reply.force_field.constraints
+
+
+@pytest.mark.parametrize("sentence", ["bend the robot to the left", "the robot sways"])
+def test_what_bends_is_brought_about_by_its_turns(sentence):
+    """Another force beside them would only fight them."""
+    reply = read(sentence, brief(**STANDING))
+    for motion in reply.expectations:
+        causes = find_causes(motion, reply.force_field)
+        assert [each.item for each in causes] == list(reply.force_field.constraints)
+        assert all(agrees(each, motion) for each in causes)
 
 
 def test_what_rocks_tilts_over_its_foot_as_a_whole():

@@ -92,7 +92,7 @@ def _compile_sway(task: Task) -> None:
             task.act(ActionType.IMPULSE, up, 2 * SWING * magnitude, make_impulse_window(part[0]))
     elif rocks(event.phrase) and builder.grounded and not held:
         builder.constraints += rock(builder.brief, task.direction, magnitude, count, task.window)
-    elif builder.rooted and (builder.brief.anchored is None or event.motion.cycles > 3):
+    elif builder.rooted and (builder.brief.anchored is None or count > 3):
         builder.constraints += sway(builder.brief, task.direction, magnitude, count, task.window)
     else:
         _alternate(task, ActionType.TRANSLATION, magnitude, divide_swings(task.window, count, held))
