@@ -20,7 +20,7 @@ from physagent_jax.forces.schema import (
 )
 from physagent_jax.forces.skills import Skill, get_skill, list_skills
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.motion.swaying import FOOT
+from physagent_jax.motion.swaying import FOOT, HALF
 from physagent_jax.motion.vectors import cosine, scale
 
 POINTED = 0.95  # cosine from which a vector points where the sentence says
@@ -60,9 +60,9 @@ class Cause:
 
     @property
     def bends_over(self) -> bool:
-        """Return whether it bends what stands over its foot, whatever way that moves it."""
+        """Return whether it bends the whole, over its foot or about its middle, whatever way that moves it."""
         bend = getattr(self.item, "bend", None)
-        return bend is not None and bend.rest == FOOT
+        return bend is not None and (bend.rest == FOOT or bend.rest.label == HALF)
 
     @property
     def pushes(self) -> bool:

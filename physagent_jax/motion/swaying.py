@@ -15,7 +15,7 @@ from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import Bend, CellsRegion, VelocityConstraint
 from physagent_jax.motion.schema import Amount, SceneBrief
-from physagent_jax.motion.vectors import cross, dot, normalise
+from physagent_jax.motion.vectors import cross, dot, normalise, scale
 from physagent_jax.motion.windows import Window
 
 _FOOT = 0.1  # of its height, that stays
@@ -39,6 +39,7 @@ _SETTLED = 0.2  # [s] for which it is kept upright where it has stopped rocking
 _ROCKS = frozenset(("rock", "teeter", "totter", "seesaw"))
 _REACH = 2.0  # [body lengths]: all of its foot borders on the rest
 _LEVEL = 0.7  # cosine to the vertical below which a way leads aside
+HALF = "one half"  # the name of what bends about its middle
 FOOT = CellsRegion(inside=_LOW, outside=_HIGH, label="its foot")
 
 
@@ -66,21 +67,22 @@ def sway(
     """
     strokes = [1.0, *[-2.0, 2.0] * (count - 1), -2.0, 1.0]
     return [
-        _turn(brief, way, stroke * strength * _ANGLE, span, None, _DEPTH)
+        turn
         for stroke, span in zip(strokes, _divide(window, strokes))
+        for turn in _turn(brief, [_make_upper(brief)], way, stroke * strength * _ANGLE, span, None, _DEPTH)
     ]
 
 
 def bend(
     brief: SceneBrief, way: Vector, strength: float, amount: Amount | None, window: Window, released: bool
 ) -> list[VelocityConstraint]:
-    """The turn of what stands over its foot, by which it bends evenly over its height, and the swings back.
+    """The turns by which something bends evenly, and swings back: of what stands over its foot, or of both its ends.
 
     By itself something would hardly come back in a clip whose crown is heavy and whose stem is thin.
 
     Args:
         brief: The scene.
-        way: Where its top goes (unit world vector), level.
+        way: Where its top or its ends go (unit world vector).
         strength: Factor on the angle, unless that is told.
         amount: Quantity that the sentence tells, or None.
         window: First and last frame in which it is bent and kept bent.
@@ -88,21 +90,43 @@ def bend(
     """
     told = amount is not None and amount.unit == "degrees"
     angle = min(amount.value, _MOST) if amount and told else min(_BENT * strength, _FARTHEST)
+    bodies = [_make_half(brief, 1.0), _make_half(brief, -1.0)] if lies(brief) else [_make_upper(brief)]
+    angle = angle / len(bodies) if told else angle
     end = min(window[1], window[0] + max(_TIME / brief.frame_dt, 2.0))
-    made = [_turn(brief, way, angle, (window[0], end), window[1] if window[1] > end else None, _CURVED)]
     last, frames = float(brief.last), _SWING / brief.frame_dt
-    if not released or last - window[1] < frames:
-        return made
-    spans = [(window[1] + i * frames, window[1] + (i + 1) * frames) for i in range(len(_BACK))]
-    swings = [
-        _turn(brief, way, share * angle, span, None, _CURVED)
-        for share, span in zip(_BACK, spans)
-        if span[1] <= last
+    swings = [(1.0, (window[0], end), window[1])]
+    count = min(int((last - window[1]) / frames), len(_BACK)) if released else 0
+    shares = _BACK if count == len(_BACK) else (-1.0,) * min(count, 1)
+    for index, share in enumerate(shares):
+        begin = window[1] + index * frames
+        swings.append((share, (begin, begin + frames), last if index == len(shares) - 1 else 0.0))
+    return [
+        turn
+        for share, span, stop in swings
+        for turn in _turn(brief, bodies, way, share * angle, span, stop if stop > span[1] else None, _CURVED)
     ]
-    if len(swings) < len(_BACK):
-        return [*made, _turn(brief, way, -angle, spans[0], last if last > spans[0][1] else None, _CURVED)]
-    rests = swings[-1].model_copy(update=dict(held_until=last if last > spans[-1][1] else None))
-    return [*made, *swings[:-1], rests]
+
+
+def lies(brief: SceneBrief) -> bool:
+    """Return whether it is longest along a level line and nothing holds it: its ends are bent, and no top is."""
+    long = brief.long_axis
+    return long is not None and abs(dot(long, brief.directions.up)) < _LEVEL and brief.anchored is None
+
+
+def find_bend(way: Vector, brief: SceneBrief, rooted: bool) -> Vector | None:
+    """The way in which it bends (unit vector), or None: ends that cannot go along themselves go up.
+
+
+    Args:
+        way: As told.
+        brief: The scene.
+        rooted: Whether its foot is held.
+    """
+    up, long = dot(way, brief.directions.up), brief.long_axis
+    if lies(brief) and long is not None:
+        ahead = abs(dot(way, long)) > _LEVEL
+        return None if up < -_LEVEL else brief.directions.up if ahead else way
+    return way if rooted and abs(up) < _LEVEL else None
 
 
 def rock(
@@ -133,12 +157,31 @@ def _make_upper(brief: SceneBrief) -> Part:
     return Part(moved=upper, rest=FOOT, joint=(0.5, 0.5, _FOOT), arm=up, side=up, share=1.0)
 
 
+def _make_half(brief: SceneBrief, side: float) -> Part:
+    """One half of what lies, on a side of its middle."""
+    long = scale(brief.long_axis or brief.directions.right, side)
+    here, there = (tuple(0.5 + 0.25 * sign * c for c in long) for sign in (1.0, -1.0))
+    half, rest = (
+        CellsRegion(inside=(a,), outside=(b,), label=HALF) for a, b in ((here, there), (there, here))
+    )
+    return Part(moved=half, rest=rest, joint=(0.5, 0.5, 0.5), arm=long, side=long, share=0.5)
+
+
 def _turn(
-    brief: SceneBrief, way: Vector, angle: float, window: Window, stop: float | None, depth: float
-) -> VelocityConstraint:
-    """All but the foot turned so that its top goes a way, by an angle [degrees], bending over ``depth``."""
-    axis, body = normalise(cross(brief.directions.up, way)), _make_upper(brief)
-    assert axis is not None  # the way is level
-    made = PartDriver(body, brief.frame_dt, brief.frame_count).turn(axis, angle, window, stop)
-    place = Bend(joint=body.joint, rest=FOOT, reach=_REACH, depth=depth)
-    return made.model_copy(update=dict(bend=place))
+    brief: SceneBrief,
+    bodies: Sequence[Part],
+    way: Vector,
+    angle: float,
+    window: Window,
+    stop: float | None,
+    depth: float,
+) -> list[VelocityConstraint]:
+    """Bodies turned so that their tips go a way, by an angle [degrees], bending over ``depth``."""
+    made = []
+    for body in bodies:
+        axis = normalise(cross(body.arm, way))
+        assert axis is not None  # the way leads across
+        turn = PartDriver(body, brief.frame_dt, brief.frame_count).turn(axis, angle, window, stop)
+        place = Bend(joint=body.joint, rest=body.rest, reach=_REACH, depth=depth)
+        made.append(turn.model_copy(update=dict(bend=place)))
+    return made

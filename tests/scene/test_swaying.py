@@ -16,7 +16,7 @@ from tests.agents.scenes import brief, read
 from tests.scene.test_equilibrium import scene_of
 
 STANDING = dict(world="ground", may_be_held=True)
-LAST = 24
+UP, LAST = (0, 0, 1), 24
 
 
 @pytest.mark.parametrize("sentence", ["the robot sways", "the robot wobbles", "bend the robot"])
@@ -76,6 +76,22 @@ def test_what_stands_is_bent_over_its_foot_and_springs_back_if_it_is_let_go(sent
     assert motion.direction == (-1, 0, 0) and motion.released == back
     swung = [(a.active_time[1], b.active_time[0]) for a, b in itertools.pairwise(swings)]
     assert all(a == b for a, b in swung) and (not back or turn.held_until == swings[0].active_time[0])
+
+
+@pytest.mark.parametrize(
+    ("sentence", "way"),
+    [("bend the robot", UP), ("bend the robot upwards", UP), ("bend the robot away from us", (0, 1, 0))],
+)
+def test_what_lies_bends_about_its_middle(sentence, way):
+    """Both ends go there, as one end would not over the other as its foot."""
+    reply = read(sentence, brief(**STANDING, long_axis=(1.0, 0.0, 0.0)))
+    one, two = reply.force_field.constraints
+    assert reply.anchor.kind is None and not reply.force_field.actions
+    for turn, side in ((one, 1.0), (two, -1.0)):
+        assert np.cross(turn.vector, (side, 0, 0)) * np.sign(turn.magnitude) == pytest.approx(way)
+        assert turn.bend.rest != turn.region and turn.region.inside[0][0] == 0.5 + 0.25 * side
+    (motion,) = reply.expectations
+    assert motion.direction == pytest.approx(way) and motion.part is not None
 
 
 @pytest.mark.parametrize("sentence", ["shake the robot", "the robot trembles"])

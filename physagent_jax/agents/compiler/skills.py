@@ -16,7 +16,7 @@ from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_strain_magnitude, find_swing_magnitude
 from physagent_jax.motion.schema import MotionKind
-from physagent_jax.motion.swaying import bend, rock, rocks, sway
+from physagent_jax.motion.swaying import bend, find_bend, lies, rock, rocks, sway
 from physagent_jax.motion.vectors import dot, scale
 from physagent_jax.motion.windows import Window, divide, divide_swings
 
@@ -110,13 +110,14 @@ def _compile_lean(task: Task) -> None:
     """Parts, anchored things and things in the wind are pushed over; a free thing is turned."""
     event, brief = task.event, task.brief
     vertical = abs(dot(task.direction, brief.directions.up)) >= 0.9
-    bends = event.phrase == "bend" and not (vertical or event.region or event.is_in_wind)
+    bends = event.phrase == "bend" and not (event.region or event.is_in_wind)
+    way, lying, let_go = find_bend(task.direction, brief, task.builder.rooted), lies(brief), task.is_released
     if event.repeat.alternate or event.count > 1:
         _compile_sway(task)
-    elif bends and task.builder.rooted:
-        told, let_go = (event.strength, event.amount, task.window), task.is_released
-        task.builder.constraints += bend(brief, task.direction, *told, let_go)
-        task.expect(MotionKind.MOVE, event.direction, task.window, released=let_go)
+    elif bends and way:
+        task.builder.constraints += bend(brief, way, event.strength, event.amount, task.window, let_go)
+        end = dict(part=brief.long_axis if lying else event.part, partial=lying)
+        task.expect(MotionKind.MOVE, way, task.window, released=let_go, **end)
     elif task.builder.anchored or event.limbs or event.is_in_wind or vertical or brief.object_kind == "plant":
         _compile_push(task)
     else:
