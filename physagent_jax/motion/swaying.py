@@ -116,7 +116,6 @@ def lies(brief: SceneBrief) -> bool:
 def find_bend(way: Vector, brief: SceneBrief, rooted: bool) -> Vector | None:
     """The way in which it bends (unit vector), or None: ends that cannot go along themselves go up.
 
-
     Args:
         way: As told.
         brief: The scene.
