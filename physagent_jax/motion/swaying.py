@@ -180,7 +180,9 @@ def _turn(
     for body in bodies:
         axis = normalise(cross(body.arm, way))
         assert axis is not None  # the way leads across
-        turn = PartDriver(body, brief.frame_dt, brief.frame_count).turn(axis, angle, window, stop)
+        held = body.rest.label != HALF  # what lies is free
+        driver = PartDriver(body, brief.frame_dt, brief.frame_count, held=held)
+        turn = driver.turn(axis, angle, window, stop)
         place = Bend(joint=body.joint, rest=body.rest, reach=_REACH, depth=depth)
         made.append(turn.model_copy(update=dict(bend=place)))
     return made

@@ -106,6 +106,14 @@ def test_what_is_rooted_shakes_quickly_and_ends_where_it_began(sentence):
 
 
 @pytest.mark.parametrize(
+    "sentence", ["shake the robot up and down", "the robot rocks up and down four times"]
+)
+def test_what_is_rooted_and_shaken_upwards_is_pushed(sentence):
+    reply = read(sentence, brief(**STANDING, anchored="plants are rooted"))
+    assert reply.force_field.actions and not reply.force_field.constraints
+
+
+@pytest.mark.parametrize(
     "sentence", ["shake the robot", "the robot bobs up and down", "the robot is tossed to and fro"]
 )
 def test_what_is_shaken_goes_as_a_whole(sentence):

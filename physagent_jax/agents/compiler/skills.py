@@ -16,7 +16,7 @@ from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_strain_magnitude, find_swing_magnitude
 from physagent_jax.motion.schema import MotionKind
-from physagent_jax.motion.swaying import bend, find_bend, lies, rock, rocks, sway
+from physagent_jax.motion.swaying import bend, find_bend, leads_aside, lies, rock, rocks, sway
 from physagent_jax.motion.vectors import dot, scale
 from physagent_jax.motion.windows import Window, divide, divide_swings
 
@@ -82,18 +82,18 @@ def _compile_by_skill(task: Task, name: str) -> None:
 
 def _compile_sway(task: Task) -> None:
     """To and fro; what bobs on the ground is thrown up each time, and weight brings it back."""
-    event, builder, up = task.event, task.builder, task.brief.directions.up
+    event, builder, brief, up = task.event, task.builder, task.brief, task.brief.directions.up
     count, held = task.limit_count(event.repeat.count or event.motion.cycles), builder.anchored
     magnitude = event.strength
     if event.amount is not None:
-        magnitude = find_swing_magnitude(event.amount, held, builder.brief) or magnitude
+        magnitude = find_swing_magnitude(event.amount, held, brief) or magnitude
     if builder.grounded and not held and abs(dot(task.direction, up)) > _UPRIGHT:
         for part in divide(task.window, [1.0] * count):
             task.act(ActionType.IMPULSE, up, 2 * SWING * magnitude, make_impulse_window(part[0]))
     elif rocks(event.phrase) and builder.grounded and not held:
-        builder.constraints += rock(builder.brief, task.direction, magnitude, count, task.window)
-    elif builder.rooted and (builder.brief.anchored is None or count > 3):
-        builder.constraints += sway(builder.brief, task.direction, magnitude, count, task.window)
+        builder.constraints += rock(brief, task.direction, magnitude, count, task.window)
+    elif builder.rooted and leads_aside(task.direction, brief) and (brief.anchored is None or count > 3):
+        builder.constraints += sway(brief, task.direction, magnitude, count, task.window)
     else:
         _alternate(task, ActionType.TRANSLATION, magnitude, divide_swings(task.window, count, held))
     released = task.is_released
