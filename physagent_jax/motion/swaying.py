@@ -21,7 +21,7 @@ from physagent_jax.motion.windows import Window
 _FOOT = 0.1  # of its height, that stays
 _LOW, _HIGH = ((0.5, 0.5, 0.0),), ((0.5, 0.5, 2 * _FOOT),)  # the plane between them is where the foot ends
 _ANGLE = 16.0  # [degrees] that its top turns by to either side with a strength of 1
-_DEPTH, _CURVED = 0.2, 0.8  # [body lengths] over which it sways, and is bent, over its foot
+_DEPTH, _CURVED = 0.2, 0.5  # [body lengths] over which it sways, and is bent, over its foot
 _BENT, _FARTHEST, _MOST = (
     45.0,
     75.0,

@@ -127,11 +127,10 @@ class ToyWorld:
             return "torque", _always(scale(vector, 2.0 * math.degrees(calibration.TURN)))
         if kind is ActionType.SCALE:
             return "strain", _always(_make_diagonal(item.vector, SHORTENING * self.gain * effort))
-        if (
-            getattr(item, "bend", None) is not None
-        ):  # its top goes as far as it is turned, its middle half as far
+        if getattr(item, "bend", None) is not None:
+            # It bends over its height: its middle goes by 0.15 of that per radian.
             turn = calibration.TURN / calibration.HELD_TIME * effort * self.scene.frame_dt
-            way = scale(cross(item.vector, self.scene.directions.up), turn / HELD)
+            way = scale(cross(item.vector, self.scene.directions.up), 0.15 * turn / (0.5 * HELD))
             return "push", lambda frame: scale(way, min(frame, last) - first)
         if not isinstance(item.region, HalfSpaceRegion):
             return "drive", _always(scale(item.vector, calibration.PRESCRIBED_TRAVEL * effort))
