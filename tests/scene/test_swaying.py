@@ -105,6 +105,12 @@ def test_what_is_rooted_shakes_quickly_and_ends_where_it_began(sentence):
     assert not reply.force_field.actions and len(turns) == 9 and abs(sum(ways)) < 0.01 * max(ways)
 
 
+def test_jelly_jiggles_by_its_own_stiffness():
+    """It is held at its base and pushed: a prescribed turn would hide that it is soft."""
+    reply = read("the robot jiggles", brief(**STANDING, object_kind="jelly"))
+    assert reply.anchor.kind == "base" and reply.force_field.actions and not reply.force_field.constraints
+
+
 @pytest.mark.parametrize(
     "sentence", ["shake the robot up and down", "the robot rocks up and down four times"]
 )

@@ -84,7 +84,7 @@ def _compile_sway(task: Task) -> None:
     """To and fro; what bobs on the ground is thrown up each time, and weight brings it back."""
     event, builder, brief, up = task.event, task.builder, task.brief, task.brief.directions.up
     count, held = task.limit_count(event.repeat.count or event.motion.cycles), builder.anchored
-    magnitude = event.strength
+    magnitude, leads = event.strength, builder.rooted and leads_aside(task.direction, brief)
     if event.amount is not None:
         magnitude = find_swing_magnitude(event.amount, held, brief) or magnitude
     if builder.grounded and not held and abs(dot(task.direction, up)) > _UPRIGHT:
@@ -92,7 +92,7 @@ def _compile_sway(task: Task) -> None:
             task.act(ActionType.IMPULSE, up, 2 * SWING * magnitude, make_impulse_window(part[0]))
     elif rocks(event.phrase) and builder.grounded and not held:
         builder.constraints += rock(brief, task.direction, magnitude, count, task.window)
-    elif builder.rooted and leads_aside(task.direction, brief) and (brief.anchored is None or count > 3):
+    elif leads and (count > 3 if brief.anchored else event.motion.planted):
         builder.constraints += sway(brief, task.direction, magnitude, count, task.window)
     else:
         _alternate(task, ActionType.TRANSLATION, magnitude, divide_swings(task.window, count, held))
