@@ -513,13 +513,14 @@ class Binding:
             middle = np.average(rest, axis=0, weights=self._volume)
             ends = (other, self) if sign > 0 else (self, other)
             offset = self.leaf(np.stack([end.centre - middle for end in ends]))
-        shape = dict(axis=axis, length=length, offset=offset, point=point)
         start, end = self.window
-        motions = [GradedRotation(**shape, rate=rate, start=start, end=end)]
-        if self._held_until is not None:
-            still = self.leaf(np.zeros(()))
-            motions.append(GradedRotation(**shape, rate=still, start=end, end=self._held_until))
-        return motions
+        turn = GradedRotation(
+            axis=axis, length=length, offset=offset, point=point, rate=rate, start=start, end=end
+        )
+        if self._held_until is None:
+            return [turn]
+        rest = self.leaf(np.zeros(()))
+        return [turn, dataclasses.replace(turn, rate=rest, start=end, end=self._held_until)]
 
 
 def _normalise(values: ActionParameters) -> ActionParameters:

@@ -15,7 +15,7 @@ from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import Bend, CellsRegion, VelocityConstraint
 from physagent_jax.motion.schema import Amount, SceneBrief
-from physagent_jax.motion.vectors import cross, dot, normalise, scale
+from physagent_jax.motion.vectors import add, cross, dot, normalise, scale
 from physagent_jax.motion.windows import Window
 
 _FOOT = 0.1  # of its height, that stays
@@ -159,7 +159,7 @@ def _make_upper(brief: SceneBrief) -> Part:
 def _make_half(brief: SceneBrief, side: float) -> Part:
     """One half of what lies, on a side of its middle."""
     long = scale(brief.long_axis or brief.directions.right, side)
-    here, there = (tuple(0.5 + 0.25 * sign * c for c in long) for sign in (1.0, -1.0))
+    here, there = (add(((0.5, 0.5, 0.5), scale(long, sign))) for sign in (0.25, -0.25))
     half, rest = (
         CellsRegion(inside=(a,), outside=(b,), label=HALF) for a, b in ((here, there), (there, here))
     )
