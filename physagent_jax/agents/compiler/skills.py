@@ -181,7 +181,8 @@ def _compile_twist(task: Task) -> None:
     event = replace(task.event, stays=task.event.stays or task.is_kept)
     if builder.anchored:
         end = task.brief.directions.down if "top" in (task.brief.anchored or "") else up
-        return _turn_steadily(replace(task, event=replace(event, part=end, region=make_end_region(end, 0.5))))
+        axis, there = axis if event.ways else up, make_end_region(end, 0.5)
+        return _turn_steadily(replace(task, event=replace(event, part=end, region=there, direction=axis)))
     builder.notes.append(f"'{event.text}': one end turns against the other.")
     if amount is not None and amount.unit == "degrees":
         event.amount = amount.model_copy(update={"value": amount.value / 2})

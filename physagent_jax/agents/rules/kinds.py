@@ -272,7 +272,7 @@ def _turn_ends(wish: Wish) -> _Replaced:
     wrung = wish.brief.anchored and here.repeats == 1 and here.limb is None and line > _VERTICAL
     if here.kind is not MotionKind.ROTATE or not (wrung or len(turned) == 2):
         return None
-    found = [_find_forces(wish.about(e), lambda c, e=e: c.item.region and agrees(c, e)) for e in turned]
+    found = [_find_forces(wish.about(e), lambda c, e=e: bool(c.item.region) and agrees(c, e)) for e in turned]
     if not all(found):
         return None
     ends = [_make_turn(wish.about(each), causes[0]) for each, causes in zip(turned, found)]
