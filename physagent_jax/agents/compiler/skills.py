@@ -77,7 +77,7 @@ def _compile_by_skill(task: Task, name: str) -> None:
         event.direction,
         acted,
         repeats=count,
-        sudden=skill.is_sudden,
+        sudden=skill.is_sudden or event.motion.quick and bool(event.limbs),
         released=task.is_released,
         leaves_place=count == 1 and event.motion.skill is None and task.leaves_place,
     )
@@ -145,7 +145,9 @@ def _compile_scale(task: Task) -> None:
             task.act(ActionType.SCALE, axis, event.motion.sign * strength, part)
     kind = MotionKind.STRETCH if event.motion.sign > 0 else MotionKind.SQUEEZE
     released = count > 1 or task.is_released
-    task.expect(kind, event.direction, windows[0], repeats=count, released=released)
+    task.expect(
+        kind, event.direction, windows[0], repeats=count, released=released, sudden=event.motion.quick
+    )
 
 
 def _compile_burst(task: Task) -> None:
