@@ -14,6 +14,7 @@ particle sets the stable step (`mpm.timestep`).
 from __future__ import annotations
 
 import dataclasses
+from typing import ClassVar
 
 import jax
 import jax.numpy as jnp
@@ -28,7 +29,13 @@ FULL = 2.0
 
 @dataclasses.dataclass(frozen=True)
 class Lumped:
-    """Each node has its own mass alone."""
+    """Each node has its own mass alone.
+
+    Attributes:
+        node_numbers: Numbers per node that P2G makes: momentum and mass.
+    """
+
+    node_numbers: ClassVar[int] = 4
 
 
 @dataclasses.dataclass(frozen=True)
@@ -40,6 +47,7 @@ class Sharpened:
     Angular momentum is kept to some 2e-4, not to round-off. P2G carries eight numbers a node in place of four.
 
     Attributes:
+        node_numbers: Numbers per node that P2G makes, as `transfer.p2g_apart`.
         beta: Strength, in (0, 0.25]. For a Courant number Cr = c dt / dx the error of second order in the cell's size
             vanishes at 0.216 - Cr^2/12 (MLS stress; 0.25 - Cr^2/12 with the gradient form).
 
@@ -47,6 +55,7 @@ class Sharpened:
         UserError: ``beta`` is out of range.
     """
 
+    node_numbers: ClassVar[int] = 8
     beta: float = 0.18
 
     def __post_init__(self):

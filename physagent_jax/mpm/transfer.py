@@ -145,14 +145,9 @@ def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, dv, dt) -> jax.Array:
 def p2g_apart(form: str, grid: Grid, x, v, C, tau, mass, volume, dv, push, unit, dt) -> jax.Array:
     """As `p2g`, what the particles bring and what this step gives them apart, for `mpm.inertia`.
 
-    Args:
-        form, grid, x, v, C, tau, mass, volume, dv, dt: As for `p2g`.
-        push: Velocity given beside the stress [m/s], shape (n, 3) or (1, 3).
-        unit: One over a mass [1/kg], scalar.
-
-    Returns:
-        Momentum and mass of v + dv and C, then the impulse of tau and ``push`` and sum w m^2 ``unit`` at the nodes,
-        shape (nx, ny, nz, 8).
+    The first four numbers of a node are momentum and mass of v + dv and C; the others are the impulse of tau and of
+    ``push``, a velocity [m/s] of shape (n, 3) or (1, 3), and sum w m^2 ``unit``, one over a mass [1/kg]; shape
+    (nx, ny, nz, 8).
     """
     s, impulse, each = stencil(x, grid), -dt * volume[:, None, None] * tau, mass[:, None]
     brought = scatter_momentum(s, grid, mass, each * (v + dv), each[..., None] * C)

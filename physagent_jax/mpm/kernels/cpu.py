@@ -50,7 +50,9 @@ def p2g_kelvin_voigt(
 
 
 @partial(jax.custom_vjp, nondiff_argnums=(0,))
-def p2g_apart(form: str, grid: Grid, x, v, C, tau, lame, viscous, mass, volume, dv, push, unit, dt) -> jax.Array:
+def p2g_apart(
+    form: str, grid: Grid, x, v, C, tau, lame, viscous, mass, volume, dv, push, unit, dt
+) -> jax.Array:
     """As `transfer.p2g_apart`, or with ``tau`` = F the stress of `materials.NeoHookean` where ``lame`` is (mu, lam).
 
     ``viscous`` are viscosity and velocity gradient as of `p2g_kelvin_voigt`, or None; only beside ``lame``.
@@ -62,7 +64,7 @@ def p2g_apart(form: str, grid: Grid, x, v, C, tau, lame, viscous, mass, volume, 
 def _scatter(
     form, grid, x, v, C, tau, mass, volume, dv, dt, *, lame=None, viscous=None, apart=None
 ) -> jax.Array:
-    """``tau`` is F where ``lame`` are the parameters of a neo-Hookean law; ``apart`` is push and unit of `p2g_apart`."""
+    """``tau`` is F where ``lame`` are the parameters of a neo-Hookean law; ``apart`` are push and unit."""
     count, nothing = len(x), jnp.zeros(1, x.dtype)
     mu, lam = lame or (nothing, nothing)
     viscosity, rate = viscous or (nothing, C)
