@@ -22,7 +22,7 @@ import jax.numpy as jnp
 from physagent_jax.core.errors import UserError
 
 MOST_BETA = 0.25
-"""Which makes up for all of q^2/4; beyond it the step's own error is added to."""
+"""Strength that makes up for all of q^2/4: with more, short waves travel too fast at any step."""
 FULL = 2.0
 """Particles of one size that a node must have for its edges to count in full."""
 

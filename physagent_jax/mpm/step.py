@@ -110,7 +110,7 @@ def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Arra
 
 
 def find_push(model: Model, state: State, forced: State, constrained: State) -> jax.Array:
-    """What forces without a gradient add to velocities [m/s], shape (n, 3), or (1, 3) zeros if there are none.
+    """The change of velocities by forces without a gradient [m/s], shape (n, 3), or (1, 3) zeros if there are none.
 
     P2G smooths it as it smooths the stress, so that it is sharpened with that. The other forces reach the nodes as they
     are. Of constrained particles it is what the constraints leave of it.

@@ -152,7 +152,7 @@ def free_flight():
 
 
 def sharpened(run):
-    """Where matter goes with sharpened increments, which need the masses of all devices, and the slopes of that."""
+    """Positions with sharpened increments, which need the masses of all devices, and the slopes of a sum of them."""
     model, state = loose()
     weight = jnp.asarray(np.random.default_rng(0).normal(size=state.x.shape))
 
