@@ -155,12 +155,9 @@ def p2g_cases():
     )
 
 
-@pytest.mark.parametrize("form", ["mls", "gradient"])
-@pytest.mark.parametrize("case", ["given", "alone", "elastic", "viscous"])
-def test_the_kernel_and_its_adjoint_equal_the_reference(case, form, x64):
-    """In both precisions, by every operand but the unit of mass, which is a constant."""
-    pytest.importorskip("numba")
-    (operands, stress, law) = p2g_cases()[case]
+def both_ways(case, form):
+    """The kernel, the reference and what both take: the unit of mass, a constant, apart."""
+    operands, stress, law = p2g_cases()[case]
     unit = operands[8]
 
     def kernel(x, v, C, tau, mass, volume, dv, push, dt, *rest):
@@ -171,12 +168,29 @@ def test_the_kernel_and_its_adjoint_equal_the_reference(case, form, x64):
         last = mass, volume, dv, push, unit, dt
         return transfer.p2g_apart(form, GRID, x, v, C, stress(tau, *rest), *last)
 
-    operands = operands[:8] + operands[9:]
+    return kernel, reference, operands[:8] + operands[9:]
+
+
+CASES = ["given", "alone", "elastic", "viscous"]
+
+
+@pytest.mark.parametrize("form", ["mls", "gradient"])
+@pytest.mark.parametrize("case", CASES)
+def test_the_kernel_equals_the_reference(case, form, x64):
+    """In both precisions, each grid to round-off of its own numbers."""
+    kernel, reference, operands = both_ways(case, form)
     expected = jax.jit(reference)(*operands)
     for dtype, tolerance in TOLERANCE.items():
         got = jax.jit(kernel)(*(each.astype(dtype) for each in operands))
         close(got[..., :4], expected[..., :4], tolerance)
         close(got[..., 4:], expected[..., 4:], tolerance)
+
+
+@pytest.mark.parametrize("form", ["mls", "gradient"])
+@pytest.mark.parametrize("case", CASES)
+def test_its_adjoint_equals_the_derivatives_of_the_reference(case, form, x64):
+    """By every operand, the step and what pushes among them."""
+    kernel, reference, operands = both_ways(case, form)
     pulls_equal(kernel, reference, operands)
 
 
