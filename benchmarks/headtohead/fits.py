@@ -62,13 +62,10 @@ def list_marks(rows: Rows) -> list[float]:
     return sorted({mark["mark"] for row in rows for mark in row["marks"]})
 
 
-def find_last_mark(rows: Rows) -> float:
-    """The largest mark up to which one method was given budget on every task that it did; 0 where it did none."""
-    given: dict[str, float] = {}
-    for row in rows:
-        if not is_refused(row):
-            given[row["task"]] = max(given.get(row["task"], 0.0), read_budget(row))
-    return min(given.values(), default=0.0)
+def find_last_mark(*methods: Rows) -> float:
+    """The largest mark at which each method was judged on every task that it did; 0 where there is none."""
+    marks = list_marks(methods[0])
+    return max((mark for mark in marks if all(is_measured(rows, mark) for rows in methods)), default=0.0)
 
 
 def choose_fits(rows: Rows, mark: float) -> list[Row]:
@@ -77,7 +74,7 @@ def choose_fits(rows: Rows, mark: float) -> list[Row]:
     What shares its budget out does other things with a larger one, so that its early marks say less.
     """
     fits: dict[tuple, Row] = {}
-    given = [row for row in rows if not is_refused(row) and read_budget(row) >= mark]
+    given = [row for row in rows if any(each["mark"] == mark for each in row["marks"])]
     for row in sorted(given, key=read_budget):
         fits.setdefault((row["task"], row["seed"]), row)
     return list(fits.values())
@@ -168,8 +165,8 @@ class Pair:
 
 
 def compare(one: Rows, other: Rows, mark: float | None = None) -> Pair | None:
-    """Two methods at a mark, else at the last that both have reached; None where they have no task in common there."""
-    mark = min(find_last_mark(one), find_last_mark(other)) if mark is None else mark
+    """Two methods at a mark, else at the last that both have; None where they have no task in common there."""
+    mark = find_last_mark(one, other) if mark is None else mark
     a, b = average_tasks(one, mark), average_tasks(other, mark)
     shared = sorted(a.keys() & b.keys())
     if not shared:

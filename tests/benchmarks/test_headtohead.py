@@ -324,7 +324,7 @@ def test_the_page_has_success_cost_and_pairs():
     assert "tasks by run" not in page
     rows += [make_row("adam", True, True) | {"seed": 1}]
     page = write_page({"methods": {"runs": [run], "complete": True, "rows": rows}})
-    assert "| adam | 2 | 0.50 (0.50–0.50) |  | 0.00 | 1.00 | 1.00 | 1.00 | 0 to 1 | 1 |" in page
+    assert "| adam | 2 | 0.50 (0.50–0.50) |  | 0.00 | 1.00 | 1.00 | 0 to 1 | 1 |" in page
     assert "| rules | 2" not in page
 
 
