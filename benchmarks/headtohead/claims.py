@@ -74,6 +74,6 @@ def explain_power(count: int) -> str:
     least = find_smallest_difference(count)
     shown = "no difference at all" if least is None else f"a difference of {100 * least:.0f} points"
     return (
-        f"{count} tasks show {shown} in four of five cases (exact McNemar at {1 - LEVEL:.2g}, before Holm's "
-        f"correction, where the worse method alone solves {CONTRARY:.0%} of the tasks)."
+        f"{count} tasks show {shown} in four of five cases. That is of exact McNemar at {1 - LEVEL:.2g} before Holm's "
+        f"correction, where the worse method alone solves {CONTRARY:.0%} of the tasks."
     )

@@ -137,7 +137,7 @@ def test_pages_are_what_their_summaries_give():
         ("inverse", f"at most {ADAM_STEPS} gradients"),
         ("inverse", f"a gradient is {GRADIENT_COST:g}"),
         ("head-to-head", f"a value with its gradient is charged {GRADIENT_COST:g}"),
-        ("head-to-head", f"cut at {CAP:g};"),
+        ("head-to-head", f"cut at {CAP:g}."),
         *(
             ("language", f"{split}: at least {least:.0%} right, at most {most:.0%} silently wrong")
             for split, (least, most) in totals.REQUIRED.items()
