@@ -10,6 +10,9 @@ DEMO_PROMPT ?= a strong wind pushes the robot to the left
 
 OBJECTS ?= runs/objects
 
+# Containers often set it. Then each process compiles all that it imports, JAX's modules among them, and tests start many.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: demo test lint pictures gallery evidence clean
 
 demo: $(VENV)/.installed

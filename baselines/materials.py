@@ -35,7 +35,7 @@ SETTINGS: Mapping[str, Callable[[TaskObject], Material]] = {
     "omniphysgs": lambda thing: thing.material | dict(youngs_modulus=2e6, poissons_ratio=0.4),
 }
 """By name: the task's own; what the object's kind implies, as for a user who says nothing; a third of E, three times E;
-the E and nu that OmniPhysGS' configurations fix (`configs/*.yaml`), which chooses laws and no numbers."""
+the E and nu that OmniPhysGS fixes (buffers of `elasticity.py`, `plasticity.py`), which chooses laws and no numbers."""
 
 
 def choose_material(setting: str, thing: TaskObject) -> Material:

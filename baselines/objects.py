@@ -7,6 +7,7 @@ forces.
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +31,7 @@ class TaskObject:
         poissons_ratio: nu.
         file: Bundled file; None = none is.
         data: Name of its file in the folder of data; None = it needs none. With neither, it is made.
+        digest: SHA-256 of its file, with which it has to agree; "" = it is made.
         captured: "3DGS" or "scan": where it is from; None = it is made.
         cells: Along a side of the domain of 4 m: two to a thin part.
         particles: At most; some three in a cell of full matter, or it tears where it should stretch.
@@ -41,6 +43,7 @@ class TaskObject:
     poissons_ratio: float = 0.3
     file: Path | None = None
     data: str | None = None
+    digest: str = ""
     captured: str | None = None
     cells: int = 48
     particles: int = 1500
@@ -57,12 +60,31 @@ OBJECTS = {
     "loaf": TaskObject("food"),
     "plant": TaskObject("plant", youngs_modulus=6e4, cells=64),
     "robot": TaskObject(
-        "robot", up="-y", youngs_modulus=8e4, cells=64, file=_EXAMPLES / "robot.ply", captured="3DGS"
+        "robot",
+        up="-y",
+        youngs_modulus=8e4,
+        cells=64,
+        file=_EXAMPLES / "robot.ply",
+        digest="4626a22d836bcdc563782b89d4b62bc1bcdb691908b7ce47ca5ec2fd086ddd34",
+        captured="3DGS",
     ),
     "guitar": TaskObject(
-        "instrument", up="-y", youngs_modulus=1e5, cells=64, data="guitar_sh0.ply", captured="3DGS"
+        "instrument",
+        up="-y",
+        youngs_modulus=1e5,
+        cells=64,
+        data="guitar_sh0.ply",
+        digest="36ae11b4cae394bb2659dbc471bf5a717a79df48376edc763cdf1ad4755f8588",
+        captured="3DGS",
     ),
-    "bunny": TaskObject("animal", up="+y", data="bunny.obj", captured="scan", particles=2000),
+    "bunny": TaskObject(
+        "animal",
+        up="+y",
+        data="bunny.obj",
+        digest="d97f4aa37c2f3bfb14eceb3d06ac1f466062dc45f08e019bfbae9704c28654b6",
+        captured="scan",
+        particles=2000,
+    ),
 }
 
 
@@ -82,7 +104,7 @@ def find_file(name: str, folder: Path, data: Path | None) -> Path:
     """An object's file, made in ``folder`` if it has to be.
 
     Raises:
-        UserError: It is in a folder of data that is not given, or not there.
+        UserError: It is in a folder of data that is not given, or not there, or another file has its name.
     """
     thing = OBJECTS.get(name)
     if not is_available(name, data) or thing is None:
@@ -93,11 +115,22 @@ def find_file(name: str, folder: Path, data: Path | None) -> Path:
             do="Give the folder of data that holds it",
         )
     if thing.file is not None:
-        return thing.file
+        return _check_file(name, thing.file)
     if thing.data is not None and data is not None:
-        return data / thing.data
+        return _check_file(name, data / thing.data)
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{name}.ply"
     if not path.is_file():
         write_ply(path, PROCEDURAL[name](0, count=_GAUSSIANS))
+    return path
+
+
+def _check_file(name: str, path: Path) -> Path:
+    """The file, if it is the one that tasks were made with."""
+    if hashlib.sha256(path.read_bytes()).hexdigest() != OBJECTS[name].digest:
+        raise UserError(
+            f"the file of the object `{name}` is not the one that its tasks were made with",
+            got=path,
+            do=f"Take the file with the SHA-256 {OBJECTS[name].digest}",
+        )
     return path

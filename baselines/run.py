@@ -37,7 +37,7 @@ class Command:
     """Solve a benchmark task with a baseline method."""
 
     method: str
-    """Name of the method; a name that there is not lists them."""
+    """Name of the method; a name that there is not lists them. module:Class or file.py:Class is one of your own."""
     task: str
     """Name of the task; a name that there is not lists them."""
     budget: float = 100.0
@@ -56,7 +56,7 @@ class Command:
     """Material of the object: own, implied (by its kind), softer, stiffer, omniphysgs, a named material, a
     constitutive model, or a JSON object of fields."""
     out: Path | None = None
-    """Run folder; default: runs/<method>_<task>."""
+    """Run folder; default: runs/METHOD_TASK."""
     overwrite: bool = False
     """Replace another run in the folder."""
 
@@ -76,11 +76,11 @@ def main(arguments: list[str] | None = None) -> int:
 def solve(command: Command) -> RunStore:
     """Let the method spend its budget, print what it tries, and play what it found into a run folder."""
     budget = Budget(command.budget, command.seconds)
-    if command.method not in METHODS.entries:
+    if ":" not in command.method and command.method not in METHODS.entries:
         raise list_names("`--method`", command.method, METHODS.entries)
     method = make_method(command.method, read_options(command.options))
     spec = find_task(command.tasks, command.task)
-    out = command.out or Path("runs") / f"{command.method}_{command.task}"
+    out = command.out or Path("runs") / f"{method.name}_{command.task}"
     settings = dict(
         method=command.method,
         options=dataclasses.asdict(method),

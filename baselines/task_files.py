@@ -1,22 +1,21 @@
-"""Files of tasks: written so that people can read them, each target with its hash; paths for recovery tasks."""
+"""Files of tasks: written so that people can read them, each with its hash; paths for recovery tasks."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import BaseModel
 
+from baselines.task_hashes import hash_task, to_plain
 from baselines.tasks import Task, TaskSpec
 from physagent_jax.core.files import write_text
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.metrics.clips import Clip
 from physagent_jax.metrics.targets import Path as StoredPath
-from physagent_jax.metrics.targets import Target, hash_target
+from physagent_jax.metrics.targets import Target
 
 ENDS = (
     (1.0, 0.0, 0.0),
@@ -28,14 +27,13 @@ ENDS = (
 )
 """Beside the whole, what a recovery task's target follows: it then says how the object turns and deforms too."""
 _DIGITS = 4  # of stored paths [body lengths]
-_SIGNIFICANT = 9  # digits of numbers in files
 _WIDTH = 110
 
 
 def stamp(fields: dict[str, Any]) -> TaskSpec:
-    """A task from its fields, with the hash of its target."""
-    target = Target.model_validate(fields["target"])
-    return TaskSpec.model_validate({**fields, "target_hash": hash_target(target)})
+    """A task from its fields, with its hash."""
+    spec = TaskSpec.model_validate({**fields, "task_hash": ""})
+    return spec.model_copy(update={"task_hash": hash_task(spec)})
 
 
 def record_target(task: Task, hidden: ForceField, tolerance: float) -> Target:
@@ -58,30 +56,12 @@ def record_target(task: Task, hidden: ForceField, tolerance: float) -> Target:
 
 def write_tasks(path: Path, specs: Sequence[TaskSpec]) -> None:
     """Write a family's file; what a task leaves at its default is left out."""
-    write_text(path, format_json([_dump(spec) for spec in specs]) + "\n")
+    write_text(path, format_json([to_plain(spec) for spec in specs]) + "\n")
 
 
 def write_witnesses(path: Path, witnesses: dict[str, ForceField]) -> None:
     """Write the force fields that make tasks successes."""
-    write_text(path, format_json({name: _dump(field) for name, field in witnesses.items()}) + "\n")
-
-
-def _dump(value: Any) -> Any:
-    """As plain values: kinds first, then what is not at its default, and tolerances always."""
-    if isinstance(value, tuple):
-        return [_dump(each) for each in value]
-    if isinstance(value, StrEnum):
-        return value.value
-    if isinstance(value, float):
-        return float(f"{value:.{_SIGNIFICANT}g}")  # a unit vector that is read again is written as it was
-    if not isinstance(value, BaseModel):
-        return value
-    names = sorted(type(value).model_fields, key=lambda name: name != "kind")
-    return {
-        name: _dump(getattr(value, name))
-        for name in names
-        if name in ("kind", "tolerance") or getattr(value, name) != type(value).model_fields[name].default
-    }
+    write_text(path, format_json({name: to_plain(field) for name, field in witnesses.items()}) + "\n")
 
 
 def format_json(value: Any, indent: int = 0) -> str:

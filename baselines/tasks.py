@@ -20,12 +20,13 @@ from pydantic import Field, TypeAdapter, ValidationError
 import physagent_jax as pa
 from baselines.materials import OWN, Material, choose_material
 from baselines.objects import OBJECTS, find_file, is_available
+from baselines.task_hashes import hash_task
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import format_validation_error, read_json
 from physagent_jax.core.strict import Strict
 from physagent_jax.forces.schema import Action, ActionType, ForceField
 from physagent_jax.metrics.effort import measure_effort
-from physagent_jax.metrics.targets import Target, hash_target
+from physagent_jax.metrics.targets import Target
 from physagent_jax.metrics.task_judge import TaskJudgement, judge
 from physagent_jax.scene.camera import frame_camera, make_reference_camera
 from physagent_jax.scene.compile import CompiledScene
@@ -65,7 +66,7 @@ class TaskSpec(Strict):
         object: Object of `baselines.objects`.
         scene: What surrounds it.
         target: What the sentence means, for the judge; no method sees it.
-        target_hash: Target hash of the target, so that a changed one is noticed.
+        task_hash: Hash of all of the task and of its object, so that a changed one is noticed.
         expert: Force field that the scenes of published codes have for this kind of motion; None = none.
         hidden: The force field that made the target of a recovery task; no method sees it.
         begin: Where a method that needs a first force field begins; None = `START`.
@@ -77,7 +78,7 @@ class TaskSpec(Strict):
     object: str
     scene: SceneOptions = SceneOptions()
     target: Target
-    target_hash: str
+    task_hash: str
     expert: ForceField | None = None
     hidden: ForceField | None = None
     begin: ForceField | None = None
@@ -114,7 +115,7 @@ def load_tasks(
         families: Only these.
 
     Raises:
-        UserError: A file is not a list of tasks, a name appears twice, a target was changed, or a family is unknown.
+        UserError: A file is not a list of tasks, a name appears twice, a task was changed, or a family is unknown.
     """
     if unknown := set(families or ()) - set(FAMILIES):
         raise UserError(f"unknown family `{min(unknown)}`", do=f"Families: {', '.join(FAMILIES)}")
@@ -145,14 +146,15 @@ def _read_tasks(path: Path, family: str) -> tuple[TaskSpec, ...]:
 
 
 def check_spec(spec: TaskSpec, place: str) -> None:
-    """Refuse a task whose target is not the one that it was published with, or does not fit it.
+    """Refuse a task that is not as it was published, or whose target does not fit it.
 
     Raises:
         UserError: Its hash differs, it looks beyond the clip, or it is of no known object.
     """
-    if hash_target(spec.target) != spec.target_hash:
+    is_available(spec.object, None)
+    if hash_task(spec) != spec.task_hash:
         raise UserError(
-            f"{place}: the target of `{spec.name}` was changed: its hash is not `target_hash`",
+            f"{place}: `{spec.name}` or its object was changed: the hash of all that it says is not `task_hash`",
             do="Take the task as it was published, or give another task another name and hash",
         )
     if spec.target.last_frame >= spec.scene.frame_count:
@@ -161,7 +163,6 @@ def check_spec(spec: TaskSpec, place: str) -> None:
         raise UserError(
             f"{place}: `{spec.name}` must have a `hidden` force field if, and only if, it recovers one"
         )
-    is_available(spec.object, None)
 
 
 def split_available(

@@ -104,6 +104,12 @@ def choose(robot_path, tmp_path, **options):
     return to_spec(vars(Run(out=tmp_path, object=robot_path, prompt="push it", **options))).perception
 
 
+def test_a_preset_that_differs_takes_a_path(robot_path, tmp_path):
+    chosen = choose(robot_path, tmp_path, perception="rgb,tracker=gmflow:flow.pkl")
+    assert (chosen.tracker.name, chosen.tracker.options) == ("gmflow", {"weights": "flow.pkl"})
+    assert (chosen.segmenter.name, chosen.depth.name) == ("colour", "ground_contact")
+
+
 def test_options_choose_by_name_or_name_and_path(robot_path, tmp_path):
     chosen = choose(
         robot_path,

@@ -15,7 +15,7 @@ import jax
 import numpy as np
 
 from baselines.evaluation import Evaluator
-from baselines.methods.dreamphysics_f import make_adam
+from baselines.methods.sds_steps import make_adam
 from baselines.parametrisation import Parametrisation
 from baselines.scores.method import GuidedMethod
 from baselines.scores.sds import pick_frames

@@ -17,7 +17,7 @@ import jax.numpy as jnp
 import numpy as np
 from scipy.optimize import curve_fit
 
-from physagent_jax.mpm import Model, State, stable_dt, step
+from physagent_jax.mpm import Lumped, Model, Sharpened, State, stable_dt, step
 
 
 @dataclasses.dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Numerics:
     Attributes:
         resolution: Cells along the case's own length (each case says which); None = the case's default.
         step: ("courant", c): dt = c dx / c_p; ("bound", s): s times the closed-form bound; ("fixed", dt) [s].
-        transfer, rpic_damping, stress_form: As `Model` has them.
+        transfer, inertia, rpic_damping, stress_form: As `Model` has them.
         dtype: np.float32 or np.float64 (which needs x64 enabled).
         per_axis: Particles per cell and axis.
     """
@@ -35,6 +35,7 @@ class Numerics:
     resolution: int | None = None
     step: tuple[Literal["courant", "bound", "fixed"], float] = ("courant", 0.3)
     transfer: Literal["apic", "pic"] = "apic"
+    inertia: Lumped | Sharpened = Lumped()
     rpic_damping: float = 0.0
     stress_form: Literal["mls", "gradient"] = "mls"
     dtype: type = np.float32
@@ -43,7 +44,10 @@ class Numerics:
     def finish(self, model: Model, state: State, sound_speed: float) -> Model:
         """``model`` with these transfers, and the substep of this rule; ``sound_speed`` is c_p [m/s]."""
         model = model.replace(
-            transfer=self.transfer, rpic_damping=self.rpic_damping, stress_form=self.stress_form
+            transfer=self.transfer,
+            inertia=self.inertia,
+            rpic_damping=self.rpic_damping,
+            stress_form=self.stress_form,
         )
         rule, value = self.step
         if rule == "courant":

@@ -149,7 +149,7 @@ def describe_minutes(summary: Summary) -> str:
 def _restore(page: Page) -> None:
     if (path := ROOT / page.raw).exists():
         raise UserError("there are raw rows already", got=page.raw, do="Move them away first")
-    write_text(path, format_result(restore(read_summary(RESULTS / f"{page.name}.json"))) + "\n")
+    write_text(path, format_result(restore(page, read_summary(RESULTS / f"{page.name}.json"))) + "\n")
 
 
 def _summarise(page: Page, allow_unkept: bool) -> None:

@@ -13,7 +13,14 @@ import json
 from pathlib import Path
 from typing import Any
 
-from benchmarks.evidence.sources import find_newest, hash_sources, is_known, read_date, read_object
+from benchmarks.evidence.sources import (
+    find_newest,
+    hash_sources,
+    is_checkout,
+    is_known,
+    read_date,
+    read_object,
+)
 from benchmarks.harness import Page, Result
 from benchmarks.harness.command import format_result
 from physagent_jax.core.errors import UserError
@@ -40,6 +47,7 @@ def summarise(
         raise UserError("there are no raw rows", got=raw, do=f"Measure them: `{page.command}`")
     content = raw.read_bytes()
     result: Result = json.loads(content)
+    raw_rows = {part: section["rows"] for part, section in json.loads(content).items()}
     earlier: Result = dict(recorded["parts"]) if recorded else {}
     for part, section in result.items():
         known = earlier.get(part)
@@ -53,8 +61,9 @@ def summarise(
     parts = earlier | page.condense(copy.deepcopy(result))
     revision = find_newest(list_revisions(parts))
     file = {"bytes": len(content), "sha256": hashlib.sha256(content).hexdigest()}
+    known = recorded["raw"] if recorded else {}
     return {
-        "raw": (recorded["raw"] if recorded else {}) | dict.fromkeys(result, file),
+        "raw": known | dict.fromkeys(result, file) | _find_unchanged(page, known, raw_rows),
         "code": describe_code(page, revision) if revision else None,
         "parts": parts,
     }
@@ -69,8 +78,8 @@ def describe_code(page: Page, revision: str) -> dict[str, Any]:
     }
 
 
-def restore(summary: Summary) -> Result:
-    """The raw rows that the repository's history has, checked against their hashes.
+def restore(page: Page, summary: Summary) -> Result:
+    """The raw rows that the repository's history has, checked against their hashes, by the names of today.
 
     Raises:
         UserError: It has none.
@@ -84,7 +93,7 @@ def restore(summary: Summary) -> Result:
             found[part] = json.loads(content)[part]
     if not found:
         raise UserError("history has no raw rows of these figures", do="Measure them again")
-    return found
+    return page.rename(found)
 
 
 def list_revisions(parts: Result) -> set[str]:
@@ -103,6 +112,15 @@ def format_summary(summary: Summary) -> str:
     """JSON with a line for each run and each row."""
     facts = [f"{json.dumps(name)}: {json.dumps(summary[name])}" for name in ("raw", "code")]
     return "{\n" + ",\n".join(facts) + ',\n"parts": ' + format_result(summary["parts"]) + "\n}\n"
+
+
+def _find_unchanged(page: Page, known: dict[str, Any], rows: Result) -> dict[str, Any]:
+    """The recorded files of the parts whose rows are still those that history has."""
+    kept = {part: file for part, file in known.items() if "history" in file and part in rows}
+    if not kept or not is_checkout():
+        return {}
+    there = restore(page, {"raw": kept})
+    return {part: file for part, file in kept.items() if there[part]["rows"] == rows[part]}
 
 
 def _drop_idle_runs(section: dict[str, Any]) -> None:

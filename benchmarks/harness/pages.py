@@ -63,6 +63,7 @@ class Page:
         tables: Maker of the tables from a summary, each with the name of its place.
         sources: Files and folders of this repository that the figures depend on.
         condense: Maker of the summary from all rows; without it the rows are the summary.
+        rename: Maker of rows with the names of today from those that history has; it goes when they are measured again.
     """
 
     name: str
@@ -70,6 +71,7 @@ class Page:
     tables: Callable[[Result], Tables]
     sources: tuple[str, ...] = ()
     condense: Callable[[Result], Result] = dict
+    rename: Callable[[Result], Result] = dict
 
     @property
     def raw(self) -> Path:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Literal
@@ -21,6 +21,7 @@ from typing import Literal
 import tyro
 
 import physagent_jax as pa
+from baselines.methods import make_method
 from baselines.tasks import TaskSpec, load_tasks, split_available
 from benchmarks import harness
 from benchmarks.harness import RAW, Job
@@ -46,6 +47,7 @@ from benchmarks.headtohead.jobs import (
 from benchmarks.headtohead.markdown import PAGE
 from benchmarks.headtohead.plot import plot
 from physagent_jax.core.errors import UserError
+from physagent_jax.core.names import explain_unknown_name
 from physagent_jax.metrics.clip_similarity import load_clip
 
 MARKS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
@@ -78,6 +80,8 @@ class Command(harness.Command):
         "iterations",
     )
     """Parts to measure."""
+    methods: tuple[str, ...] = ()
+    """Only these of `methods`, by the labels of the tables; module:Class or file.py:Class is one of your own."""
     tasks: Path = TASKS
     """Folder of the tasks."""
     data: Path | None = None
@@ -118,6 +122,7 @@ def main() -> int:
     pa.enable_compile_cache()
     try:
         specs, left_out = list_tasks(command)
+        entrants = choose_entrants(command.methods, command.clip)
     except UserError as error:
         print(f"headtohead: {error}", file=sys.stderr)
         return 2
@@ -125,7 +130,7 @@ def main() -> int:
     marks = (*(mark for mark in MARKS if mark < budget), budget)
     fits = partial(list_fits, specs, seeds=command.seeds, data=command.data)
     parts: dict[str, Callable[[], list[Job]]] = {
-        "methods": lambda: fits((*METHODS, *find_guided(command.clip)), marks, budget),
+        "methods": lambda: fits(entrants, marks, budget),
         "ablation": lambda: fits(ABLATION, marks, budget),
         "iterations": lambda: fits(ITERATIONS, ROUNDS, ROUNDS[-1]),
         "distillation": lambda: fits(list_distillers(command.prior, command.weights), marks, budget),
@@ -160,6 +165,26 @@ def find_clip(folder: Path | None) -> Path:
         raise UserError("`clipsim` needs a CLIP model", do="Give its folder with --clip")
     load_clip(folder)
     return folder
+
+
+def choose_entrants(names: Sequence[str], clip: Path | None) -> tuple[Entrant, ...]:
+    """The methods of these labels, or of one's own; all of the comparison without any.
+
+    Raises:
+        UserError: There is no such method.
+    """
+    if not names:
+        return (*METHODS, *find_guided(clip))
+    known = {entrant.label: entrant for entrant in METHODS}
+    chosen = []
+    for name in names:
+        if ":" in name:
+            chosen.append(Entrant(make_method(name).name, name, question="one's own"))
+        elif name in known:
+            chosen.append(known[name])
+        else:
+            raise explain_unknown_name("method", name, known)
+    return tuple(chosen)
 
 
 def find_guided(folder: Path | None) -> tuple[Entrant, ...]:

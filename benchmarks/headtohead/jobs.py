@@ -22,9 +22,12 @@ from benchmarks.headtohead.neighbourhood import list_begins, list_entrants, move
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.metrics.clip_similarity import PictureEncoder, load_clip, measure_clip_similarity
+from physagent_jax.metrics.targets import hash_target
 
 USUAL = 30.0  # forward-equivalents; fits with others say so in their names
 NOTHING = "nothing is done"
+SHOWN = ("methods", "ablation", "iterations", "distillation", "materials")
+"""Parts whose clips are compared with their sentences."""
 _TOLERANCE = 4e-6  # of an error, at least of 1: it is in single precision, and its sums depend on the threads
 _KEPT = tempfile.TemporaryDirectory()
 
@@ -167,32 +170,46 @@ def list_checks(specs: Sequence[TaskSpec], result: Path, board: Path | None, dat
 
 
 def list_similarities(specs: Sequence[TaskSpec], result: Path, clip: Path, data: Path | None) -> list[Job]:
-    """CLIPsim of the last force field of every fit of the comparison, and of a clip in which nothing is done."""
+    """CLIPsim of the force fields of every part, and of a clip in which nothing is done.
+
+    Of a fit it is the last; of the part that counts rewrites, that of every round; brought materials have no clips.
+    """
     known = {spec.name: spec for spec in specs}
     content = json.loads(result.read_text()) if result.is_file() else {}
-    rows = [
-        row for row in content.get("methods", {}).get("rows", []) if row["task"] in known and row["marks"]
-    ]
-    still = [
-        {"job": f"{name} / nothing", "label": NOTHING, "task": name, "oracle": False, "seed": 0, "marks": []}
-        for name in dict.fromkeys(row["task"] for row in rows)
-    ]
-    return [
-        Job(row["job"], partial(measure_similarity, row, known[row["task"]], clip, data), row["task"])
-        for row in (*rows, *still)
-    ]
+    jobs, named = [], {}
+    for part in SHOWN:
+        for row in content.get(part, {}).get("rows", []):
+            if row["task"] not in known or not row["marks"] or row.get("brought"):
+                continue
+            named[row["task"]] = known[row["task"]]
+            for mark in row["marks"] if part == "iterations" else row["marks"][-1:]:
+                shown = {**row, "part": part, "marks": [mark], "label": _name_clip(part, row, mark)}
+                name = f"{part} / {row['job']}" + (f" / {mark['mark']:g}" if part == "iterations" else "")
+                work = partial(measure_similarity, shown, known[row["task"]], clip, data)
+                jobs.append(Job(name, work, row["task"]))
+    for name, spec in named.items():
+        still = {"part": "methods", "label": NOTHING, "task": name, "oracle": False, "seed": 0, "marks": []}
+        jobs.append(Job(f"{name} / nothing", partial(measure_similarity, still, spec, clip, data), name))
+    return jobs
+
+
+def _name_clip(part: str, row: Row, mark: Row) -> str:
+    """Label of a row, with its round or its material."""
+    if part == "iterations":
+        return f"{row['label']}, {mark['mark']:g} rounds"
+    return f"{row['label']}, {row['material']}" if part == "materials" else row["label"]
 
 
 def measure_similarity(row: Row, spec: TaskSpec, clip: Path, data: Path | None) -> list[Row]:
     """CLIPsim of a stored force field with its task's sentence, in the pictures that methods see."""
     last = row["marks"][-1] if row["marks"] else None
     field = ForceField() if last is None else ForceField.model_validate(last["force_field"])
-    told = {name: row[name] for name in ("label", "task", "oracle", "seed")} | {
+    told = {name: row[name] for name in ("part", "label", "task", "oracle", "seed")} | {
         "family": spec.family,
         "split": spec.split,
     }
     try:
-        pictures, _ = Simulation(_make(spec, data)).play(field)
+        pictures, _ = Simulation(_make(spec, data, row.get("material", OWN))).play(field)
     except UserError as error:  # what cannot be simulated has no pictures
         return [told | {"refused": str(error)[:200]}]
     found = measure_clip_similarity(pictures.rgb, spec.sentence, _load_clip(clip))
@@ -205,15 +222,21 @@ def check(row: Row, spec: TaskSpec, data: Path | None) -> list[Row]:
 
 
 def verify(row: Row, task: Task) -> list[Row]:
-    """Return whether a stored force field is still judged as its row says, by the target that it was made for."""
+    """Return whether a stored force field is still judged as its row says, by the task that it was made for.
+
+    Rows that were measured before whole tasks were hashed have the hash of their target alone.
+    """
     stored = row["marks"][-1]
     again = judge_field(ForceField.model_validate(stored["force_field"]), task)
-    same_target = row["target_hash"] == task.spec.target_hash
+    if "task_hash" in row:
+        same_task = row["task_hash"] == task.spec.task_hash
+    else:
+        same_task = row["target_hash"] == hash_target(task.spec.target)
     near = math.isclose(again["error"], stored["error"], rel_tol=_TOLERANCE, abs_tol=_TOLERANCE)
-    good = same_target and again["success"] == stored["success"] and near
+    good = same_task and again["success"] == stored["success"] and near
     if not good:
         harness.say(f"{row['job']}: error {stored['error']:.6g} then, {again['error']:.6g} now")
-    return [{"good": good, "stored": stored["error"], "again": again["error"], "same_target": same_target}]
+    return [{"good": good, "stored": stored["error"], "again": again["error"], "same_task": same_task}]
 
 
 def _name_fit(task: str, label: str, seed: int, budget: float) -> str:

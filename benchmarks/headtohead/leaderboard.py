@@ -35,7 +35,7 @@ class Entry(Strict):
         success: What the judge said.
         error: Largest miss [tolerances]; None = it could not be simulated.
         force_field: What was found.
-        target_hash: Hash of the target that it was judged by.
+        task_hash: Hash of the task that it was judged by.
         revision: Revision of the code that simulated it.
     """
 
@@ -50,7 +50,7 @@ class Entry(Strict):
     success: bool
     error: float | None
     force_field: ForceField
-    target_hash: str
+    task_hash: str
     revision: str
 
     @property
@@ -65,12 +65,12 @@ class Entry(Strict):
 
 
 def list_entries(result: dict[str, Any]) -> list[Entry]:
-    """A line for each row of a result; a fit that was refused has no force field and none."""
+    """A line for each row of a result; none for a fit that was refused, or whose whole task was not hashed yet."""
     entries = []
     for part in PARTS:
         section = result.get(part, {"rows": []})
         for row in section["rows"]:
-            if row["marks"]:
+            if row["marks"] and "task_hash" in row:
                 entries.append(_make_entry(row, section["runs"][row["run"]]))
     return entries
 
@@ -89,7 +89,7 @@ def _make_entry(row: Row, run: dict[str, Any]) -> Entry:
         success=last["success"],
         error=last["error"] if last["error"] < float("inf") else None,
         force_field=last["force_field"],
-        target_hash=row["target_hash"],
+        task_hash=row["task_hash"],
         revision=str(run["git_revision"]),
     )
 
@@ -131,4 +131,4 @@ def as_row(entry: Entry) -> Row:
     field = entry.force_field.model_dump(mode="json")
     error = float("inf") if entry.error is None else entry.error
     mark = {"mark": entry.budget, "success": entry.success, "error": error, "force_field": field}
-    return {"job": entry.job, "task": entry.task, "target_hash": entry.target_hash, "marks": [mark]}
+    return {"job": entry.job, "task": entry.task, "task_hash": entry.task_hash, "marks": [mark]}

@@ -37,7 +37,7 @@ def measure(entrant: Entrant, task: Task, marks: Sequence[float], seed: int, bud
         "smooth": task.spec.smooth,
         "seed": seed,
         "oracle": method.oracle,
-        "target_hash": task.spec.target_hash,
+        "task_hash": task.spec.task_hash,
     }
     try:
         result = method.fit(task, Budget(budget), seed)

@@ -1,13 +1,25 @@
-"""Success against budget, a line per method."""
+"""Success against simulations and against seconds, and error profiles: a line per method."""
 
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from benchmarks.harness import import_pyplot
-from benchmarks.headtohead.markdown import choose_split, group
-from benchmarks.headtohead.statistics import estimate, is_measured
+from benchmarks.harness.statistics import find_profile
+from benchmarks.headtohead.comparison import choose_split
+from benchmarks.headtohead.fits import (
+    CAP,
+    arrange,
+    count_within,
+    find_last_mark,
+    group,
+    is_measured,
+    list_marks,
+    list_successes,
+)
 
 
 def plot(result: dict[str, Any], folder: Path) -> None:
@@ -17,27 +29,31 @@ def plot(result: dict[str, Any], folder: Path) -> None:
         UserError: matplotlib is not installed.
     """
     plt = import_pyplot()
-
     rows = choose_split(result["methods"]["rows"])
-    marks = sorted({mark["mark"] for row in rows for mark in row["marks"]})
-    figure, axis = plt.subplots(figsize=(8, 5))
+    marks, seconds, levels = list_marks(rows), np.geomspace(1, 300, 60), np.geomspace(0.1, CAP, 80)
+    figure, axes = plt.subplots(1, 3, figsize=(15, 5), sharey=True)
     for index, (label, mine) in enumerate(group(rows).items()):
-        values = [(mark, 100 * estimate(mine, mark, 1)[0]) for mark in marks if is_measured(mine, mark)]
-        style = "--" if mine[0]["oracle"] else "-"
-        color = plt.get_cmap("tab20")(index / 20)
-        axis.plot(
-            *zip(*values),
-            style,
-            color=color,
-            marker="o",
-            markersize=3,
-            label=label,
+        last = find_last_mark(mine)
+        if not last:
+            continue
+        tasks, _, errors = arrange(mine, last)
+        solved = [(m, 100 * np.mean(list_successes(mine, m))) for m in marks if is_measured(mine, m)]
+        within = [100 * count / len(tasks) for count in count_within(mine, seconds.tolist())]
+        look: dict[str, Any] = dict(
+            linestyle="--" if mine[0]["oracle"] else "-", color=plt.get_cmap("tab20")(index / 20)
         )
-    axis.set(xscale="log", xlabel="budget [forward-equivalents]", ylabel="tasks solved [%]", ylim=(-2, 102))
-    axis.set_title(
-        "Dashed: oracles. Intervals are in the table: of so many methods they hide each other.", fontsize=9
-    )
-    axis.legend(fontsize=7, loc="center left", bbox_to_anchor=(1.01, 0.5))
+        axes[0].plot(*zip(*solved), marker="o", markersize=3, **look)
+        axes[1].plot(seconds, within, **look)
+        profile = [100 * share for share in find_profile(-errors, (-levels).tolist())]
+        axes[2].plot(levels, profile, label=f"{label} ({len(tasks)} tasks)", **look)
+    axes[0].set(xlabel="simulations [forward-equivalents]", ylabel="tasks solved, of those done [%]")
+    axes[1].set(xlabel="seconds, on the machines of the table")
+    axes[2].set(xlabel="error at the last budget [tolerances]")
+    axes[2].axvline(1.0, color="grey", linewidth=0.5)
+    for axis in axes:
+        axis.set(xscale="log", ylim=(-2, 102))
+    figure.suptitle("Dashed: oracles. A task that a method refuses is left out of its line.", fontsize=9)
+    axes[2].legend(fontsize=7, loc="center left", bbox_to_anchor=(1.01, 0.5))
     folder.mkdir(parents=True, exist_ok=True)
-    figure.savefig(folder / "headtohead-success.png", dpi=110, bbox_inches="tight")
+    figure.savefig(folder / "headtohead-success.png", dpi=80, bbox_inches="tight")
     plt.close(figure)

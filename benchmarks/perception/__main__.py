@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
 import sys
 from collections.abc import Iterable
 from functools import partial
@@ -20,6 +21,7 @@ from benchmarks.perception.motions import MOTIONS
 from benchmarks.perception.scenes import BACKGROUNDS, DISTANCES, NOISES, OBJECTS, compose, film
 from physagent_jax.perception.backends import make_backends, parse_choice
 from physagent_jax.perception.protocols import PerceptionBackends
+from physagent_jax.run import models
 
 QUICK = (
     "nothing",
@@ -38,22 +40,30 @@ class Command(harness.Command):
     json: Path = RAW / "perception.json"
     """File of the raw rows; those of other parts are kept."""
     parts: Annotated[tuple[str, ...], tyro.conf.arg(name="perception")] = ("rgbd", "rgb")
-    """Choices of backends, as `physagent run --perception` takes them; each is a part of the rows."""
+    """Choices of backends, as `physagent run --perception` takes them; each is a part of the rows, without paths."""
 
 
 def main() -> int:
     """Run the command line."""
     command = tyro.cli(Command)
     known = json.loads(command.json.read_text()) if command.json.is_file() else {}
-    names = dict.fromkeys((*known, *command.parts))
-    if "rgbd" in names:
-        names.pop(EARLIER, None)
-    return harness.main(command, {name: partial(make_jobs, name, command.quick) for name in names}, PAGE)
+    choices = dict.fromkeys(known) | {re.sub(":[^,]*", "", each): each for each in command.parts}
+    parts = tuple(name for name, choice in choices.items() if choice)
+    if "rgbd" in choices:
+        choices.pop(EARLIER, None)
+    return harness.main(
+        dataclasses.replace(command, parts=parts),
+        {name: partial(make_jobs, choice or name, command.quick) for name, choice in choices.items()},
+        PAGE,
+    )
 
 
 def make_jobs(perception: str, quick: bool) -> list[Job]:
     """One per motion and object; quick: six motions, one object each."""
-    backends = make_backends(**parse_choice(perception))
+    chosen = {role: models.parse_choice(role, text) for role, text in parse_choice(perception).items()}
+    backends = make_backends(
+        **{role: (each["name"], each.get("options", {})) for role, each in chosen.items()}
+    )
     pairs = [(m, o) for m in MOTIONS for o in OBJECTS]
     if quick:
         pairs = [(m, OBJECTS[i % len(OBJECTS)]) for i, m in enumerate(QUICK)]

@@ -30,13 +30,17 @@ FIGURES: tuple[Figure, ...] = (
 
 
 def write_tables(result: Result) -> Tables:
-    """The tables of docs/perception.md; a part of the rows is a choice of backends."""
+    """The tables of docs/perception.md; a part of the rows is a choice of backends.
+
+    Choices that saw a sample of the clips are compared over all and by background, where a sample says something.
+    """
     named = {"rgbd" if part == EARLIER else part: section["rows"] for part, section in result.items()}
     seen = {name: rows for name, rows in named.items() if rows}
     tables = {"runs": provenance(result, tuple(result))}
+    whole = {name: rows for name, rows in seen.items() if len(rows) == max(map(len, seen.values()))}
     if seen:
         tables["all"] = _summarise(seen)
-        tables |= {f"by {key}": _compare_by(seen, key) for key in KEYS}
+        tables |= {f"by {key}": _compare_by(seen if key == "background" else whole, key) for key in KEYS}
         tables["worst"] = _list_wrong(seen)
     return tables
 

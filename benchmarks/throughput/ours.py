@@ -15,6 +15,7 @@ from benchmarks.peers.ours import Ours, build
 from benchmarks.peers.scene import PeerScene
 from physagent_jax.mpm import cell_order, simulate
 from physagent_jax.mpm.frame import advance
+from physagent_jax.mpm.grid_update import update_grid
 
 _TOGETHER = 20  # substeps that `stages` times as one call
 
@@ -31,10 +32,7 @@ def stages(ours: Ours, repeats: int) -> dict[str, float]:
     timed: dict[str, float] = {}
 
     def grid_update(model, state, nodes):
-        velocity = stage.damp(model, stage.grid_velocity(model, nodes))
-        for boundary in model.boundaries:
-            velocity = boundary.apply(velocity, model.grid, state.time)
-        return velocity
+        return update_grid(model, state, nodes)[-1]
 
     def measure(name, function, *arguments, share=1):
         jitted = jax.jit(function)

@@ -100,8 +100,7 @@ def to_spec(options: Mapping[str, Any]) -> RunSpec:
     values = {field: _simplify(options[_name_attribute(option)]) for field, option in OPTIONS.items()}
     values["object.parts"] = list(map(parse_part, options["part"]))
     for role, name in backends.parse_choice(values.pop("perception")).items():
-        given = options[role]
-        values[f"perception.{role}"] = {"name": name} if given is None else parse_choice(role, given)
+        values[f"perception.{role}"] = parse_choice(role, options[role] or name)
     values["overrides.height"] = values["overrides.width"]
     values["camera.follow"] = options["follow"] or None
     _check_model(options)

@@ -44,6 +44,7 @@ RUBS = 0.9  # of friction's deceleration, at most: it is help against friction, 
 BALANCING = 3.0  # times what its weight turns it by when it lies, up to which it is kept upright
 ROCKS = math.radians(2)  # by which what slides may rock
 TILTED = math.radians(20)  # at which what is led over its foot stands on its edge
+HELD_END = 0.25  # of the length, whose middle is where what is held turns about when it is wrung
 PAST = math.radians(5)  # beyond the balance up to which what tips over is driven
 _LEVEL = 0.7  # vertical component of an axis below which a turn tips
 _TINY = float(np.finfo(np.float32).tiny)
@@ -484,35 +485,42 @@ class Binding:
             )
         return motions
 
-    def wring(self, other: Binding, k: float | Array, sign: float) -> list[GradedRotation]:
+    def wring(self, other: Binding | None, k: float | Array, sign: float) -> list[GradedRotation]:
         """The two ends turn against each other about the vector, what lies between them in proportion.
 
-        The particles of each end turn at the given rate on average.
+        The particles of each end turn at the given rate on average. A held end stays, and the other turns by all of it.
 
         Args:
-            other: The other end.
+            other: The other end; None = it is held.
             k: Rate of both ends [rad/s].
             sign: 1 if this end lies in the vector's direction, -1 if the other does.
         """
         size, way = self._split()
-        axis = self.leaf(way)
-        along = self.leaf(self._rest) @ axis
-        weight = self.leaf(self._volume)
-        reach = [jnp.average(along[end._mask], weights=weight[end._mask]) for end in (self, other)]
-        parting = jnp.abs(reach[0] - reach[1]) / (
-            along.max() - along.min()
-        )  # of the ends' middles, over the length
-        rate = self.leaf(sign * 0.5 * k * (size + other._split()[0])) / parting
-        middle = np.average(self._rest.astype(float), axis=0, weights=self._volume)
-        ends = (other, self) if sign > 0 else (self, other)
-        offset = self.leaf(np.stack([end.centre - middle for end in ends]))
-        shape = dict(axis=axis, length=along.max() - along.min(), offset=offset)
+        axis, rest, weight = self.leaf(way), self._rest.astype(float), self.leaf(self._volume)
+        along, point = self.leaf(self._rest) @ axis, None
+        reach = jnp.average(along[self._mask], weights=weight[self._mask])
+        length = along.max() - along.min()
+        if other is None:
+            heights = sign * rest @ self._way
+            still = heights <= heights.min() + HELD_END * np.ptp(heights)
+            fixed = np.average(rest[still], axis=0, weights=self._volume[still])
+            fixed = fixed + sign * (heights.min() - heights[still].mean()) * self._way
+            point, offset = self.leaf(fixed), self.leaf(np.stack([0 * fixed, self.centre - fixed]))
+            rate = self.leaf(sign * k * size) * length / jnp.abs(reach - point @ axis)
+        else:
+            parting = jnp.abs(reach - jnp.average(along[other._mask], weights=weight[other._mask]))
+            rate = self.leaf(sign * 0.5 * k * (size + other._split()[0])) * length / parting
+            middle = np.average(rest, axis=0, weights=self._volume)
+            ends = (other, self) if sign > 0 else (self, other)
+            offset = self.leaf(np.stack([end.centre - middle for end in ends]))
         start, end = self.window
-        motions = [GradedRotation(**shape, rate=rate, start=start, end=end)]
-        if self._held_until is not None:
-            still = self.leaf(np.zeros(()))
-            motions.append(GradedRotation(**shape, rate=still, start=end, end=self._held_until))
-        return motions
+        turn = GradedRotation(
+            axis=axis, length=length, offset=offset, point=point, rate=rate, start=start, end=end
+        )
+        if self._held_until is None:
+            return [turn]
+        rest = self.leaf(np.zeros(()))
+        return [turn, dataclasses.replace(turn, rate=rest, start=end, end=self._held_until)]
 
 
 def _normalise(values: ActionParameters) -> ActionParameters:

@@ -60,6 +60,9 @@ what happens in it slower."""
 QUICK = 0.5
 """[s] that what is over in an instant takes: a flinch, a sudden turn. No force in range starts and stops it so soon."""
 
+BLOW = 0.2
+"""[s] in which a blow swings a limb out, or presses what stands."""
+
 HELD_TIME = 0.7
 """[s] T for what is held somewhere, whatever the clip's length: it cannot leave the picture and has to be bent, which a
 field of four tenths of gravity does to a plant of 1 m (2 L / T^2)."""

@@ -88,7 +88,7 @@ def _find_next_begin(entry: Action | VelocityConstraint, field: ForceField) -> f
 
 
 def _find_tilt_axis(entry: Action | VelocityConstraint, field: ForceField, rate: float) -> np.ndarray | None:
-    """Axis of the constraint by which a field first tilts the whole, if the entry turns it there or back; or None.
+    """Axis about which an entry finds the whole tilted, or tilts it, where a field does no more than that; or None.
 
     Args:
         entry: The entry.
@@ -98,13 +98,18 @@ def _find_tilt_axis(entry: Action | VelocityConstraint, field: ForceField, rate:
     turns = [each for each in field.constraints if get_skill(each).is_axis and each.region is None]
     if entry not in turns or len(turns) < len(field.constraints) + len(field.actions):
         return None
-    first = min(turns, key=lambda each: (each.active_time or (0.0,))[0])
-    begin, end = first.active_time or (0.0, np.inf)
-    axis = np.copysign(1.0, first.magnitude) * np.asarray(first.vector)
-    level = all(
-        abs(each.vector[2]) < _LEVEL and abs(axis @ np.asarray(each.vector)) > _PARALLEL for each in turns
-    )
-    return axis if level and rate * abs(first.magnitude) * first.gain * (end - begin) <= _MOST_TILT else None
+    turns.sort(key=lambda each: (each.active_time or (0.0,))[0])
+    axes = [np.copysign(1.0, each.magnitude) * np.asarray(each.vector) for each in turns]
+    level = all(abs(each[2]) < _LEVEL and abs(axes[0] @ each) > _PARALLEL for each in axes)
+    windows = [each.active_time or (0.0, np.inf) for each in turns]
+    steps = [
+        rate * abs(each.magnitude) * each.gain * (end - begin) * np.sign(axes[0] @ axis)
+        for each, (begin, end), axis in zip(turns, windows, axes)
+    ]
+    tilts = np.cumsum([0.0, *steps])
+    at = turns.index(entry)
+    side = 1.0 if tilts[at] + tilts[at + 1] >= 0 else -1.0
+    return side * axes[0] if level and np.abs(tilts).max() <= _MOST_TILT else None
 
 
 def _is_turned_meanwhile(action: Action, field: ForceField) -> bool:

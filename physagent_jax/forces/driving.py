@@ -27,11 +27,13 @@ class PartDriver:
         part: The part.
         frame_dt: Seconds per frame [s].
         frame_count: Frames of the clip.
+        held: Whether the object is held somewhere, which M = 1 goes by.
     """
 
     part: Part
     frame_dt: float
     frame_count: int
+    held: bool = True
 
     def turn(self, axis: Vector, degrees: float, window: tuple[float, float], stop: float | None):
         """The rotation about the joint, or about the middle of what is seated.
@@ -66,7 +68,7 @@ class PartDriver:
         seconds, duration = (
             (count * self.frame_dt) for count in (window[1] - window[0], self.frame_count - 1)
         )
-        effort = share * find_reference_time(True, duration) / seconds
+        effort = share * find_reference_time(self.held, duration) / seconds
         size = min(max(abs(effort), MAGNITUDE_MIN), MAGNITUDE_MAX)
         x, y, z = vector
         return VelocityConstraint(

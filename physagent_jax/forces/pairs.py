@@ -3,7 +3,7 @@
 Two opposed translations of the ends, or two opposed plates, change the length of the whole; two opposed rotations wring
 it. Moved as slabs, ends would tear off what is thin between them; with a motion that grows evenly from end to end every
 section is strained alike, and nothing is toppled. One plate that presses towards the ground or the fixture has that for
-its partner.
+its partner, and so has an end of what is held that is turned.
 """
 
 from __future__ import annotations
@@ -13,10 +13,11 @@ import dataclasses
 import numpy as np
 
 from physagent_jax.forces.regions import make_region_mask
-from physagent_jax.forces.schema import ForceField, SkillScaling, VelocityConstraint
+from physagent_jax.forces.schema import ForceField, HalfSpaceRegion, Region, SkillScaling, VelocityConstraint
 from physagent_jax.forces.skills import get_skill
 
-_OPPOSED = -0.99  # cosine
+_OPPOSED, _ALONG = -0.99, 0.999  # cosines
+_ROUND_OFF = 1e-6  # of a place
 _UPRIGHT = 0.7  # cosine
 
 
@@ -60,12 +61,20 @@ def find_pairs(field: ForceField, scaling: SkillScaling, rest: np.ndarray) -> li
         borne = (grounded and up < -_UPRIGHT) or (scaling.holding is not None and abs(up) > _UPRIGHT)
         if i not in taken and get_skill(one).deforms == "plates" and one.region is None and borne:
             pairs.append(Pair(i, None, -1.0))
+        if i not in taken and scaling.holding is not None and one.region is not None and _turns(one):
+            way = np.sign(one.magnitude) * np.asarray(one.vector)
+            pairs += [Pair(i, None, s) for s in (1.0, -1.0) if _is_end(one.region, rest, s * way)]
     return pairs
+
+
+def _turns(one: VelocityConstraint) -> bool:
+    """Return whether it turns what it is on about its own middle."""
+    return get_skill(one).prescribes and get_skill(one).is_axis and one.pivot is None
 
 
 def _match(one: VelocityConstraint, other: VelocityConstraint) -> bool:
     skill = get_skill(one)
-    ends = skill.deforms is not None or (skill.prescribes and skill.is_axis)
+    ends = skill.deforms is not None or _turns(one)
     same = one.constraint_type == other.constraint_type and one.object == other.object
     together = one.active_time == other.active_time and one.held_until == other.held_until
     ways = np.sign(one.magnitude) * np.sign(other.magnitude) * np.dot(one.vector, other.vector)
@@ -79,16 +88,20 @@ def _find_sign(one: VelocityConstraint, other: VelocityConstraint, rest: np.ndar
         return -1.0 if one.region is None and other.region is None else None
     if one.region is None or other.region is None:
         return None
-    height = rest @ way
-    masks = [make_region_mask(region, rest) for region in (one.region, other.region)]
-    for sign, (high, low) in ((1.0, masks), (-1.0, masks[::-1])):
-        if _is_end(high, height) and _is_end(low, -height):
+    for sign, (high, low) in ((1.0, (one.region, other.region)), (-1.0, (other.region, one.region))):
+        if _is_end(high, rest, way) and _is_end(low, rest, -way):
             return sign
     return None
 
 
-def _is_end(mask: np.ndarray, height: np.ndarray) -> bool:
-    """Return whether a region is all that lies beyond a plane across the axis, and no more than a half."""
+def _is_end(region: Region, rest: np.ndarray, way: np.ndarray) -> bool:
+    """Return whether a region is all that lies beyond a plane across a way, and no more than a half.
+
+    Regions are in fractions of the bounding box: across an oblique way, a plane there is none in metres.
+    """
+    if isinstance(region, HalfSpaceRegion) and np.dot(region.normal, way) > _ALONG:
+        return bool((np.asarray(region.point) - 0.5) @ np.asarray(region.normal) > -_ROUND_OFF)
+    mask, height = make_region_mask(region, rest), rest @ way
     border = height[mask].min()
-    beyond = height >= border
-    return bool((mask == beyond).mean() > 0.98 and border > 0.5 * (height.min() + height.max()) - 1e-6)
+    middle = 0.5 * (height.min() + height.max())
+    return bool((mask == (height >= border)).mean() > 0.98 and border > middle - _ROUND_OFF)

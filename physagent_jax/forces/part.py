@@ -46,6 +46,7 @@ PartRole = Literal[
     "stem",
     "crown",
     "neck",
+    "spike",
     "top",
     "bottom",
     "side",
@@ -110,7 +111,8 @@ class Part(Strict):
             is a flat one; "leg" stands on the ground with another, "back" on legs; "handle" is a loop, "spout" is
             across from it; "tail" is across from the head; "lid" and "knob" are on top. "finger" and "thumb" are on a
             hand. "toe" to "neck" are ends and sections, told by how broad the object is along its axis; a "grip" is the
-            end of a handle. "top", "bottom" and "side" tell its place alone.
+            end of a handle. A "spike" is one of several alike that point up. "top", "bottom" and "side" tell its place
+            alone.
         moved: Particles that move with it: all but those next to its joint.
         rest: Particles of the rest of the object.
         joint: Where it joins the rest (bounding-box fractions).

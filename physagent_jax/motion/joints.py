@@ -14,6 +14,7 @@ import math
 import operator
 
 from physagent_jax.core.strict import Vector
+from physagent_jax.forces.calibration import BLOW
 from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import Bend, VelocityConstraint
@@ -62,7 +63,6 @@ _STRAIN = 0.85  # [1] of the skin on the outside of a bend, at most
 _STEEPEST = 1.5  # slope of u^2 (3 - 2 u) in its middle
 _BORDER = 3.0  # standard deviations of the neck, within which the rest borders on the part
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them
-_BLOW = 0.2  # [s] in which a blow swings a limb out
 _TIME = 1.0  # [s] in which a limb gets where it goes, at most
 Window = tuple[float, float]
 
@@ -140,7 +140,8 @@ class Turning:
         if motion.kind is MotionKind.SWAY:
             return self._drive_swings(motion)
         window = self._find_window(motion, until)
-        stop = None if motion.released or motion.sudden or until <= window[1] else until
+        let_go = motion.released or motion.sudden and not motion.stays
+        stop = None if let_go or until <= window[1] else until
         if motion.kind is MotionKind.ROTATE and motion.direction is not None:
             axis = motion.direction
             return [self.turn(axis, self.find_angle(motion, axis), window, stop)], motion
@@ -308,7 +309,7 @@ class Turning:
     def _find_window(self, motion: ExpectedMotion, until: float) -> Window:
         """The frames in which it goes where it is to go, before ``until``; a blow is short."""
         first, end = motion.window
-        frames = (_BLOW if motion.sudden else _TIME) / self.brief.frame_dt
+        frames = (BLOW if motion.sudden else _TIME) / self.brief.frame_dt
         return (first, min(end, first + max(frames, 2.0), until))
 
     @property

@@ -19,11 +19,15 @@ from physagent_jax.forces.schema import (
     VelocityConstraint,
 )
 from physagent_jax.forces.skills import Skill, get_skill, list_skills
+from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.swaying import FOOT, HALF
 from physagent_jax.motion.vectors import cosine, scale
 
 POINTED = 0.95  # cosine from which a vector points where the sentence says
 _ALIGNED = 0.5
+_PARALLEL = 0.7  # cosine of two lines
+_NO_WAY = (0.0, 0.0, 0.0)
 AXIAL = (MotionKind.STRETCH, MotionKind.SQUEEZE)
 
 
@@ -58,6 +62,12 @@ class Cause:
         return isinstance(self.item, VelocityConstraint) and (self.item.pivot is not None or pressed)
 
     @property
+    def bends_over(self) -> bool:
+        """Return whether it bends the whole, over its foot or about its middle, whatever way that moves it."""
+        bend = getattr(self.item, "bend", None)
+        return bend is not None and (bend.rest == FOOT or bend.rest.label == HALF)
+
+    @property
     def pushes(self) -> bool:
         """Return whether it is a force that lasts and moves the whole of its particles along a direction."""
         return self.group == "actions" and "move" in self.skill.causes and not self.skill.is_sudden
@@ -73,6 +83,23 @@ class Cause:
         """Frame at which a constraint leaves what it led to itself; infinity if it acts to the end."""
         held = getattr(self.item, "held_until", None)
         return held or (self.item.active_time or (0.0, math.inf))[1]
+
+    @property
+    def identity(self) -> tuple:
+        """Its numbers but for its strength: the magnitude, the gain, or the time for which it is led."""
+        window = self.item.active_time
+        begin = None if window is None else window[0]
+        end = None if self.skill.prescribes or window is None else window[1]
+        return self.skill.name, self.item.vector, self.item.magnitude > 0, self.item.region, begin, end
+
+    def get_effort(self, last: float) -> float:
+        """The amount that the response grows with: abs(M) and k, times the frames where a velocity is prescribed.
+
+        Args:
+            last: The clip's last frame.
+        """
+        first, end = self.item.active_time or (0.0, last)
+        return abs(self.item.magnitude) * self.item.gain * (end - first if self.skill.prescribes else 1.0)
 
     def prescribe(self, **fields: Any) -> VelocityConstraint:
         """The velocity constraint that does its work, with these fields."""
@@ -95,6 +122,23 @@ def list_causes(force_field: ForceField) -> list[Cause]:
     """Every entry of a force field."""
     groups = ("actions", "constraints")
     return [Cause(group, i, item) for group in groups for i, item in enumerate(getattr(force_field, group))]
+
+
+def find_new_places(before: ForceField, after: ForceField) -> dict[str, str]:
+    """The place in ``after`` of each action of ``before``: its new place, or its first constraint."""
+    places = {}
+    for index, action in enumerate(before.actions):
+        here = next((i for i, other in enumerate(after.actions) if other is action), None)
+        begin = (action.active_time or (0.0,))[0]
+        new = [Cause("constraints", i, c) for i, c in enumerate(after.constraints)][len(before.constraints) :]
+        alike = [c for c in new if abs(cosine(c.item.vector, action.vector)) > _PARALLEL]
+        heirs = [c for c in alike if (c.item.active_time or (0.0,))[0] == begin]
+        if here is not None:
+            places[f"actions[{index}]"] = f"actions[{here}]"
+        elif heirs:  # of two ends that turn or move against each other the one that goes the action's way
+            heir = max(heirs, key=lambda c: cosine(c.item.vector, action.vector))
+            places[f"actions[{index}]"] = heir.name
+    return places
 
 
 def redirect(cause: Cause, expectation: ExpectedMotion) -> dict[str, Any]:
@@ -131,7 +175,7 @@ def is_thrown_up(
 def find_causes(expectation: ExpectedMotion, force_field: ForceField) -> list[Cause]:
     """Entries of a fitting type that act in the window: those along the expected line, else all of them."""
     acting = [c for c in list_causes(force_field) if overlaps(c, expectation.window)]
-    if expectation.limb is not None and (turning := [c for c in acting if c.turns_limb]):
+    if turning := [c for c in acting if _turns_what_is_meant(c, expectation)]:
         return turning
     fitting = [c for c in acting if expectation.kind in c.skill.causes]
     if expectation.kind in AXIAL:  # a translation of something else than an end does neither
@@ -140,6 +184,13 @@ def find_causes(expectation: ExpectedMotion, force_field: ForceField) -> list[Ca
         return fitting
     aligned = [c for c in fitting if abs(cosine(c.item.vector, expectation.direction)) >= _ALIGNED]
     return aligned or fitting
+
+
+def _turns_what_is_meant(cause: Cause, expectation: ExpectedMotion) -> bool:
+    """Return whether a limb is meant and it turns one, or all of what stands and it bends that."""
+    if expectation.limb is not None:
+        return cause.turns_limb
+    return cause.bends_over and expectation.kind in (MotionKind.MOVE, MotionKind.SWAY)
 
 
 def find_own_causes(
@@ -217,10 +268,29 @@ def _brakes(cause: Cause, serving: Sequence[Cause]) -> bool:
 
 def agrees(cause: Cause, expectation: ExpectedMotion) -> bool:
     """Return whether a cause drives the motion the way that the sentence says (its sign, for stretch and squeeze)."""
-    if expectation.limb is not None and cause.turns_limb:
+    if _turns_what_is_meant(cause, expectation):
         return True
     if expectation.kind in AXIAL:
         if cause.group == "constraints":
             return _moves_ends(cause) is expectation.kind
         return (cause.item.magnitude > 0) == (expectation.kind is MotionKind.STRETCH)
     return expectation.direction is None or cosine(cause.direction, expectation.direction) >= _ALIGNED
+
+
+def share_line(one: ExpectedMotion, other: ExpectedMotion) -> bool:
+    """Return whether two motions go along one line, either way."""
+    return abs(cosine(one.direction or _NO_WAY, other.direction or _NO_WAY)) > _PARALLEL
+
+
+def is_turned_against(one: ExpectedMotion, other: ExpectedMotion) -> bool:
+    """Return whether two ends turn against each other."""
+    turns = one.kind is other.kind is MotionKind.ROTATE and other is not one and share_time(one, other)
+    pairs = (one.part, other.part), (one.direction, other.direction)
+    return turns and all(cosine(a or _NO_WAY, b or _NO_WAY) < -_PARALLEL for a, b in pairs)
+
+
+def make_part_region(expectation: ExpectedMotion) -> HalfSpaceRegion | None:
+    """The half of the object on the side of a motion's end; None if the motion is about the whole, or about no end."""
+    if expectation.part is None:
+        return None
+    return make_end_region(scale(expectation.part, -1.0 if expectation.excludes_part else 1.0), 0.5)

@@ -107,7 +107,8 @@ def explain_guess(text: str, parts: Sequence[Part], chosen: Sequence[int], *, pl
     rivals = [each for each in parts if each.roles[:1] == part.roles[:1] and not each.name]
     several = bool(set(part.roles[:1]) & set(_SINGLE)) and len(rivals) > 1 and not plural
     faint = any(parts[index].unsure for index in guessed)
-    clear = set(part.roles[:1]).isdisjoint(PLACES) and not faint
+    said = [each for each in parts if _get_noun(text) in each.roles] == [part]  # "the crown" on top of a stem
+    clear = (said or set(part.roles[:1]).isdisjoint(PLACES)) and not faint
     if clear and not several and not (plural and len(chosen) == 1 and part.roles):
         return None
     label, number = part.label or part.name or part.roles[0], guessed[0] + 1

@@ -1,28 +1,59 @@
-"""Swaying of free objects where they stand: the foot stays, and the rest bends to and fro over it.
+"""Swaying and bending of objects where they stand: the foot stays, and the rest bends over it.
 
 Pushes cannot do this for every object: what is stiff slides instead, what stands on thin ankles breaks down under its
-own weight, and pushes in time with it swing it farther each time. So the bending is prescribed, as a limb's is.
+own weight, and pushes in time with it swing it farther each time. So the bending is prescribed, as a limb's is. What
+rocks does not bend: it is tilted over the edges of its foot, to either side.
 """
 
 from __future__ import annotations
 
 import itertools
+import re
+from collections.abc import Sequence
 
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import Bend, CellsRegion, VelocityConstraint
-from physagent_jax.motion.schema import SceneBrief
-from physagent_jax.motion.vectors import cross, dot, normalise
+from physagent_jax.motion.schema import Amount, ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.vectors import add, cross, dot, normalise, scale
 from physagent_jax.motion.windows import Window
 
 _FOOT = 0.1  # of its height, that stays
 _LOW, _HIGH = ((0.5, 0.5, 0.0),), ((0.5, 0.5, 2 * _FOOT),)  # the plane between them is where the foot ends
 _ANGLE = 16.0  # [degrees] that its top turns by to either side with a strength of 1
-_DEPTH = 0.2  # [body lengths] over which it bends, over its foot
+_DEPTH, _CURVED = 0.2, 0.5  # [body lengths] over which it sways, and is bent, over its foot
+_BENT, _FARTHEST, _MOST = (
+    45.0,
+    75.0,
+    120.0,
+)  # [degrees] that a bend of strength 1, of any, and by a quantity turns its top
+_TIME, _SWING = 1.0, 0.28  # [s] in which it is bent, at most, and of each swing as it springs back
+_BACK = (
+    -1.4,
+    0.55,
+    -0.21,
+    0.06,
+)  # swings as it springs back, in parts of the angle: each 0.39 of the one before
+_TILT = 9.0  # [degrees] that it rocks by to either side with a strength of 1
+_SETTLED = 0.2  # [s] for which it is kept upright where it has stopped rocking
+_ROCKS = frozenset(("rock", "teeter", "totter", "seesaw"))
 _REACH = 2.0  # [body lengths]: all of its foot borders on the rest
 _LEVEL = 0.7  # cosine to the vertical below which a way leads aside
+_BENDS = re.compile(r"\b(bend|bent|bow|lean|droop|sway|rock|wobbl|jiggl|teeter|totter)")
+HALF = "one half"  # the name of what bends about its middle
 FOOT = CellsRegion(inside=_LOW, outside=_HIGH, label="its foot")
+
+
+def bends(motion: ExpectedMotion) -> bool:
+    """Return whether a motion of the whole is one over its foot, by its verb: what is shaken may slide as well."""
+    kinds = (MotionKind.MOVE, MotionKind.SWAY)
+    return motion.kind in kinds and _BENDS.search(motion.words.lower()) is not None
+
+
+def rocks(verb: str) -> bool:
+    """Return whether what does it tilts over its foot as a whole."""
+    return verb in _ROCKS
 
 
 def leads_aside(way: Vector | None, brief: SceneBrief) -> bool:
@@ -42,19 +73,124 @@ def sway(
         count: How often it goes to and fro.
         window: First and last frame.
     """
-    axis = normalise(cross(brief.directions.up, way))
-    assert axis is not None  # the way is level
-    joint = (0.5, 0.5, _FOOT)
-    upper = CellsRegion(inside=_HIGH, outside=_LOW, label="all but its foot")
-    body = Part(
-        moved=upper, rest=FOOT, joint=joint, arm=brief.directions.up, side=brief.directions.up, share=1.0
-    )
-    driver = PartDriver(body, brief.frame_dt, brief.frame_count)
     strokes = [1.0, *[-2.0, 2.0] * (count - 1), -2.0, 1.0]
+    return [
+        turn
+        for stroke, span in zip(strokes, _divide(window, strokes))
+        for turn in _turn(brief, [_make_upper(brief)], way, stroke * strength * _ANGLE, span, None, _DEPTH)
+    ]
+
+
+def bend(
+    brief: SceneBrief, way: Vector, strength: float, amount: Amount | None, window: Window, released: bool
+) -> list[VelocityConstraint]:
+    """The turns by which something bends evenly, and swings back: of what stands over its foot, or of both its ends.
+
+    By itself something would hardly come back in a clip whose crown is heavy and whose stem is thin.
+
+    Args:
+        brief: The scene.
+        way: Where its top or its ends go (unit world vector).
+        strength: Factor on the angle, unless that is told.
+        amount: Quantity that the sentence tells, or None.
+        window: First and last frame in which it is bent and kept bent.
+        released: Whether it then springs back, as far as there is time.
+    """
+    told = amount is not None and amount.unit == "degrees"
+    angle = min(amount.value, _MOST) if amount and told else min(_BENT * strength, _FARTHEST)
+    bodies = [_make_half(brief, 1.0), _make_half(brief, -1.0)] if lies(brief) else [_make_upper(brief)]
+    angle = angle / len(bodies) if told else angle
+    end = min(window[1], window[0] + max(_TIME / brief.frame_dt, 2.0))
+    last, frames = float(brief.last), _SWING / brief.frame_dt
+    swings = [(1.0, (window[0], end), window[1])]
+    count = min(int((last - window[1]) / frames), len(_BACK)) if released else 0
+    shares = _BACK if count == len(_BACK) else (-1.0,) * min(count, 1)
+    for index, share in enumerate(shares):
+        begin = window[1] + index * frames
+        swings.append((share, (begin, begin + frames), last if index == len(shares) - 1 else 0.0))
+    return [
+        turn
+        for share, span, stop in swings
+        for turn in _turn(brief, bodies, way, share * angle, span, stop if stop > span[1] else None, _CURVED)
+    ]
+
+
+def lies(brief: SceneBrief) -> bool:
+    """Return whether it is longest along a level line and nothing holds it: its ends are bent, and no top is."""
+    long = brief.long_axis
+    return long is not None and abs(dot(long, brief.directions.up)) < _LEVEL and brief.anchored is None
+
+
+def find_bend(way: Vector, brief: SceneBrief, rooted: bool) -> Vector | None:
+    """The way in which it bends (unit vector), or None: ends that cannot go along themselves go up.
+
+    Args:
+        way: As told.
+        brief: The scene.
+        rooted: Whether its foot is held.
+    """
+    up, long = dot(way, brief.directions.up), brief.long_axis
+    if lies(brief) and long is not None:
+        ahead = abs(dot(way, long)) > _LEVEL
+        return None if up < -_LEVEL else brief.directions.up if ahead else way
+    return way if rooted and abs(up) < _LEVEL else None
+
+
+def rock(
+    brief: SceneBrief, way: Vector, strength: float, count: int, window: Window
+) -> list[VelocityConstraint]:
+    """The tilts of what stands over the edges of its foot, to either side and back to where it was; as `sway`."""
+    strokes = [1.0, -1.0, -1.0, 1.0] * count
+    axis, last = normalise(cross(brief.directions.up, way)), float(brief.last)
+    assert axis is not None  # the way is level
+    driver = PartDriver(_make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
+    spans = _divide(window, strokes)
+    made = [driver.turn(axis, s * strength * _TILT, span, None) for s, span in zip(strokes, spans)]
+    rest = min(window[1] + _SETTLED / brief.frame_dt, last)
+    made[-1] = made[-1].model_copy(update=dict(held_until=rest if rest > window[1] else None))
+    return [each.model_copy(update=dict(region=None, pivot=None)) for each in made]
+
+
+def _divide(window: Window, strokes: Sequence[float]) -> list[Window]:
+    """The window of each stroke, as long as its size needs."""
     ends = list(itertools.accumulate([0.0, *map(abs, strokes)]))
     edges = [window[0] + (window[1] - window[0]) * each / ends[-1] for each in ends]
-    bend = Bend(joint=joint, rest=FOOT, reach=_REACH, depth=_DEPTH)
-    return [
-        driver.turn(axis, stroke * strength * _ANGLE, span, None).model_copy(update=dict(bend=bend))
-        for stroke, span in zip(strokes, itertools.pairwise(edges))
-    ]
+    return list(itertools.pairwise(edges))
+
+
+def _make_upper(brief: SceneBrief) -> Part:
+    upper = CellsRegion(inside=_HIGH, outside=_LOW, label="all but its foot")
+    up = brief.directions.up
+    return Part(moved=upper, rest=FOOT, joint=(0.5, 0.5, _FOOT), arm=up, side=up, share=1.0)
+
+
+def _make_half(brief: SceneBrief, side: float) -> Part:
+    """One half of what lies, on a side of its middle."""
+    long = scale(brief.long_axis or brief.directions.right, side)
+    here, there = (add(((0.5, 0.5, 0.5), scale(long, sign))) for sign in (0.25, -0.25))
+    half, rest = (
+        CellsRegion(inside=(a,), outside=(b,), label=HALF) for a, b in ((here, there), (there, here))
+    )
+    return Part(moved=half, rest=rest, joint=(0.5, 0.5, 0.5), arm=long, side=long, share=0.5)
+
+
+def _turn(
+    brief: SceneBrief,
+    bodies: Sequence[Part],
+    way: Vector,
+    angle: float,
+    window: Window,
+    stop: float | None,
+    depth: float,
+) -> list[VelocityConstraint]:
+    """Bodies turned so that their tips go a way, by an angle [degrees], bending over ``depth``."""
+    made = []
+    for body in bodies:
+        axis = normalise(cross(body.arm, way))
+        assert axis is not None  # the way leads across
+        held = body.rest.label != HALF  # what lies is free
+        driver = PartDriver(body, brief.frame_dt, brief.frame_count, held=held)
+        turn = driver.turn(axis, angle, window, stop)
+        place = Bend(joint=body.joint, rest=body.rest, reach=_REACH, depth=depth)
+        made.append(turn.model_copy(update=dict(bend=place)))
+    return made

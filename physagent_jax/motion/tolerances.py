@@ -44,6 +44,7 @@ _PART = 0.3  # how much less the whole shows if only a part is acted on
 REACHED = 0.8  # of the way to an obstacle, from where on it counts as met
 _TOLD_STRAIN = 0.04  # [1] within which perception tells nine strains of ten
 _TOLD_TURN = 60.0  # [degrees] off an angle that the sentence names, however large
+_WRUNG = 0.85  # of the largest angle of its word that a free end turns by: it lessens towards the held one
 _UNHURRIED = 1.0  # [s] what lasts for less time may do less
 _STRENGTHS = (0.4, 1.0, 1.6)
 
@@ -178,6 +179,12 @@ def expect_rotation(expectation: ExpectedMotion, anchored: bool, *, seconds: flo
     band = pick_band(TURN_HELD if anchored else TURN, expectation.strength, "degrees")
     share = _PART if expectation.partial and expectation.part is None else 1.0
     return band.scaled(share * clamp(seconds / _UNHURRIED, 0.3, 1.0), least=VISIBLE_DEGREES)
+
+
+def expect_wrung(expectation: ExpectedMotion, brief: SceneBrief) -> float:
+    """The angle that one end is to turn by against what holds the other [degrees]."""
+    told = find_told(expectation, brief, "degrees")
+    return told.target if told else _WRUNG * expect_rotation(expectation, True).high
 
 
 def expect_strain(expectation: ExpectedMotion, squeeze: bool) -> Tolerance:

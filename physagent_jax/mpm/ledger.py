@@ -73,7 +73,12 @@ def measure_exchange(model: Model, before: State, trace: StepTrace, after: State
     if model.gravity is not None:  # its work is in the potential
         weightless = dataclasses.replace(after_forces, v=after_forces.v - model.dt * model.gravity)
     impulse = trace.node_mass[..., None] * (trace.velocity - trace.free_velocity)
-    grid_work = (impulse * trace.velocity).sum()
+    opposing = impulse
+    if (
+        trace.sharpening is not None
+    ):  # no boundary's work, and no momentum but where images of matter lie behind planes
+        opposing = impulse - trace.node_mass[..., None] * trace.sharpening
+    grid_work = (opposing * trace.velocity).sum()
     constraint_work = _measure_work(model, begun, gathered, after_forces, trace.after_constraints)
     projection_work = kinetic_energy(model, after) - kinetic_energy(model, gathered)
     boundary_impulse = (

@@ -55,6 +55,11 @@ class Boundary(Protocol):
         del grid
         return nodes
 
+    def unfold(self, nodes: jax.Array, grid: Grid) -> jax.Array:
+        """Folded momentum and mass with the images themselves in place, for what looks at a node's neighbours."""
+        del grid
+        return nodes
+
     def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """Velocities after the boundary [m/s], shape (nx, ny, nz, 3)."""
         ...

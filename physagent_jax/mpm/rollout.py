@@ -17,7 +17,7 @@ from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.step import NODES, kirchhoff_stress, substep
 from physagent_jax.mpm.transfer import STOPPED
 
-NODE_NUMBERS, PARTICLE_NUMBERS = 4, 24  # momentum and mass; x, v, C and F
+PARTICLE_NUMBERS = 24  # x, v, C and F
 
 
 def rollout(model: Model, state: State, *, frame_count: int, substeps: int) -> tuple[State, State]:
@@ -44,7 +44,7 @@ def rollout(model: Model, state: State, *, frame_count: int, substeps: int) -> t
 
 @partial(jax.jit, static_argnums=(2, 3))
 def _rollout(model: Model, state: State, frame_count: int, substeps: int) -> tuple[State, State]:
-    few = NODE_NUMBERS * math.prod(model.grid.shape) < PARTICLE_NUMBERS * len(state.x)
+    few = model.inertia.node_numbers * math.prod(model.grid.shape) < PARTICLE_NUMBERS * len(state.x)
     kept = jax.checkpoint_policies.save_only_these_names(STOPPED, *([NODES] if few else []))
 
     @partial(jax.checkpoint, policy=kept)

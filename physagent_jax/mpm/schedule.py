@@ -156,7 +156,7 @@ def replay(
     check_truncation(truncate)
     with kernels.use_device_of(state.x):
         model, state = conform(model, state)
-        advance = _choose_checkpoints(state, schedule, memory)
+        advance = _choose_checkpoints(model.inertia.node_numbers, state, schedule, memory)
         state, states = _instantiate_zeros(model, state), []
         for index, frame in enumerate(schedule.frames):
             if truncate and index and index % truncate == 0:
@@ -196,13 +196,13 @@ class _Checkpoints:
     every: bool
 
 
-def _choose_checkpoints(state: State, schedule: Schedule, memory: float) -> _Checkpoints:
+def _choose_checkpoints(node_numbers: int, state: State, schedule: Schedule, memory: float) -> _Checkpoints:
     """All states if they fit, else the first of every k substeps, and all within k at a time.
 
     N S / k + k (S + G) is least at k = sqrt(N S / (S + G)), with N substeps, states of S and nodes of G bytes.
     """
     size = sum(leaf.size * leaf.dtype.itemsize for leaf in jax.tree.leaves(state))
-    nodes = max((4 * math.prod(frame.grid.shape) for frame in schedule.frames), default=0)
+    nodes = max((node_numbers * math.prod(frame.grid.shape) for frame in schedule.frames), default=0)
     each = size + nodes * state.x.dtype.itemsize
     count = schedule.substeps
     if count * each <= memory:

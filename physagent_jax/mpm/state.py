@@ -15,6 +15,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.names import explain_unknown_name
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm.fields import PER_BLOCK, PER_PARTICLE
+from physagent_jax.mpm.inertia import Lumped, Sharpened
 from physagent_jax.mpm.materials.base import History, Material
 
 _STATIC = dict(static=True)
@@ -87,6 +88,7 @@ class Model:
         transfer: "apic" or "pic" (C is discarded), static.
         stress_form: How stress acts on nodes and grad v is read: "mls" (4 / dx^2 w_i (x_i - x), C; Hu et al. 2018)
             or "gradient" (grad w_i, the classical form), static.
+        inertia: `Lumped()`, or `Sharpened(beta)`: two to three times less error of frequency at the same cells, static.
         rpic_damping: 0 = APIC, 1 = only the rotational part of C; static.
         damping_rate: Global damping of grid velocities [1/s], scalar; None = none (skipped).
         wall: Cells from the domain's faces at which particles are stopped, static. One: matter rests up to 1.5 cells
@@ -109,6 +111,7 @@ class Model:
     viscosity: jax.Array | None = dataclasses.field(default=None, metadata=PER_PARTICLE)
     transfer: Literal["apic", "pic"] = dataclasses.field(default="apic", metadata=_STATIC)
     stress_form: Literal["mls", "gradient"] = dataclasses.field(default="mls", metadata=_STATIC)
+    inertia: Lumped | Sharpened = dataclasses.field(default=Lumped(), metadata=_STATIC)
     rpic_damping: float = dataclasses.field(default=0.0, metadata=_STATIC)
     damping_rate: jax.Array | float | None = None
     wall: int = dataclasses.field(default=1, metadata=_STATIC)
@@ -119,6 +122,8 @@ class Model:
         for name, known in _KNOWN.items():
             if getattr(self, name) not in known:
                 raise explain_unknown_name(f"`Model.{name}`", getattr(self, name), known)
+        if not isinstance(self.inertia, Lumped | Sharpened):
+            raise UserError("`Model.inertia` must be `Lumped()` or `Sharpened(beta)`", got=self.inertia)
         if not 0 <= self.rpic_damping <= 1:
             raise UserError("`Model.rpic_damping` must be within [0, 1]", got=self.rpic_damping)
         rate = self.damping_rate

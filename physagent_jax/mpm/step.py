@@ -8,7 +8,9 @@ The stress comes last, so that it can share its work with the return mapping; `s
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 from functools import partial
+from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -17,12 +19,14 @@ from jax.ad_checkpoint import checkpoint_name
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.mpm import constraints, kernels, materials, reductions, transfer
 from physagent_jax.mpm.conform import as_field, conform
+from physagent_jax.mpm.grid_update import find_mass_unit, update_grid
 from physagent_jax.mpm.health import Health, measure_health
+from physagent_jax.mpm.inertia import Lumped
 from physagent_jax.mpm.linalg import transpose
 from physagent_jax.mpm.materials import NeoHookean, viscous_stress
 from physagent_jax.mpm.materials.base import History
 from physagent_jax.mpm.state import Model, State
-from physagent_jax.mpm.transfer import STOPPED, stencil
+from physagent_jax.mpm.transfer import STOPPED
 
 NODES = "nodes"
 """Name for `jax.checkpoint_policies`: what costs a P2G to compute again in a reverse pass, as `STOPPED` a G2P."""
@@ -49,6 +53,8 @@ class StepTrace:
         after_constraints: Particles after body forces and constraints, as P2G sees them.
         node_mass: [kg], shape (nx, ny, nz).
         free_velocity: Node velocities before damping and boundaries [m/s], shape (nx, ny, nz, 3).
+        sharpening: The part of ``velocity`` that `inertia.sharpen` has added before the boundaries [m/s], same shape;
+            None = lumped masses.
         velocity: Node velocities after boundaries and constraints [m/s], same shape.
         gathered: Particles after G2P and return mapping, before constraints.
         trial: F before the return mapping, shape (n, 3, 3).
@@ -59,6 +65,7 @@ class StepTrace:
     after_constraints: State
     node_mass: jax.Array
     free_velocity: jax.Array
+    sharpening: jax.Array | None
     velocity: jax.Array
     gathered: State
     trial: jax.Array
@@ -79,16 +86,13 @@ def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Arra
         forced = dataclasses.replace(state, v=v, C=affine(model, state))
         constrained = constraints.before_p2g(model, forced)
     with jax.named_scope("p2g"):
-        nodes, state = scatter(model, state, constrained, tau)
+        push = None if isinstance(model.inertia, Lumped) else find_push(model, state, forced, constrained)
+        nodes, state = scatter(model, state, constrained, tau, push)
         nodes = reductions.sum_devices(nodes, model.axis)  # one grid, whichever device a particle is on
         # Kept one number of all nodes after the other, as the grid update wants them: else it reads in strides.
         nodes = jnp.moveaxis(checkpoint_name(jnp.moveaxis(nodes, -1, 0), NODES), 0, -1)
     with jax.named_scope("grid_update"):
-        node_mass, free = nodes[..., 3], grid_velocity(model, nodes)
-        damped = damp(model, grid_velocity(model, fold_boundaries(model, nodes)))
-        velocity = apply_boundaries(model, damped, state.time)
-        s = stencil(state.x, model.grid)  # compiled away where nothing is constrained
-        velocity = constraints.on_grid(model, damped, velocity, node_mass, s, state.time)
+        node_mass, free, sharpening, velocity = update_grid(model, state, nodes)
     with jax.named_scope("g2p"):
         moved = gather(model, state, velocity)
     with jax.named_scope("stress"):
@@ -101,14 +105,36 @@ def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Arra
         after, health = stop_at_walls(model, state, velocity, after, moved.health)
         if model.constraints:  # F may have been turned
             tau = kirchhoff_stress(model, after)
-    return after, tau, StepTrace(forced, constrained, node_mass, free, velocity, gathered, moved.F, health)
+    nodes = node_mass, free, sharpening, velocity
+    return after, tau, StepTrace(forced, constrained, *nodes, gathered, moved.F, health)
 
 
-def scatter(model: Model, state: State, constrained: State, tau: jax.Array) -> tuple[jax.Array, State]:
+def find_push(model: Model, state: State, forced: State, constrained: State) -> jax.Array:
+    """The change of velocities by forces without a gradient [m/s], shape (n, 3), or (1, 3) zeros if there are none.
+
+    P2G smooths it as it smooths the stress, so that it is sharpened with that. The other forces reach the nodes as they
+    are. Of constrained particles it is what the constraints leave of it.
+    """
+    push = jnp.zeros((1, 3), state.v.dtype)
+    for force, acceleration in iterate_accelerations(model, state):
+        if force.gradient(state.x, state.time, model.dt) is None:
+            push = push + model.dt * jnp.broadcast_to(acceleration, state.v.shape)
+    if not model.forces or not model.constraints:
+        return push
+    without = constraints.before_p2g(model, dataclasses.replace(forced, v=forced.v - push))
+    return constrained.v - without.v
+
+
+def scatter(
+    model: Model, state: State, constrained: State, tau: jax.Array, push: jax.Array | None = None
+) -> tuple[jax.Array, State]:
     """Momentum and mass at the nodes, shape (nx, ny, nz, 4), with the stress ``tau`` and viscosity; and ``state``.
 
     ``constrained`` is ``state`` after forces and constraints. The state is as it was, but G2P is to take its x and F
     from here: a kernel's adjoint then adds up the derivatives by them.
+
+    With ``push``, which is within the velocities, it and the stress are apart: shape (nx, ny, nz, 8), as of
+    `transfer.p2g_apart`.
     """
     v, dv = constrained.v, jnp.zeros(3, constrained.v.dtype)
     if not model.forces and not model.constraints:  # gravity alone need not go through memory
@@ -116,7 +142,20 @@ def scatter(model: Model, state: State, constrained: State, tau: jax.Array) -> t
     form, grid, inputs = model.stress_form, model.grid, (model.mass, model.volume, dv, model.dt)
     eta, law = model.viscosity, model.materials[0]
     use_cpu = kernels.use_cpu(model.kernels)
-    if use_cpu and type(law) is NeoHookean and len(model.materials) == 1:  # a subclass may differ
+    is_neo_hookean = type(law) is NeoHookean and len(model.materials) == 1  # a subclass may differ
+    if push is not None:
+        v = v - push if model.forces else v
+        lame, viscous, total = None, None, tau
+        if use_cpu and is_neo_hookean:
+            lame = tuple(jnp.broadcast_to(parameter, model.mass.shape) for parameter in (law.mu, law.lam))
+            viscous, total = None if eta is None else (eta, state.C), constrained.F
+        elif eta is not None:
+            total = tau + viscous_stress(eta, state.C, state.F)
+        particles = constrained.x, v, constrained.C, total, *((lame, viscous) if use_cpu else ())
+        apart = kernels.load_cpu_kernels().p2g_apart if use_cpu else transfer.p2g_apart
+        others = model.mass, model.volume, dv, push, find_mass_unit(model), model.dt
+        return apart(form, grid, *particles, *others), state
+    if use_cpu and is_neo_hookean:
         # The kernel makes this stress on the way, and ``tau`` is never computed: XLA sees that nobody reads it.
         cpu = kernels.load_cpu_kernels()
         lame = (jnp.broadcast_to(parameter, model.mass.shape) for parameter in (law.mu, law.lam))
@@ -146,11 +185,17 @@ def body_acceleration(model: Model, state: State) -> jax.Array:
 def external_acceleration(model: Model, state: State) -> jax.Array:
     """Sum of the force terms [m/s^2], shape (n, 3); (3,) zeros if there are none."""
     total = jnp.zeros(3, state.x.dtype)
+    for _, acceleration in iterate_accelerations(model, state):
+        total = total + acceleration
+    return total
+
+
+def iterate_accelerations(model: Model, state: State) -> Iterator[tuple[Any, jax.Array]]:
+    """Each force term and its acceleration [m/s^2], shape (n, 3)."""
     with reductions.split_over(model.axis):
         for force in model.forces:
             made = force.acceleration(state.x, state.v, model.mass, state.time, model.dt)
-            total = total + as_field(made, state.x, f"accelerations of {type(force).__name__}")
-    return total
+            yield force, as_field(made, state.x, f"accelerations of {type(force).__name__}")
 
 
 def affine(model: Model, state: State) -> jax.Array:
@@ -215,48 +260,6 @@ def damp_affine(model: Model, C: jax.Array) -> jax.Array:
         return C
     r = model.rpic_damping
     return (1 - r) * C + (0.5 * r) * (C - transpose(C))
-
-
-def grid_velocity(model: Model, nodes: jax.Array) -> jax.Array:
-    """Node velocities [m/s] from momentum and mass; empty nodes stay at zero.
-
-    A node counts as empty below eps^1.5 of the lightest particle's mass. Every particle's weight there is
-    smaller still, so that its velocity would be lost in round-off; but the derivative of momentum / mass
-    divides by the mass squared, which in float32 underflows.
-    """
-    least = jnp.finfo(nodes.dtype).eps ** 1.5 * jax.lax.stop_gradient(_find_least_mass(model))
-    use_cpu = kernels.use_cpu(model.kernels)
-    divide = kernels.load_cpu_kernels().grid_velocity if use_cpu else transfer.grid_velocity
-    return divide(nodes, least)
-
-
-def _find_least_mass(model: Model) -> jax.Array:
-    """Least mass of a particle [kg]."""
-    if model.axis is None:
-        return model.mass.min()
-    return reductions.min_devices(
-        jnp.where(model.mass > 0, model.mass, jnp.inf).min(), model.axis
-    )  # padding aside
-
-
-def fold_boundaries(model: Model, nodes: jax.Array) -> jax.Array:
-    """Momentum and mass at the nodes with what boundaries add to them, shape (nx, ny, nz, 4)."""
-    for boundary in model.boundaries:
-        nodes = boundary.fold(nodes, model.grid)
-    return nodes
-
-
-def apply_boundaries(model: Model, velocity: jax.Array, time: jax.Array) -> jax.Array:
-    """Node velocities after all boundaries [m/s]."""
-    for boundary in model.boundaries:
-        applied = boundary.apply(velocity, model.grid, time)
-        velocity = as_field(applied, velocity, f"velocities after {type(boundary).__name__}")
-    return velocity
-
-
-def damp(model: Model, velocity: jax.Array) -> jax.Array:
-    """Node velocities after the global damping of one substep."""
-    return velocity if model.damping_rate is None else velocity * jnp.exp(-model.damping_rate * model.dt)
 
 
 def stop_at_walls(

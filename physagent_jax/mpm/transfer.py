@@ -142,6 +142,20 @@ def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, dv, dt) -> jax.Array:
     return scatter_momentum(s, grid, mass, momentum, affine, impulse)
 
 
+def p2g_apart(form: str, grid: Grid, x, v, C, tau, mass, volume, dv, push, unit, dt) -> jax.Array:
+    """As `p2g`, what the particles bring and what this step gives them apart, for `mpm.inertia`.
+
+    The first four numbers of a node are momentum and mass of v + dv and C; the others are the impulse of tau and of
+    ``push``, a velocity [m/s] of shape (n, 3) or (1, 3), and sum w m^2 ``unit``, one over a mass [1/kg]; shape
+    (nx, ny, nz, 8).
+    """
+    s, impulse, each = stencil(x, grid), -dt * volume[:, None, None] * tau, mass[:, None]
+    brought = scatter_momentum(s, grid, mass, each * (v + dv), each[..., None] * C)
+    affine, classical = ((4 / grid.dx**2) * impulse, None) if form == "mls" else (jnp.zeros_like(C), impulse)
+    given = scatter_momentum(s, grid, mass * (unit * mass), each * push, affine, classical)
+    return jnp.concatenate([brought, given], axis=-1)
+
+
 def grid_velocity(nodes: jax.Array, least: jax.Array) -> jax.Array:
     """Node velocities [m/s], shape (nx, ny, nz, 3), from momentum and mass; zero where that is not above ``least``."""
     momentum, mass = nodes[..., :3], nodes[..., 3:]

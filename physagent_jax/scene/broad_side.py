@@ -4,19 +4,25 @@ from __future__ import annotations
 
 import functools
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from physagent_jax.core.strict import Vector
+from physagent_jax.forces.part import split_name
+from physagent_jax.scene.camera import UP
 from physagent_jax.scene.config import Domain, Source
-from physagent_jax.scene.load import load_object
-from physagent_jax.scene.placement import place
+from physagent_jax.scene.load import load_named_parts, load_object
+from physagent_jax.scene.mesh_formats import MeshPart
+from physagent_jax.scene.placement import find_up_rotation, place
 
 STEP = 15  # [degrees] between the directions that are tried
 GAIN = 1.1  # times as much as from the front must be seen from elsewhere; what is about as broad all around stays
 AS_GOOD = 0.985  # of the largest silhouette counts as the largest: of such, the direction nearest to the front is taken
 RICHER = 1.25  # times as varied the colours must be on the other side for that to be the face
+_STEEP = 0.9  # rise of a front, from which on it is up or down
+_AGREE = 0.8  # length of the sum of the ways from right to left over the sum of their lengths, at least
 LONGER = 1.3  # times as long as along the other axes it must be along its long one
 TRIMMED = 0.005  # share of the points on each side that may be floaters
 FEWEST_CELLS, MOST_CELLS = 8, 48  # across the object, for counting its silhouette
@@ -51,9 +57,44 @@ def _measure_cached(source: str, domain: str) -> tuple[float, Vector | None]:
         warnings.simplefilter("ignore", UserWarning)  # they are heeded when the object is loaded in earnest
         parsed = Source.model_validate_json(source)
         loaded = load_object(parsed, Path())
-        cloud, _ = place(loaded.cloud, parsed, Domain.model_validate_json(domain), loaded.origin)
+        domain_read = Domain.model_validate_json(domain)
+        cloud, placement = place(loaded.cloud, parsed, domain_read, loaded.origin)
+        way = find_named_front(load_named_parts(parsed, Path()), placement.rotation)
     points = np.asarray(cloud.means, np.float64)
-    return find_broad_azimuth(points, np.asarray(cloud.sh[:, 0], np.float64)), _find_long_axis(points)
+    if way is None and loaded.front is not None:
+        way = placement.rotation @ find_up_rotation(loaded.front).T[:, 2]
+    front = None
+    if way is not None and abs(way[2]) < _STEEP:
+        front = float(np.degrees(np.arctan2(way[0], -way[1])))
+    colours = np.asarray(cloud.sh[:, 0], np.float64)
+    return find_broad_azimuth(points, colours, front), _find_long_axis(points)
+
+
+def find_named_front(surfaces: Sequence[MeshPart], rotation: np.ndarray) -> np.ndarray | None:
+    """The way in which something looks whose file names its left and its right; a unit vector, shape (3,).
+
+    Left is its own: that of a figure that looks at the viewer is on the viewer's right.
+
+    Args:
+        surfaces: Surfaces with their names, in the file's frame.
+        rotation: From there to the world, shape (3, 3).
+
+    Returns:
+        None if no two surfaces are called alike but for their sides, or if they contradict each other.
+    """
+    centres: dict[str, dict[tuple[str, ...], np.ndarray]] = {"left": {}, "right": {}}
+    for each in surfaces:
+        words = split_name(each.names[0]) if each.names else ()
+        for side in set(words) & centres.keys():
+            rest = tuple(word for word in words if word != side)
+            centres[side].setdefault(rest, each.vertices[each.faces].mean((0, 1)) @ rotation.T)
+    left, right = centres.values()
+    across = np.array([left[rest] - right[rest] for rest in left.keys() & right.keys()]).reshape(-1, 3)
+    across[:, 2] = 0.0
+    length = float(np.linalg.norm(across.sum(0)))
+    if not length > _AGREE * np.linalg.norm(across, axis=1).sum() > 0:
+        return None
+    return np.cross(across.sum(0) / length, UP)
 
 
 def _find_long_axis(points: np.ndarray) -> Vector | None:
@@ -65,15 +106,18 @@ def _find_long_axis(points: np.ndarray) -> Vector | None:
     return x, y, z
 
 
-def find_broad_azimuth(points: np.ndarray, colours: np.ndarray) -> float:
+def find_broad_azimuth(points: np.ndarray, colours: np.ndarray, front: float | None = None) -> float:
     """The azimuth (`CameraConfig.azimuth_degrees`) from which an object's face is seen [degrees], in (-180, 180].
 
     The largest silhouette says which sides are broad. It is the same from behind: of the two, the side with the more
-    varied colours is the face if it is clearly so, else the one within a quarter turn of 0.
+    varied colours is the face if it is clearly so, else the one within a quarter turn of 0. Where the front is known,
+    the side within a quarter turn of it is the face, whatever its colours: parts called left and right tell it, or the
+    format.
 
     Args:
         points: Shape (n, 3).
         colours: In any linear units, shape (n, 3).
+        front: The azimuth from which the front is seen [degrees]; None = nothing tells it.
     """
     low, high = np.quantile(points, [TRIMMED, 1 - TRIMMED], axis=0)
     inner = ((points >= low) & (points <= high)).all(axis=1)
@@ -83,10 +127,12 @@ def find_broad_azimuth(points: np.ndarray, colours: np.ndarray) -> float:
     cells = int(np.clip(np.sqrt(len(points)) / 4, FEWEST_CELLS, MOST_CELLS))
     cell = max(float(np.ptp(points, axis=0).max()), 1e-9) / cells
     tried = sorted(range(STEP - 90, 91, STEP), key=lambda azimuth: (abs(azimuth), -azimuth))
-    areas = [len(_find_seen(points, azimuth, cell)) for azimuth in tried]
+    areas = [len(_find_seen(points, (front or 0.0) + azimuth, cell)) for azimuth in tried]
     found = 0
     if max(areas) > GAIN * areas[0]:
         found = next(azimuth for azimuth, area in zip(tried, areas) if area >= AS_GOOD * max(areas))
+    if front is not None:
+        return 180 - (180 - front - found) % 360
     behind = found + 180 if found <= 0 else found - 180
     here, there = (_measure_variety(colours[_find_seen(points, each, cell)]) for each in (found, behind))
     return float(behind if there > RICHER * here else found)

@@ -132,7 +132,7 @@ def _sample_mesh(path: Path, source: Source) -> LoadedSplats:
     found = mesh_formats.find_mesh_format(read_head(path), path)
     assert found is not None  # or it would not have been read
     name, how = f"{found.name} mesh", "Gaussians sampled on its surface"
-    return LoadedSplats(cloud, np.zeros(3), name, how, found.up, (), cloud.count, plain=plain)
+    return LoadedSplats(cloud, np.zeros(3), name, how, found.up, (), cloud.count, plain, found.front)
 
 
 def holds_splats(path: Path) -> bool:

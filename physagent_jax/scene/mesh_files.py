@@ -87,7 +87,7 @@ def read_named_parts(path: str | Path) -> list[MeshPart]:
     else:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # of colours, which are not asked for
-            parts = read_parts(path)
+            parts = [limb for part in read_parts(path) for limb in part.split()]
     return parts if any(part.names for part in parts) else []
 
 

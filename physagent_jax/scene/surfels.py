@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from scipy.ndimage import map_coordinates
 from scipy.spatial import KDTree
 
 from physagent_jax.core.arrays import to_device
+from physagent_jax.core.once import make_lock
 from physagent_jax.gaussians.cloud import GaussianCloud
 
 SH_DC = 0.28209479177387814  # Y_00; colour = SH_DC * sh[0] + 0.5
@@ -48,12 +50,30 @@ def _find_rotations_to(normals: np.ndarray) -> np.ndarray:
     return half / np.linalg.norm(half, axis=1, keepdims=True)
 
 
+_KEPT = 4  # sets of points whose thinning is remembered: a run reads its object up to four times
+_thinned: dict[tuple[bytes, int], np.ndarray] = {}
+_lock = make_lock()  # of `_thinned`
+
+
 def place_evenly(points: np.ndarray, count: int) -> np.ndarray:
-    """Indices of ``count`` well spread points out of a denser random set, in increasing order.
+    """Indices of ``count`` well spread points out of a denser random set, in increasing order; read-only.
 
     Repeatedly thins the set: of every pair of mutual nearest neighbours the second goes, closest pairs
-    first, which removes clumps and leaves the spacing of a blue-noise set.
+    first, which removes clumps and leaves the spacing of a blue-noise set. The last sets are remembered.
     """
+    key = hashlib.sha256(np.ascontiguousarray(points).data).digest(), count
+    if (known := _thinned.get(key)) is not None:
+        return known
+    found = _thin(points, count)
+    found.setflags(write=False)
+    with _lock:
+        while len(_thinned) >= _KEPT:
+            del _thinned[next(iter(_thinned))]
+        _thinned[key] = found
+    return found
+
+
+def _thin(points: np.ndarray, count: int) -> np.ndarray:
     keep = np.arange(len(points))
     while len(keep) > count:
         tree: Any = KDTree(points[keep])  # scipy annotates `query` for a single neighbour only

@@ -1,6 +1,6 @@
 """A reply in a few words, to be compared with what a person reads."""
 
-from physagent_jax.motion.schema import ExpectedMotion
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind
 from tests.agents.scenes import brief, read
 
 NAMES: dict[tuple[int, ...], str] = {
@@ -16,7 +16,7 @@ def ground(**changes):
 
 def tell(motion: ExpectedMotion) -> str:
     """A motion as "hit left x2 on up"."""
-    words = ["hit" if motion.sudden else motion.kind.value]
+    words = ["hit" if motion.sudden and motion.kind is MotionKind.MOVE else motion.kind.value]
     if motion.direction is not None:
         words.append(NAMES.get(tuple(round(c) for c in motion.direction), "?"))
     words += [f"x{motion.repeats}"] if motion.repeats > 1 else []

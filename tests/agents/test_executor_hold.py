@@ -70,3 +70,15 @@ def test_what_is_led_by_its_ends_is_not_held_as_well(ground):
         dict(constraint_type="enforce_particle_rotation", vector=(1, 0, 0), magnitude=1.0, region=region)
     )
     assert not should_hold(context, replace(failed, force_field=ForceField(constraints=(led,))))
+
+
+def test_what_is_to_bend_and_slides_is_held(ground):
+    """A word of bending asks for it; what is pushed to the same place may slide."""
+    for prompt, hold in (
+        ("a gust leans the robot to the left", "base"),
+        ("a gust pushes the robot to the left", None),
+    ):
+        reply = read(prompt, ground)
+        slides = {"displacement": (-1.5, 0, 0)}
+        failed = judge(prompt, reply, seen_in(reply.expectations, ground.frame_count, **slides), ground)
+        assert rewrite(prompt, reply, failed, ground).hold == hold

@@ -1,11 +1,13 @@
 """The choice between kinds of skill: the rule, and that its result obeys the hard rules."""
 
+import math
+
 import pytest
 
 from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent
 from physagent_jax.agents.hard_rules import apply_hard_rules
 from physagent_jax.agents.rules.kinds import choose_kinds
-from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL
+from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL, TURN
 from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField
 from physagent_jax.motion.matching import find_causes
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind
@@ -231,6 +233,20 @@ def test_ends_turned_against_each_other_are_gripped():
     assert one.magnitude == -two.magnitude and one.region.normal == pytest.approx(
         [-c for c in two.region.normal]
     )
+
+
+@pytest.mark.parametrize(("strength", "least", "most"), [(0.4, 10, 30), (1.0, 50, 75), (1.6, 100, 180)])
+def test_an_end_is_turned_against_the_one_that_is_held(strength, least, most):
+    """So far that it is seen, whatever the stiffness; a torque would bend what is held."""
+    torque = {"action_type": "torque", "vector": UP, "magnitude": strength, "active_time": (0, 48)}
+    turned = {"kind": MotionKind.ROTATE, "direction": UP, "part": UP, "partial": True, "strength": strength}
+    scene = brief(anchored="the base", world="ground")
+    (end,) = chosen(torque | {"region": TOP}, turned, scene).constraints
+    first, until = end.active_time
+    seconds = (until - first) * scene.frame_dt
+    angle = math.degrees(TURN / scene.reference_seconds * end.magnitude * seconds)
+    assert end.region.normal == UP and least < angle <= most
+    assert chosen(torque | {"region": TOP}, turned | {"repeats": 3}, scene).actions
 
 
 def compiled(prompt, scene=None):

@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.language.score import make_scene
 from physagent_jax.agents.grammar.semantic import read_sentence
-from physagent_jax.motion.schema import ExpectedMotion
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind
 from tests.agents.sentences import load_table
 
 TABLE = load_table("public.yaml")
@@ -25,7 +25,7 @@ def name_ways(direction: tuple[float, ...]) -> str:
 
 def tell(motion: ExpectedMotion) -> str:
     """A motion as "hit left+up x2 on up stays by 0.5 lengths"; a time alone is no amount."""
-    words = ["hit" if motion.sudden else motion.kind.value]
+    words = ["hit" if motion.sudden and motion.kind is MotionKind.MOVE else motion.kind.value]
     words += [name_ways(motion.direction)] if motion.direction else []
     words += [f"x{motion.repeats}"] if motion.repeats > 1 else []
     words += ["on", name_ways(motion.part)] if motion.part else []

@@ -32,6 +32,9 @@ def read(sentence, *parts):
         ("it wags its tail", "tail"),
         ("lift the left leg", "left leg"),
         ("everything but its axe moves to the left", "axe"),
+        ("bend the spikes to the left", "spikes"),
+        ("the candles on the lumberjack sway", "candles"),
+        ("pull the ribbons on the lumberjack up", "ribbons"),
     ],
 )
 def test_a_part_that_is_not_there_is_told(sentence, word):

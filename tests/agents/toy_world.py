@@ -18,7 +18,7 @@ from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField, 
 from physagent_jax.forces.swinging import find_strokes
 from physagent_jax.motion.schema import ExpectedMotion, Judgement, SceneBrief, Verdict
 from physagent_jax.motion.tolerances import list_windows
-from physagent_jax.motion.vectors import add, scale
+from physagent_jax.motion.vectors import add, cross, scale
 from physagent_jax.perception.schema import MotionReport, PartMotion
 from tests.agents.scenes import judge, make_report, rewrite
 
@@ -99,7 +99,8 @@ class ToyWorld:
         count, effects = self.scene.frame_count, []
         for index, item in enumerate((*field.actions, *field.constraints)):
             first, last = item.active_time or (0, count - 1)
-            effects.append((first, last, *self._find_effect(item, first, last, strokes.get(index))))
+            stays = last if getattr(item, "bend", None) is None else count  # it is bent on from there
+            effects.append((first, stays, *self._find_effect(item, first, last, strokes.get(index))))
         return effects
 
     def _find_effect(self, item, first: float, last: float, stroke):
@@ -126,6 +127,11 @@ class ToyWorld:
             return "torque", _always(scale(vector, 2.0 * math.degrees(calibration.TURN)))
         if kind is ActionType.SCALE:
             return "strain", _always(_make_diagonal(item.vector, SHORTENING * self.gain * effort))
+        if getattr(item, "bend", None) is not None:
+            # It bends over its height: its middle goes by 0.15 of that per radian.
+            turn = calibration.TURN / calibration.HELD_TIME * effort * self.scene.frame_dt
+            way = scale(cross(item.vector, self.scene.directions.up), 0.15 * turn / (0.5 * HELD))
+            return "push", lambda frame: scale(way, min(frame, last) - first)
         if not isinstance(item.region, HalfSpaceRegion):
             return "drive", _always(scale(item.vector, calibration.PRESCRIBED_TRAVEL * effort))
         # one of two end slabs: prescribed, whatever the stiffness

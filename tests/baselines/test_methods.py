@@ -260,7 +260,7 @@ def test_unknown_names_and_options_are_refused():
         ("adam", dict(starts=0)),
         ("smoothed_adam", dict(samples=3)),
         ("hybrid", dict(part=0)),
-        ("physagent", dict(rounds=0)),
+        ("rules", dict(rounds=0)),
         ("adam", dict(colour="red")),
     ):
         with pytest.raises(UserError):

@@ -60,5 +60,5 @@ def test_the_verdict_is_the_judge_s_and_no_picture_is_looked_at(tiny):
         assert seen is not None and not seen.key_frames.pick()
         verdicts.append(sight.judge(context, seen).value.verdict)  # type: ignore[arg-type]
     assert verdicts == [Verdict.SUCCESS, Verdict.FAIL]
-    result = make_method("physagent", dict(privileged=True, rounds=2)).fit(tiny, Budget(2))
+    result = make_method("rules", dict(privileged=True, rounds=2)).fit(tiny, Budget(2))
     assert result.oracle and result.evaluations[0].objective <= 0 and result.spent <= 2

@@ -10,8 +10,8 @@ import pytest
 
 from baselines.evaluation import GRADIENT_COST, Evaluator
 from baselines.methods import make_method
-from baselines.methods.dreamphysics_f import PUBLISHED_STEP
-from baselines.methods.omniphysgs_f import Choice
+from baselines.methods.sds_choice import Choice
+from baselines.methods.sds_steps import PUBLISHED_STEP
 from baselines.protocol import Budget
 from baselines.scores import Cost
 from baselines.scores.compare import compare_with_truth, summarise
@@ -58,12 +58,17 @@ def find_push(result):
     return action.magnitude * np.asarray(action.vector)
 
 
-@pytest.mark.parametrize("schedule", ["published", pytest.param("adam", marks=pytest.mark.slow)])
-def test_dreamphysics_f_pushes_where_the_prior_wishes(tiny, schedule):
+@pytest.mark.parametrize(
+    ("name", "options"),
+    [
+        ("sds_last_substep", dict(shown=4)),
+        pytest.param("sds_whole_clip", dict(learning_rate=0.5), marks=pytest.mark.slow),
+    ],
+)
+def test_steps_push_where_the_prior_wishes(tiny, name, options):
     """The camera looks along +y: left is -x. The start pushes to the right."""
     prior = Wish("left")
-    options = dict(schedule=schedule, iterations=6, learning_rate=0.5, shown=4)
-    result = fit("dreamphysics_f", tiny, prior=prior, **options)
+    result = fit(name, tiny, prior=prior, iterations=6, **options)
     push = find_push(result)
     assert tiny.start.actions[0].vector[0] > 0 and push[0] < -0.5
     assert not result.oracle and result.model_calls == prior.cost.calls == 12
@@ -71,13 +76,13 @@ def test_dreamphysics_f_pushes_where_the_prior_wishes(tiny, schedule):
         (each.objective for each in result.evaluations), reverse=True
     )
     assert result.incumbent_at() == result.evaluations[-1].force_field
-    cost = 1 + (1 if schedule == "published" else GRADIENT_COST)
+    cost = 1 + (1 if name == "sds_last_substep" else GRADIENT_COST)
     assert result.spent == pytest.approx(6 * cost + 1)
 
 
 def test_the_published_schedule_shows_every_other_frame_in_turn_and_steps_by_a_fixed_length(tiny):
     prior = Wish("up")
-    result = fit("dreamphysics_f", tiny, prior=prior, schedule="published", iterations=3, shown=4)
+    result = fit("sds_last_substep", tiny, prior=prior, iterations=3, shown=4)
     assert [shape[0] for shape, _, _ in prior.seen] == [4, 4, 4]  # of 8 frames
     assert all(prompt == tiny.spec.sentence for _, prompt, _ in prior.seen)
     assert all(still == shape for shape, _, still in prior.seen)
@@ -90,10 +95,10 @@ def test_the_published_schedule_shows_every_other_frame_in_turn_and_steps_by_a_f
 
 
 @pytest.mark.slow
-def test_omniphysgs_f_moves_the_vector_by_stages(tiny):
+def test_sds_choice_moves_the_vector_by_stages(tiny):
     prior = Wish("left")
     result = fit(
-        "omniphysgs_f", tiny, prior=prior, stages=2, inner=2, epochs=1, learning_rate=0.5, logit_rate=0.0
+        "sds_choice", tiny, prior=prior, stages=2, inner=2, epochs=1, learning_rate=0.5, logit_rate=0.0
     )
     push = find_push(result)
     assert push[0] < -0.3 and result.incumbent_at().actions[0].action_type == "translation"
@@ -103,14 +108,14 @@ def test_omniphysgs_f_moves_the_vector_by_stages(tiny):
 
 
 @pytest.mark.slow
-def test_omniphysgs_f_leaves_a_skill_that_goes_against_the_wish(tiny):
+def test_sds_choice_leaves_a_skill_that_goes_against_the_wish(tiny):
     """A push to the right cannot please who wants it left while its vector stays: another skill must act."""
     options = dict(stages=1, inner=8, epochs=1, learning_rate=1e-6, logit_rate=0.3, preference=0.5)
-    result = fit("omniphysgs_f", tiny, budget=100, prior=Wish("left"), **options)
+    result = fit("sds_choice", tiny, budget=100, prior=Wish("left"), **options)
     assert result.evaluations[0].force_field.actions[0].action_type == "translation"
     assert result.incumbent_at().actions[0].action_type not in ("translation", "impulse")
     # With the wish reversed the push is right and stays.
-    result = fit("omniphysgs_f", tiny, budget=100, prior=Wish("right"), **options)
+    result = fit("sds_choice", tiny, budget=100, prior=Wish("right"), **options)
     assert result.incumbent_at().actions[0].action_type in ("translation", "impulse")
 
 
@@ -154,9 +159,9 @@ def test_a_pull_begins_as_the_push_that_it_is():
     assert field.actions[0].magnitude == pytest.approx(-1.1) and field.actions[0].vector[0] == 1
 
 
-@pytest.mark.parametrize("name", ["dreamphysics_f", pytest.param("omniphysgs_f", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", ["sds_last_substep", pytest.param("sds_choice", marks=pytest.mark.slow)])
 def test_a_seed_and_a_budget_are_kept_to(tiny, name):
-    options = dict(iterations=2) if name == "dreamphysics_f" else dict(stages=1, inner=2, epochs=1)
+    options = dict(iterations=2) if name == "sds_last_substep" else dict(stages=1, inner=2, epochs=1)
     runs = [fit(name, tiny, seed=seed, prior=Wish(noise=1.0), **options) for seed in (1, 1, 2)]
     tried = [[each.force_field for each in run.evaluations] for run in runs]
     assert tried[0] == tried[1] != tried[2]
@@ -165,20 +170,20 @@ def test_a_seed_and_a_budget_are_kept_to(tiny, name):
     assert short.spent < 4.0 + GRADIENT_COST and len(set(prior.keys)) == len(prior.keys)
 
 
-@pytest.mark.parametrize("name", ["dreamphysics_f", "omniphysgs_f"])
+@pytest.mark.parametrize("name", ["sds_last_substep", "sds_choice"])
 def test_the_target_is_never_read(tiny, name):
     """With a target that cannot be measured, everything is as before."""
     blind = dataclasses.replace(
         tiny, target=None, spec=SimpleNamespace(name="blind", sentence="push it to the left")
     )
-    options = dict(iterations=2) if name == "dreamphysics_f" else dict(stages=1, inner=2, epochs=1)
+    options = dict(iterations=2) if name == "sds_last_substep" else dict(stages=1, inner=2, epochs=1)
     runs = [fit(name, task, prior=Wish(), **options) for task in (tiny, blind)]
     assert [each.force_field for each in runs[0].evaluations] == [
         each.force_field for each in runs[1].evaluations
     ]
 
 
-@pytest.mark.parametrize("name", ["dreamphysics_f", "omniphysgs_f"])
+@pytest.mark.parametrize("name", ["sds_last_substep", "sds_choice"])
 def test_what_cannot_be_done_is_refused(tiny, name):
     with pytest.raises(UserError, match="needs the weights"):
         fit(name, tiny)
@@ -199,9 +204,7 @@ def test_a_step_that_fails_is_halved(tiny):
         return built(force_field)
 
     fragile = dataclasses.replace(tiny, build=build)
-    result = fit(
-        "dreamphysics_f", fragile, prior=Wish("left"), schedule="adam", iterations=8, learning_rate=0.6
-    )
+    result = fit("sds_whole_clip", fragile, prior=Wish("left"), iterations=8, learning_rate=0.6)
     assert any(each.objective == float("inf") for each in result.evaluations)
     assert built(result.incumbent_at()) and result.incumbent_at().actions[0].vector[0] >= -0.2
 
@@ -248,6 +251,6 @@ def test_comparison_s_figures():
 
 
 def test_a_method_without_the_truth_cannot_ask_for_it(tiny):
-    evaluator = Evaluator(tiny, Budget(10), oracle=make_method("dreamphysics_f").oracle)
+    evaluator = Evaluator(tiny, Budget(10), oracle=make_method("sds_last_substep").oracle)
     with pytest.raises(UserError, match="not marked as an oracle"):
         evaluator.score(tiny.start)

@@ -1,5 +1,6 @@
 """Benchmark tasks: their files are complete and guarded, none is impossible, and wrong clips fail."""
 
+import dataclasses
 import json
 import shutil
 import warnings
@@ -8,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from baselines.objects import OBJECTS
+from baselines.objects import OBJECTS, find_file
 from baselines.record import main as record_again
 from baselines.recovery import compare_fields, measure_identifiability
 from baselines.task_files import record_target, stamp, write_tasks
@@ -99,7 +100,10 @@ def test_what_needs_a_folder_of_data_is_left_out_by_name(tmp_path):
     [
         (lambda task: task["target"]["clauses"][0].update(tolerance=0.2), "was changed"),
         (lambda task: task["target"]["clauses"].pop(), "was changed"),
-        (lambda task: task.update(target_hash="0" * 64), "was changed"),
+        (lambda task: task.update(task_hash="0" * 64), "was changed"),
+        (lambda task: task.update(sentence="Do something else."), "was changed"),
+        (lambda task: task["scene"].update(frame_count=150), "was changed"),
+        (lambda task: task.update(object="loaf" if task["object"] != "loaf" else "jelly"), "was changed"),
         (lambda task: task.update(object="teapot"), "teapot"),
         (lambda task: task.update(family="sway"), "of the family sway"),
         (lambda task: task.update(colour="red"), "colour"),
@@ -114,6 +118,17 @@ def test_a_tampered_file_is_refused(change, message, tmp_path):
     path.write_text(json.dumps(tasks))
     with pytest.raises(UserError, match=message):
         load_tasks(tmp_path / "tasks")
+
+
+def test_a_task_is_that_of_its_object_and_its_file(tmp_path, monkeypatch):
+    """Another stiffness, or another file under the same name, is noticed."""
+    softer = dataclasses.replace(OBJECTS["bunny"], youngs_modulus=1.0)
+    (tmp_path / "bunny.obj").write_text("v 0 0 0\n")
+    with pytest.raises(UserError, match="not the one that its tasks were made with"):
+        find_file("bunny", tmp_path, tmp_path)
+    monkeypatch.setitem(OBJECTS, "bunny", softer)
+    with pytest.raises(UserError, match="was changed"):
+        load_tasks(FOLDER)
 
 
 def test_a_task_twice_is_refused(tmp_path):

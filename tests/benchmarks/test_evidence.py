@@ -1,5 +1,6 @@
 """Pages, their summaries and the code that these were measured on."""
 
+import dataclasses
 import hashlib
 import json
 import re
@@ -16,7 +17,7 @@ from benchmarks.evidence.sources import hash_sources, is_checkout, is_known, str
 from benchmarks.evidence.summaries import read_summary, summarise
 from benchmarks.harness import Page, make_lines, read_lines
 from benchmarks.harness.pages import empty_place, fill_page, fill_places
-from benchmarks.headtohead.statistics import CAP
+from benchmarks.headtohead.fits import CAP
 from benchmarks.inverse.fitting import ADAM_STEPS, LM_STEPS
 from benchmarks.language import totals
 from benchmarks.language.notation import read_split
@@ -76,14 +77,45 @@ def test_raw_rows_are_restored_from_history_and_never_over_others(tmp_path, monk
     """They give the same summary again."""
     monkeypatch.setattr("benchmarks.evidence.__main__.ROOT", tmp_path)
     monkeypatch.setattr("benchmarks.evidence.__main__.list_stale", lambda pages: "")
-    assert main(["perception", "--restore"]) == 0
-    kept, raw = read_summary(RESULTS / "perception.json"), tmp_path / "benchmarks" / "raw" / "perception.json"
-    assert "text" in json.loads(raw.read_text())["clips"]["rows"][0]
-    restored = summarise(PAGES["perception"], raw)["parts"]
+    assert main(["distillation", "--restore"]) == 0
+    kept, raw = (
+        read_summary(RESULTS / "distillation.json"),
+        tmp_path / "benchmarks" / "raw" / "distillation.json",
+    )
+    assert json.loads(raw.read_text())["cosines"]["rows"]
+    restored = summarise(PAGES["distillation"], raw)["parts"]
     assert restored == {part: kept["parts"][part] for part in restored}
-    assert main(["perception", "--restore"]) == 2 and "there are raw rows already" in capsys.readouterr().err
+    assert (
+        main(["distillation", "--restore"]) == 2 and "there are raw rows already" in capsys.readouterr().err
+    )
     with pytest.raises(UserError, match="has no raw rows"):
-        summaries.restore({"raw": {"part": {"sha256": "s"}}})
+        summaries.restore(PAGE, {"raw": {"part": {"sha256": "s"}}})
+
+
+@needs_history
+def test_rows_of_history_are_read_by_the_names_of_today_and_stay_rows_of_history(tmp_path, monkeypatch):
+    """A page renames what it restores; a summary of the restored rows says where they are from, of others not."""
+    run = {"quick": False, "seconds": 2.0, "git_revision": None}
+    row = {"run": 0, "job": "old", "value": 1, "long": "x"}
+    rows = {"part": {"runs": [run], "complete": True, "rows": [row]}}
+    content = json.dumps(rows).encode()
+    monkeypatch.setattr(summaries, "read_object", lambda name: content)
+    file = {"bytes": len(content), "sha256": hashlib.sha256(content).hexdigest(), "history": "r:f"}
+
+    def rename(result):
+        named = [row | {"job": "new"} for row in result["part"]["rows"]]
+        return {"part": result["part"] | {"rows": named}}
+
+    page = dataclasses.replace(PAGE, rename=rename)
+    restored = summaries.restore(page, {"raw": {"part": file}})
+    assert restored["part"]["rows"][0]["job"] == "new"
+    raw = tmp_path / "raw.json"
+    raw.write_text(json.dumps(restored))
+    earlier = {"raw": {"part": file}, "parts": {}}
+    assert summarise(page, raw, earlier)["raw"] == {"part": file}
+    restored["part"]["rows"][0]["value"] = 2
+    raw.write_text(json.dumps(restored))
+    assert "history" not in summarise(page, raw, earlier)["raw"]["part"]
 
 
 @needs_history
@@ -110,7 +142,7 @@ def test_pages_are_what_their_summaries_give():
         ("inverse", f"at most {ADAM_STEPS} gradients"),
         ("inverse", f"a gradient is {GRADIENT_COST:g}"),
         ("head-to-head", f"a value with its gradient is charged {GRADIENT_COST:g}"),
-        ("head-to-head", f"cut at {CAP:g};"),
+        ("head-to-head", f"cut at {CAP:g}."),
         *(
             ("language", f"{split}: at least {least:.0%} right, at most {most:.0%} silently wrong")
             for split, (least, most) in totals.REQUIRED.items()

@@ -9,9 +9,10 @@ import pytest
 
 from baselines.protocol import Evaluation, FitResult
 from baselines.tasks import load_tasks, load_witnesses
-from benchmarks.headtohead import jobs, leaderboard, measuring, statistics
-from benchmarks.headtohead.__main__ import TASKS, find_guided, main
-from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS
+from benchmarks.harness import statistics
+from benchmarks.headtohead import jobs, leaderboard, measuring
+from benchmarks.headtohead.__main__ import TASKS, choose_entrants, find_guided, main
+from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS, list_distillers, rename
 from benchmarks.headtohead.jobs import NOTHING, list_gradients, list_materials, list_similarities, verify
 from benchmarks.headtohead.markdown import choose_ablation, condense, write_tables
 from benchmarks.headtohead.measuring import judge_marks, measure
@@ -31,7 +32,7 @@ def push(magnitude):
 class Spec:
     """As much of a task's definition as is looked at."""
 
-    target_hash = "abc"
+    task_hash = "abc"
 
 
 class World:
@@ -73,9 +74,9 @@ def test_a_mark_is_judged_by_what_the_method_itself_held_for_best():
 def test_a_stored_field_is_verified_against_target_and_simulation():
     task = World()
     (mark,) = judge_marks(fitted((1.0, 1.0, 0.0)), task, (10.0,))
-    row = {"job": "j", "target_hash": "abc", "marks": [mark]}
+    row = {"job": "j", "task_hash": "abc", "marks": [mark]}
     assert verify(row, task)[0]["good"]
-    assert not verify(row | {"target_hash": "abd"}, task)[0]["good"]
+    assert not verify(row | {"task_hash": "abd"}, task)[0]["good"]
     assert not verify(row | {"marks": [mark | {"error": 0.5}]}, task)[0]["good"]
     assert not verify(row | {"marks": [mark | {"success": False}]}, task)[0]["good"]
     missed, *_ = judge_marks(fitted((0.7, 1.0, 0.0)), task, (10.0,))
@@ -106,8 +107,21 @@ def test_pictures_of_stored_fields_and_of_nothing_are_compared_with_the_sentence
     row = dict(run=0, job="j", label="adam", task=spec.name, oracle=True, seed=0)
     row["marks"] = [{"mark": 10.0, "force_field": ForceField(actions=(stretch,)).model_dump(mode="json")}]
     path = tmp_path / "rows.json"
-    path.write_text(json.dumps({"methods": {"rows": [row, row | {"job": "k", "marks": []}]}}))
-    made = [job.measure() for job in list_similarities((spec,), path, tmp_path, None)]
+    rounds = row | {"label": "rules", "marks": [row["marks"][0] | {"mark": mark} for mark in (1.0, 2.0)]}
+    soft = row | {"material": "softer", "brought": False}
+    parts = {"methods": [row, row | {"job": "k", "marks": []}], "iterations": [rounds]}
+    parts["materials"] = [soft, soft | {"brought": True}]
+    path.write_text(json.dumps({part: {"rows": rows} for part, rows in parts.items()}))
+    listed = list_similarities((spec,), path, tmp_path, None)
+    names = [
+        "methods / j",
+        "iterations / j / 1",
+        "iterations / j / 2",
+        "materials / j",
+        f"{spec.name} / nothing",
+    ]
+    assert [job.name for job in listed] == names
+    made = [listed[place].measure() for place in (0, -1)]
     (moved,), (still,) = made
     assert (moved["label"], moved["mark"], moved["model"]) == ("adam", 10.0, "reddish")
     assert abs(moved["mean"] - moved["still"]) > 1e-3 and moved["still"] == pytest.approx(still["still"])
@@ -115,7 +129,9 @@ def test_pictures_of_stored_fields_and_of_nothing_are_compared_with_the_sentence
     run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
     rows = [each | {"run": 0} for (each,) in made]
     page = write_page({"clipsim": {"runs": [run], "complete": True, "rows": rows}})
-    assert f"| adam (oracle) | 1 | {moved['mean']:.4f} | {moved['still']:.4f} |" in page
+    told = f"{moved['mean']:.4f} ({moved['mean'] - moved['still']:+.4f})"
+    assert "| part | method | clips | stretch | all | model |" in page
+    assert f"| methods | adam (oracle) | 1 | {told} | {told} | reddish |" in page
 
 
 def test_what_was_found_with_one_material_is_judged_with_another(tmp_path):
@@ -138,7 +154,7 @@ def test_what_was_found_with_one_material_is_judged_with_another(tmp_path):
     run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
     section = {"runs": [run], "complete": True, "rows": [each | {"run": 0} for each in (same, harder)]}
     page = write_page({"materials": section})
-    assert "| adam (oracle) |  |  | 100% (100–100) |  |" in page
+    assert "| adam |  |  | 1/1 |  |" in page
 
 
 def test_a_refusal_is_a_row_and_a_missing_package_is_none():
@@ -151,7 +167,7 @@ def test_a_refusal_is_a_row_and_a_missing_package_is_none():
         method = SimpleNamespace(oracle=True, fit=fit)
         return SimpleNamespace(make=lambda: method, label="cma", method="cma", options={})
 
-    spec = SimpleNamespace(name="push", family="impulse", split="test", smooth=True, target_hash="abc")
+    spec = SimpleNamespace(name="push", family="impulse", split="test", smooth=True, task_hash="abc")
     task = SimpleNamespace(spec=spec)
     (row,) = measure(enter(UserError("no expert")), task, (1.0,), 0, 1.0)  # type: ignore[arg-type]
     assert row["refused"].startswith("no expert") and row["marks"] == []
@@ -185,7 +201,7 @@ def test_a_leaderboard_keeps_what_others_wrote_and_can_be_verified(tmp_path):
     def make_result(magnitude):
         (mark,) = judge_marks(fitted((magnitude, 1.0, 0.0)), task, (10.0,))
         row = dict(run=0, job="j", label="adam", task="t", split="test", seed=0, oracle=True)
-        row |= dict(spent=9.5, seconds=1.0, target_hash="abc", marks=[mark])
+        row |= dict(spent=9.5, seconds=1.0, task_hash="abc", marks=[mark])
         return {
             "methods": {"runs": [{"git_revision": "r"}], "rows": [row, row | {"label": "x", "marks": []}]}
         }
@@ -211,7 +227,7 @@ def test_the_ablation_takes_what_the_comparison_has_and_only_tasks_that_all_have
         return [same | {"task": task} for task in tasks]
 
     result = {
-        "methods": {"rows": make_rows("physagent", "abc", True) + make_rows("cma", "abc", True)},
+        "methods": {"rows": make_rows("rules", "abc", True) + make_rows("cma", "abc", True)},
         "ablation": {"rows": make_rows("without refinement", "bcd", False)},
     }
     rows = choose_ablation(result)
@@ -262,7 +278,7 @@ def test_every_entrant_can_be_made_and_oracles_are_named():
     for entrants in (METHODS, ABLATION, ITERATIONS):
         assert len({entrant.label for entrant in entrants}) == len(entrants)
     oracles = {entrant.label: entrant.make().oracle for entrant in METHODS}
-    assert not oracles["physagent"] and not oracles["physsplat_f"] and oracles["adam, all types"]
+    assert not oracles["rules"] and not oracles["direction_only"] and oracles["adam, all types"]
 
 
 def test_the_page_has_success_cost_and_pairs():
@@ -280,7 +296,8 @@ def test_the_page_has_success_cost_and_pairs():
             "seed": 0,
             "oracle": oracle,
         }
-        return row | {"marks": marks, "spent": 9.0, "seconds": 2.0, "memory_gb": None, "evaluations": 9}
+        row |= {"spent": 9.0, "seconds": 2.0, "evaluations": 9, "trace": [[9.0, 2.0, 0.5]]}
+        return row | {"marks": marks}
 
     run = {
         "quick": True,
@@ -290,19 +307,25 @@ def test_the_page_has_success_cost_and_pairs():
         "load_average": [0.1],
         "git_revision": "r",
     }
-    rows = [make_row("physagent", False, True), make_row("adam", True, False)]
+    rows = [make_row("rules", False, True), make_row("adam", True, False)]
     page = write_page({"methods": {"runs": [run], "complete": True, "rows": rows}})
-    assert "| method | drop (1) | all | error |" in page and "| adam (oracle) | 0% | 0% (0–0) |" in page
-    assert "| physagent | 0% (0–0) | 100% (100–100) |" in page
+    assert "| method | published as | drop | all | share | refused | error |" in page
+    assert "| adam (oracle) |  | 0/1 | 0/1 | 0% (0–79) |  | 0.50 (0.50–0.50) |" in page
+    assert "| rules | PhysAgent: there agents are a language model | 1/1 |" in page
+    assert (
+        "| rules | 1 | 0 | 1 | 1 | 1 | 1 | 1 | 10 | 9 | 2 |" in page
+        and "(`rules`) are rules of English" in page
+    )
     assert (
         "Not measured yet: ablation, iterations, distillation, materials, neighbourhood, gradients, clipsim, verify"
         in page
-        and "that physagent alone solves" in page
+        and "| adam | 1 | 10 | 0 | 1 | 1 | 1 | none |" in page
     )
-    assert "by every seed" not in page
+    assert "tasks by run" not in page
     rows += [make_row("adam", True, True) | {"seed": 1}]
     page = write_page({"methods": {"runs": [run], "complete": True, "rows": rows}})
-    assert "| adam (oracle) | 2 | 0.5 | 0 to 1 | 0 | 1 |" in page and "| physagent | 2" not in page
+    assert "| adam | 2 | 0.50 (0.50–0.50) |  | 0.00 | 1.00 | 1.00 | 0 to 1 | 1 |" in page
+    assert "| rules | 2" not in page
 
 
 def test_a_gradient_is_timed_beside_a_simulation_with_its_residuals(monkeypatch):
@@ -347,36 +370,92 @@ def test_a_fall_alone_has_no_gradient_to_be_timed():
     assert idle and named == {spec.name for spec in specs} - idle
 
 
-def test_the_page_says_in_words_what_its_rows_say(monkeypatch):
-    """Only of all the methods that the words are about; no words are about an interval."""
+def test_a_refused_task_is_shown_apart_and_a_small_budget_is_ones_own(monkeypatch):
+    """An expert that refuses three of four tasks has done one; three rows of another move nobody else's last mark."""
     monkeypatch.setattr(statistics, "DRAWS", 20)
 
-    def make_rows(label, solved):
-        marks = [{"mark": 1.0, "success": False, "error": 4.0}]
-        same = dict(
-            run=0, label=label, split="test", seed=0, oracle=label != "physagent", spent=9.0, seconds=2.0
+    def make_row(label, task, marks):
+        row = dict(
+            run=0, label=label, task=task, family="drop", split="test", seed=0, oracle=False, smooth=True
         )
-        same |= dict(memory_gb=None, evaluations=9, family="drop", smooth=True)
-        return [
-            same | dict(task=task, marks=[*marks, {"mark": 10.0, "success": task in solved, "error": 0.5}])
-            for task in "abcd"
-        ]
+        row |= dict(spent=9.0, seconds=2.0, memory_gb=None, evaluations=9, trace=[], model_calls=0)
+        return row | dict(marks=[{"mark": mark, "success": True, "error": 0.5} for mark in marks])
 
-    solved = {entrant.label: "a" for entrant in METHODS}
-    solved |= {"adam, responses": "ab", "levenberg_marquardt, responses": "ab", "physagent": "c"}
-    rows = [row for label, tasks in solved.items() for row in make_rows(label, tasks)]
+    rows = [make_row("expert", task, [10.0] if task == "a" else []) for task in "abcd"]
+    rows += [make_row("rules", task, [10.0, 300.0]) for task in "abcd"]
+    rows += [make_row("theirs", task, [10.0]) for task in "abc"]
     run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
-
-    def write(rows):
-        return write_page({"methods": {"runs": [run], "complete": True, "rows": rows}})
-
-    more = [row | {"marks": [{"mark": 100.0, "success": True, "error": 0.5}]} for row in rows]
-    rows += [row for row in more if row["label"] == "adam, responses"]
-    page = " ".join(write(rows).split())
-    assert "With 100 simulations: `adam, responses` 100 %. - Gradients" in page
+    page = write_page({"methods": {"runs": [run], "complete": True, "rows": rows}})
+    assert "two of their force fields | 1/1 | 1/1 | 100% (21–100) | 3 |" in page
     assert (
-        "what acts, when and where solve 25 to 50 %. Of the tasks that all of these miss, `physagent` solves 1."
-        in page
+        "| 300 | 9 | 2 |  | m |" in page
+        and "| theirs | 3 | 3 |  | 3 | 3 | 3 | 3 | 10 | 9 | 2 |  | m |" in page
     )
-    assert "1 of 4 tasks are solved by nobody" in page
-    assert "After one simulation" not in write([row for row in rows if row["label"] != "hybrid"])
+    assert "| expert | 1 | 10 | 0 | 0 | 1 | 1 | none |" in page
+    assert "no difference between `rules` and `expert` is shown (1 and 1 of 1;" in page
+    assert "Some method solves each task." in page
+
+
+def test_old_names_of_rows_are_read_as_those_of_today():
+    """And no method, label or job has an old name afterwards."""
+    old = [("physagent", "physagent", {}), ("without refinement", "physsplat_f", {"skills": True})]
+    old += [
+        (
+            "dreamphysics_f, whole clip, Adam (toy prior)",
+            "dreamphysics_f",
+            {"prior": "toy", "schedule": "adam"},
+        )
+    ]
+    rows = [
+        dict(label=label, method=method, options=options, job=f"t / {label} / 0 / 100")
+        for label, method, options in old
+    ]
+    made = rename({"methods": {"rows": [*rows, {"job": "t / physagent / 0"}]}})["methods"]["rows"]
+    assert [row["job"] for row in made] == [
+        "t / rules / 0 / 100",
+        "t / without refinement / 0 / 100",
+        "t / sds_whole_clip (toy prior) / 0 / 100",
+        "t / rules / 0",
+    ]
+    entrants = {each.label: each for each in (*METHODS, *ABLATION, *list_distillers("toy", ""))}
+    for row in made[:3]:
+        assert row["method"] == entrants[row["label"]].method and entrants[row["label"]].make()
+        known = {name: value for name, value in entrants[row["label"]].options.items() if name != "weights"}
+        assert row["options"] == known
+
+
+def test_methods_are_chosen_by_label_and_ones_own_by_file(tmp_path):
+    file = tmp_path / "mine.py"
+    file.write_text("from baselines.methods.random import RandomSearch as Mine\n")
+    chosen = choose_entrants(("rules", f"{file}:Mine"), None)
+    assert [each.label for each in chosen] == ["rules", "random"] and chosen[1].make().stochastic
+    with pytest.raises(UserError, match="rules"):
+        choose_entrants(("rule",), None)
+
+
+def test_score_distillation_is_told_with_its_steps_stages_and_calls(monkeypatch):
+    """Fourteen of fifty steps; five of 1,500, all on the first of two stages."""
+    monkeypatch.setattr(statistics, "DRAWS", 20)
+    rows = []
+    for entrant, evaluations in zip(list_distillers("toy", ""), (15, 6, 6)):
+        row = dict(run=0, label=entrant.label, task="a", family="drop", split="test", seed=0, oracle=False)
+        row |= dict(spent=30.0, seconds=2.0, evaluations=evaluations, model_calls=48, trace=[])
+        options = {name: value for name, value in entrant.options.items() if name != "weights"}
+        rows.append(row | dict(options=options, marks=[{"mark": 30.0, "success": False, "error": 4.0}]))
+    rows.append(rows[0] | dict(task="b", marks=[]))
+    run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
+    page = write_page({"distillation": {"runs": [run], "complete": True, "rows": rows}})
+    assert "| 0/1 | 1 | 4.00 (4.00–4.00) | 30 | 14 of 50 |  | 48 |" in page
+    assert "| 0/1 | 0 | 4.00 (4.00–4.00) | 30 | 5 of 1500 | 1 of 2 | 48 |" in page
+
+
+def test_the_page_says_how_much_was_verified():
+    row = dict(run=0, label="adam", split="test", oracle=True, family="drop", seed=0)
+    row |= dict(marks=[{"mark": 1.0, "success": True, "error": 0.5}])
+    rows = [row | dict(job=f"{task} / adam / 0", task=task) for task in "abcd"]
+    checked = [dict(run=0, job="a / adam / 0", good=True, stored=0.5, again=0.5)]
+    run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
+    parts = {"neighbourhood": [each | {"smooth": True} for each in rows], "verify": checked}
+    page = write_page({part: {"runs": [run], "complete": True, "rows": mine} for part, mine in parts.items()})
+    assert "1 of 1 force fields, simulated again, have the error that they had." in page
+    assert "They are 25% of the 4 stored fits, of 1 of 4 test tasks" in page

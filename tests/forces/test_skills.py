@@ -7,17 +7,21 @@ import pytest
 from pydantic import ValidationError
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL
+from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL, TURN
 from physagent_jax.forces.compilation import compile_force_field
 from physagent_jax.forces.scaling import make_closed_form_scaling
-from physagent_jax.forces.schema import ForceField, Opposition
+from physagent_jax.forces.schema import ForceField, Holding, Opposition
+from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.mpm import step
+from physagent_jax.mpm.constraints import GradedRotation, GradedTranslation
 from physagent_jax.mpm.energy import angular_momentum, momentum
 from tests.mpm.blocks import block
 
 FRAMES, FRAME_DT = 21, 0.02
 DURATION = (FRAMES - 1) * FRAME_DT
 LENGTH = 0.2
+_NONE = ((0.0, 0.0, 0.0),) * 3
+HOLDING = Holding(compliance=_NONE, shift=0.1, least=1e-3, most=1e3)
 SCALING = make_closed_form_scaling(extent=0.4, youngs_modulus=1e5, density=1000.0, duration=DURATION)
 
 
@@ -35,6 +39,7 @@ def moved(
     extent=LENGTH,
     seconds=DURATION,
     opposition=None,
+    holding=None,
 ):
     """Simulate a block of longest side 0.2 m under ``force_field``; return (model, start, end)."""
     model, state = block(
@@ -48,7 +53,12 @@ def moved(
         dtype=np.float64,
     )
     scaling = make_closed_form_scaling(
-        extent=extent, youngs_modulus=E, density=density, duration=DURATION, opposition=opposition
+        extent=extent,
+        youngs_modulus=E,
+        density=density,
+        duration=DURATION,
+        opposition=opposition,
+        holding=holding,
     )
     forces, constraints = compile_force_field(
         force_field,
@@ -301,6 +311,33 @@ def test_opposed_ends_part_by_a_share_of_the_extent_between_them(x64):
     np.testing.assert_allclose(momentum(model, end)[1], 0, atol=1e-9)
 
 
+@pytest.mark.parametrize("degrees", [0, 15, 40, 90])
+@pytest.mark.parametrize("kind", ["enforce_particle_translation", "enforce_particle_rotation"])
+def test_ends_are_ends_from_wherever_they_are_seen(kind, degrees):
+    """Regions are fractions of a box that is no cube: across an oblique line they are no slabs."""
+    way = np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees)), 0.0])
+    ends = [
+        dict(
+            constraint_type=kind,
+            vector=(sign * way).tolist(),
+            active_time=[0, 8],
+            region=make_end_region(tuple((sign * way).tolist()), 0.75),
+        )
+        for sign in (1, -1)
+    ]
+    rest = np.random.default_rng(0).uniform(0, 1, (500, 3)) * [1.0, 0.25, 0.7]
+    _, (made,) = compile_force_field(
+        ForceField.model_validate(dict(constraints=ends)),
+        SCALING,
+        rest.astype(np.float32),
+        np.ones(len(rest), np.float32),
+        frame_dt=FRAME_DT,
+        frame_count=FRAMES,
+    )
+    assert isinstance(made, GradedTranslation | GradedRotation)
+    np.testing.assert_allclose(np.abs(made.axis @ way), 1, rtol=1e-6)
+
+
 def test_opposed_rotations_wring_every_section_in_proportion(x64):
     """Also where the object is no longer where it was at the start."""
     ends = [
@@ -326,6 +363,35 @@ def test_opposed_rotations_wring_every_section_in_proportion(x64):
         wanted = 0.8 * SCALING.rotation * 8 * FRAME_DT * (section - middle) / ends_middle
         np.testing.assert_allclose(turn, wanted, rtol=0.03, atol=1e-3)
         assert float((end.x - start.x)[inside, 1].mean()) > 0.1  # it has been pushed there
+
+
+@pytest.mark.parametrize(("side", "width"), [(1, 7), (-1, 2)])
+def test_an_end_of_what_is_held_is_wrung_against_the_other(side, width, x64, least_optimised):
+    """From none at the held end to all of it at the free one, for slender and stubby objects."""
+    end = dict(
+        constraint_type="enforce_particle_rotation",
+        vector=[side, 0, 0],
+        magnitude=0.8,
+        active_time=[0, 10],
+        region={"kind": "half_space", "point": [0.5 + 0.3 * side, 0.5, 0.5], "normal": [side, 0, 0]},
+    )
+    _, start, after = moved(
+        ForceField.model_validate({"constraints": [end]}),
+        cells=(8, width, width),
+        E=1e5,
+        seconds=0.5 * DURATION,
+        extent=0.4,
+        holding=HOLDING,
+    )
+    off = np.asarray(start.x[:, 0], float)
+    off = side * (off - (off.min() if side > 0 else off.max()))
+    turned = off[off > 0.8 * off.max()].mean()
+    for section in np.unique(off.round(6)):
+        inside = np.abs(off - section) < 1e-4
+        a, b = (np.asarray(s.x)[inside] - np.asarray(s.x)[inside].mean(0) for s in (start, after))
+        turn = np.arctan2((a[:, 1] * b[:, 2] - a[:, 2] * b[:, 1]).sum(), (a[:, 1:] * b[:, 1:]).sum())
+        wanted = 0.8 * TURN / DURATION * 10 * FRAME_DT * section / turned
+        np.testing.assert_allclose(side * turn, wanted, rtol=0.03, atol=2e-3)
 
 
 def test_a_thin_neck_stretches_as_much_as_what_is_thick(x64):

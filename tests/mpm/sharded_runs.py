@@ -19,6 +19,7 @@ from physagent_jax.mpm import (
     PrescribedMotion,
     Rigid,
     RigidBody,
+    Sharpened,
     State,
     VonMises,
     rollout,
@@ -150,6 +151,19 @@ def free_flight():
     return [(momentum(model, s), angular_momentum(model, s, jnp.zeros(3))) for s in (state, end)]
 
 
+def sharpened(run):
+    """Positions with sharpened increments, which need the masses of all devices, and the slopes of a sum of them."""
+    model, state = loose()
+    weight = jnp.asarray(np.random.default_rng(0).normal(size=state.x.shape))
+
+    def respond(mass, v):
+        changed = model.replace(mass=mass, inertia=Sharpened())
+        end, _ = run(changed, dataclasses.replace(state, v=v), frame_count=1, substeps=8)
+        return (weight * end.x).sum(), end.x
+
+    return jax.grad(respond, argnums=(0, 1), has_aux=True)(model.mass, state.v)
+
+
 def against_the_wall(run):
     """The last particle, of which there are twins, flies into the wall: positions, and how often it was stopped."""
     model, state = loose()
@@ -180,6 +194,8 @@ def quick():
         reduced_one=reduced(),
         reduced_four=reduced(devices),
         free_flight=free_flight(),
+        sharpened_one=sharpened(rollout),
+        sharpened_four=sharpened(rollout_sharded),
         wall_one=against_the_wall(rollout),
         wall_four=against_the_wall(rollout_sharded),
         wall_three=against_the_wall(on_three),

@@ -67,6 +67,11 @@ def test_gradients_are_those_of_one_device(runs):
     assert all(np.abs(slope).max() > 0 for slope in one.values())
 
 
+def test_sharpened_increments_are_those_of_one_device(runs):
+    """And their slopes, by mass and velocity; massless twins count for nothing."""
+    same(part(runs, "sharpened_four"), part(runs, "sharpened_one"), 1e-10)
+
+
 @pytest.mark.slow
 def test_gradients_through_a_yielding_metal_are_those_of_one_device(tmp_path):
     """Likewise with a law in principal stretches, whose derivative is a rule of our own."""

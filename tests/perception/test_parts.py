@@ -44,6 +44,18 @@ def test_segmentation_overlaps_the_truth(background):
     assert (masks & truth).sum() / (masks | truth).sum() > (0.93 if background == "busy" else 0.97)
 
 
+def test_a_floor_before_a_wall_is_no_object_and_what_the_picture_cuts_is_one():
+    """The border of a room has two colours, and its median is one of them."""
+    picture = np.full((2, 90, 120, 3), 200, np.uint8)
+    picture[:, 50:] = 120, 90, 60
+    picture[:, 40:70, 50:70] = 20, 20, 160
+    room = ColorSegmenter().segment(picture, None)
+    assert not room.masks.any() and "too busy" in room.notes[0]
+    cut = np.full((2, 90, 120, 3), 200, np.uint8)
+    cut[:, 40:, 40:80] = 20, 20, 160
+    assert ColorSegmenter().segment(cut, None).masks[:, 45:85, 45:75].all()
+
+
 def test_segmentation_of_nothing():
     assert not ColorSegmenter().segment(np.full((2, 40, 50, 3), 77, np.uint8), None).masks.any()
 

@@ -7,7 +7,8 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.formats.ply import write_ply
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.resolve import resolve
-from physagent_jax.scene.broad_side import find_broad_azimuth
+from physagent_jax.scene.broad_side import find_broad_azimuth, find_named_front
+from physagent_jax.scene.mesh_formats import MeshPart
 from physagent_jax.scene.procedural import PROCEDURAL
 from tests.run.specs import small
 
@@ -45,6 +46,32 @@ def test_of_two_broad_sides_the_painted_one_is_the_face(turn):
         found = find_broad_azimuth(slab(turn), colours)
         expected = turn if painted < 0 else turn + 180
         assert abs((found - expected + 180) % 360 - 180) <= 15 and -180 < found <= 180
+
+
+@pytest.mark.parametrize("turn", [0, 90, -90, 180])
+def test_the_back_is_not_shown_where_the_front_is_known(turn):
+    """A backpack has more colours than a face: a figure is seen from its front still, if its file tells that."""
+    board, colours = slab(turn), plain(4000).copy()
+    angle = np.radians(turn)
+    colours[board @ [np.sin(angle), -np.cos(angle), 0] < 0] += np.random.default_rng(3).normal(size=(1, 3))
+    colours[::2] += 0.3 * (board[::2] @ [np.sin(angle), -np.cos(angle), 0] < 0)[:, None]
+    found = find_broad_azimuth(board, colours, float(turn))
+    assert abs((found - turn + 180) % 360 - 180) <= 15 and -180 < found <= 180
+
+
+@pytest.mark.parametrize("looks", [(0, 1), (1, 0), (-0.6, -0.8)])
+def test_parts_called_left_and_right_tell_the_front(looks):
+    """The left of what looks along y is at -x."""
+    x, y = looks
+    faces = np.array([[0, 1, 2]])
+    triangle = 0.1 * np.eye(3)
+    sides = [
+        MeshPart(triangle + sign * np.array([-y, x, 0.3 * sign]), faces, names=(f"arm {side}",))
+        for side, sign in (("left", 1), ("right", -1))
+    ]
+    other = MeshPart(triangle, faces, names=("left",))
+    assert np.allclose(find_named_front([*sides, other], np.eye(3)), [x, y, 0])
+    assert find_named_front([sides[0], other], np.eye(3)) is None
 
 
 def test_what_is_about_as_broad_all_around_is_seen_from_the_front():

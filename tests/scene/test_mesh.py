@@ -6,6 +6,7 @@ from scipy.spatial import cKDTree
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.covariance import quat_to_matrix
+from physagent_jax.scene import surfels
 from physagent_jax.scene.mesh import GRAIN, TONE, gaussians_from_mesh, sample_mesh
 from physagent_jax.scene.surfels import SH_DC, bake_light, place_evenly, value_noise
 
@@ -129,6 +130,17 @@ def test_what_is_no_mesh_is_refused(tmp_path, name, content, message):
 
 def test_even_points_terminates_on_duplicates():
     assert len(place_evenly(np.zeros((50, 3)), 7)) == 7
+
+
+def test_points_are_thinned_once_and_nobody_changes_what_is_remembered(monkeypatch):
+    points = np.random.default_rng(7).uniform(size=(300, 3))
+    first = place_evenly(points, 100)
+    others = [place_evenly(points, 99), place_evenly(points[::-1], 100)]
+    assert [len(each) for each in others] == [99, 100] and (first != others[1]).any()
+    with pytest.raises(ValueError, match="read-only"):
+        first[0] = 1
+    monkeypatch.setattr(surfels, "KDTree", None)
+    np.testing.assert_array_equal(place_evenly(points.copy(), 100), first)
 
 
 def test_noise_is_seeded_bounded_and_smooth():

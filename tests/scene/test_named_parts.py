@@ -8,7 +8,10 @@ from physagent_jax.api import load_object
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.scene.mesh_files import read_named_parts
-from physagent_jax.scene.mesh_formats.names import list_names
+from physagent_jax.scene.mesh_formats import MeshPart
+from physagent_jax.scene.mesh_formats.names import list_limbs, list_names
+from physagent_jax.scene.parts import join_parts
+from physagent_jax.scene.parts.cells import fit_part
 
 FIGURE = {  # centre and half sizes, z up
     "body": ((0, 0, 0.5), (0.2, 0.1, 0.5)),
@@ -205,3 +208,53 @@ def test_what_is_no_part_is_refused(figure, choice, words):
     with pytest.raises(UserError) as error:
         _ = body.parts
     assert all(word in str(error.value) for word in words)
+
+
+@pytest.mark.parametrize(
+    ("raw", "names"),
+    [
+        (["mixamorig:LeftForeArm", "mixamorig:LeftArm", "mixamorig:Spine2"], ("left forearm", "left arm")),
+        (["b_Tail03_014", "b_Tail02_013", "b_Tail01_012", "b_Hip_01"], ("tail",)),
+        (["DEF-shin.R.001", "DEF-thigh.R", "DEF-pelvis.R"], ("right shin", "right leg")),
+        (["Bip01 L UpperArm"], ("left arm",)),
+        (["RightHandThumb2", "RightHand"], ("right thumb", "right hand")),
+        (["Head_End", "Head", "Neck"], ("head", "neck")),
+        (["Bone.042", "root_joint"], ()),
+    ],
+)
+def test_joints_are_called_as_the_limbs_that_they_move(raw, names):
+    assert list_limbs(raw) == names
+
+
+def test_a_skin_divides_a_surface_by_its_joints():
+    """A strip of four triangles, of which the last two hang on the forearm."""
+    faces = np.array([[k, k + 1, k + 2] for k in range(4)])
+    vertices = np.arange(18.0).reshape(6, 3)
+    limbs = (np.array([0, 0, 1, 1]), (("left arm",), ("left forearm", "left arm")))
+    whole = MeshPart(vertices, faces, names=("fox",), bones=limbs)
+    upper, lower = whole.split()
+    assert upper.names == ("left arm", "fox") and lower.names == ("left forearm", "left arm", "fox")
+    assert (np.concatenate([upper.faces, lower.faces]) == faces).all()
+
+
+def test_a_part_that_few_particles_leave_none_is_left_out():
+    """A knob so small that none of a coarse body's particles is nearest to its seeds."""
+    points = np.stack(np.meshgrid(*[np.linspace(0, 1, 5)] * 3), -1).reshape(-1, 3)
+    half = points[:, 0] < 0.4
+    part = fit_part(points, half, joined=True).model_copy(update=dict(name="half", origin="file"))
+    tiny = part.moved.model_copy(update=dict(inside=((0.1, 0.1, 0.1),), outside=tuple(map(tuple, points))))
+    gone = part.model_copy(update=dict(name="knob", moved=tiny))
+    assert [each.name for each in join_parts(points, [part, gone], [])] == ["half"]
+
+
+def test_where_the_file_names_all_a_shape_across_its_parts_is_none():
+    points = np.stack(np.meshgrid(*[np.linspace(0, 1, 9)] * 3), -1).reshape(-1, 3)
+
+    def cut(low, high, **told):
+        mask = (points[:, 2] >= low) & (points[:, 2] < high)
+        return fit_part(points, mask, joined=True).model_copy(update=told)
+
+    named = [cut(0, 0.5, name="body", origin="file"), cut(0.5, 1.1, name="head", origin="file")]
+    across, within = cut(0.3, 0.7, roles=("lid",)), cut(0.9, 1.1, roles=("knob",))
+    found = join_parts(points, named, [across, within])
+    assert [each.name or each.roles[0] for each in found] == ["body", "head", "knob"]

@@ -84,6 +84,14 @@ HAND = [
     ((0.02, 0.2, -0.1), (0.05, 0.5, 0.15), 0.055),
 ]
 
+CAKE = [
+    ((0, 0, 0), (0.5, 0.5, 0.2)),
+    *(
+        ((0.25 * x, 0.25 * y, 0.1), (0.25 * x, 0.25 * y, 0.42), 0.035)
+        for x, y in np.stack([np.cos(np.arange(5) * 0.4 * np.pi), np.sin(np.arange(5) * 0.4 * np.pi)], 1)
+    ),
+]
+
 
 def list_roles(points):
     return sorted(part.roles[0] for part in find_parts(points))
@@ -98,8 +106,9 @@ def list_roles(points):
         (FIGURE, "arm arm ear ear head leg leg"),
         (BIG_EARS, "arm arm ear ear head leg leg"),
         (FISH, "nose tail wing wing"),
+        (CAKE, "spike spike spike spike spike"),
     ],
-    ids="cat plane figure big_ears fish".split(),
+    ids="cat plane figure big_ears fish cake".split(),
 )
 def test_limbs_are_called_what_a_person_calls_them(shapes, roles, degrees):
     """A tail that stands up is no head, a tailplane no wing, an arm no ear; whichever way the thing is turned."""

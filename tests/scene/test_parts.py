@@ -5,6 +5,7 @@ import pytest
 
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.scene.parts import find_parts
+from physagent_jax.scene.parts.lattice import make_lattice
 
 MAN = [
     ("box", (0, 0, 0), (0.15, 0.1, 0.3)),
@@ -176,3 +177,14 @@ def test_regions_hold_the_arm_beyond_its_joint_and_all_else():
     joint = points.min(0) + np.array(left.joint) * np.ptp(points, axis=0)
     np.testing.assert_allclose(joint, (-0.15, 0, 0.2), atol=0.12)  # a tenth of the height, or less
     assert left.arm[0] < -0.1 and abs(left.arm[0]) > 3 * np.abs(left.arm[1:]).max()
+
+
+def test_a_surface_with_holes_encloses_the_same():
+    """Few particles on it beside many: the solid must not leak, or nothing is as thick as it is."""
+    chance = np.random.default_rng(0)
+    ball = chance.normal(size=(12_000, 3))
+    ball /= np.linalg.norm(ball, axis=1, keepdims=True)
+    thinned = ball[(ball[:, 0] < 0.2) | (chance.random(len(ball)) < 0.5)]
+    whole, holed = make_lattice(ball), make_lattice(thinned)
+    volumes = [len(each.places) * each.spacing**3 for each in (whole, holed)]
+    assert volumes[0] > 3.5 and volumes[1] > 0.8 * volumes[0]

@@ -131,3 +131,21 @@ def test_a_part_that_is_named_or_sticks_out_is_no_region(known):
 def test_the_grammar_knows_all_words_for_places():
     lexicon = read_lexicon()
     assert set(read_places()) <= lexicon.parts.keys() | lexicon.unplaced
+
+
+def test_a_figure_whose_arms_lie_on_it_has_them_at_its_sides():
+    """They hang from the shoulder; a figure with arms of its own has no others."""
+    slim = [shape for shape in turn_up() if not (len(shape) == 3 and abs(shape[1][0]) == 0.38)]
+    points = make(slim)
+    known = {"slim": (points, find_parts(points)), "man": (x := make(turn_up()), find_parts(x))}
+    _, (left, right) = find(known, "slim", "flippers")
+    assert [left.name, right.name] == ["left flipper", "right flipper"] and not left.seated
+    assert left.arm[2] < -0.1 and left.side[0] < -0.3 < 0.3 < right.side[0]
+    assert find(known, "man", "flippers")[1] == ()
+
+
+def test_ears_that_do_not_stick_out_are_at_the_top_of_the_head():
+    bald = [shape for shape in turn_up() if not (len(shape) == 3 and abs(shape[1][0]) == 0.13)]
+    points = make(bald)
+    _, ears = find({"bald": (points, find_parts(points))}, "bald", "ears")
+    assert [each.name for each in ears] == ["left ear", "right ear"]

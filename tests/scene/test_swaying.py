@@ -1,25 +1,122 @@
 """Objects that stand and sway: the foot stays, the top goes to either side, and ends where it was."""
 
+import itertools
+
 import numpy as np
 import pytest
 import trimesh
 
+from physagent_jax.forces.calibration import TURN, find_reference_time
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.motion.schema import DirectionTable, SceneBrief
+from physagent_jax.motion.matching import agrees, find_causes
+from physagent_jax.motion.schema import DirectionTable, MotionKind, SceneBrief
 from physagent_jax.motion.swaying import FOOT, sway
 from physagent_jax.simulation.simulate import simulate_frames
 from tests.agents.scenes import brief, read
 from tests.scene.test_equilibrium import scene_of
 
 STANDING = dict(world="ground", may_be_held=True)
-LAST = 24
+UP, LAST = (0, 0, 1), 24
 
 
-@pytest.mark.parametrize("sentence", ["the robot sways", "the robot wobbles", "the robot rocks to and fro"])
+@pytest.mark.parametrize("sentence", ["the robot sways", "the robot wobbles", "bend the robot"])
 def test_what_sways_where_it_stands_keeps_its_foot(sentence):
     reply = read(sentence, brief(**STANDING))
     assert reply.anchor.kind == "rest" and reply.anchor.region == FOOT
     assert not reply.force_field.actions and reply.force_field.constraints
+
+
+@pytest.mark.parametrize("sentence", ["bend the robot to the left", "the robot sways"])
+def test_what_bends_is_brought_about_by_its_turns(sentence):
+    """Another force beside them would only fight them."""
+    reply = read(sentence, brief(**STANDING))
+    for motion in reply.expectations:
+        causes = find_causes(motion, reply.force_field)
+        assert [each.item for each in causes] == list(reply.force_field.constraints)
+        assert all(agrees(each, motion) for each in causes)
+
+
+def test_what_rocks_tilts_over_its_foot_as_a_whole():
+    """To one side and back, to the other and back; nothing of it bends."""
+    reply = read("the robot rocks to and fro", brief(**STANDING))
+    turns = reply.force_field.constraints
+    assert reply.anchor.kind is None and not reply.force_field.actions and len(turns) == 8
+    assert all(each.region is None and each.bend is None and each.pivot is None for each in turns)
+    angles = [each.vector[1] * each.magnitude * (each.active_time[1] - each.active_time[0]) for each in turns]
+    size = abs(angles[0])
+    assert np.cumsum(angles) / angles[0] == pytest.approx([1, 0, -1, 0] * 2, abs=0.01) and size > 0
+
+
+@pytest.mark.parametrize("held", [{}, {"anchored": "plants are rooted"}])
+@pytest.mark.parametrize(
+    ("sentence", "angle", "back"),
+    [
+        ("bend the robot to the left", 45.0, False),
+        ("bend the robot far to the left", 58.5, False),
+        ("bend the robot a little to the left", 22.5, False),
+        ("bend the robot to the left by 60 degrees", 60.0, False),
+        ("bend the robot to the left, then let it spring back", 45.0, True),
+    ],
+)
+def test_what_stands_is_bent_over_its_foot_and_springs_back_if_it_is_let_go(sentence, angle, back, held):
+    scene = brief(**STANDING | held, frames_fixed=False)
+    reply = read(sentence, scene)
+    turn, *swings = reply.force_field.constraints
+    rate = np.degrees(TURN / find_reference_time(True, 0)) * scene.frame_dt
+    turned = [
+        -rate * each.vector[1] * each.magnitude * each.gain * np.subtract(*each.active_time[::-1])
+        for each in (turn, *swings)
+    ]
+    last = (reply.frame_count or scene.frame_count) - 1
+    assert turned[0] == pytest.approx(angle, rel=0.01) and bool(swings) == back
+    assert sum(turned) == pytest.approx(0 if back else angle, abs=0.01 * angle)
+    assert (swings or [turn])[-1].held_until == last
+    assert turn.bend.rest == FOOT and turn.bend.depth >= 0.5
+    (motion,) = (each for each in reply.expectations if each.kind is MotionKind.MOVE)
+    assert motion.direction == (-1, 0, 0) and motion.released == back
+    swung = [(a.active_time[1], b.active_time[0]) for a, b in itertools.pairwise(swings)]
+    assert all(a == b for a, b in swung) and (not back or turn.held_until == swings[0].active_time[0])
+
+
+@pytest.mark.parametrize(
+    ("sentence", "way"),
+    [("bend the robot", UP), ("bend the robot upwards", UP), ("bend the robot away from us", (0, 1, 0))],
+)
+def test_what_lies_bends_about_its_middle(sentence, way):
+    """Both ends go there, as one end would not over the other as its foot."""
+    reply = read(sentence, brief(**STANDING, long_axis=(1.0, 0.0, 0.0)))
+    one, two = reply.force_field.constraints
+    assert reply.anchor.kind is None and not reply.force_field.actions
+    for turn, side in ((one, 1.0), (two, -1.0)):
+        assert np.cross(turn.vector, (side, 0, 0)) * np.sign(turn.magnitude) == pytest.approx(way)
+        assert turn.bend.rest != turn.region and turn.region.inside[0][0] == 0.5 + 0.25 * side
+    (motion,) = reply.expectations
+    assert motion.direction == pytest.approx(way) and motion.part is not None
+
+
+@pytest.mark.parametrize("sentence", ["shake the robot", "the robot trembles"])
+def test_what_is_rooted_shakes_quickly_and_ends_where_it_began(sentence):
+    """A train of pushes swings what is limp at its own pace."""
+    reply = read(sentence, brief(**STANDING, anchored="plants are rooted"))
+    turns = reply.force_field.constraints
+    ways = [
+        each.vector[1] * each.magnitude * np.subtract(*each.active_time[::-1]) * each.gain for each in turns
+    ]
+    assert not reply.force_field.actions and len(turns) == 9 and abs(sum(ways)) < 0.01 * max(ways)
+
+
+def test_jelly_jiggles_by_its_own_stiffness():
+    """It is held at its base and pushed: a prescribed turn would hide that it is soft."""
+    reply = read("the robot jiggles", brief(**STANDING, object_kind="jelly"))
+    assert reply.anchor.kind == "base" and reply.force_field.actions and not reply.force_field.constraints
+
+
+@pytest.mark.parametrize(
+    "sentence", ["shake the robot up and down", "the robot rocks up and down four times"]
+)
+def test_what_is_rooted_and_shaken_upwards_is_pushed(sentence):
+    reply = read(sentence, brief(**STANDING, anchored="plants are rooted"))
+    assert reply.force_field.actions and not reply.force_field.constraints
 
 
 @pytest.mark.parametrize(

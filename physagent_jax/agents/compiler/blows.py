@@ -32,6 +32,7 @@ from physagent_jax.motion.windows import divide
 _RAISING = (Effect.STRIKE, Effect.JUMP)
 _UPRIGHT = 0.7  # cosine
 _LEVEL = 0.5  # cosine to the vertical below which a way is level
+_LIFT = 1.6  # rise over way aside of what is thrown: it is to be seen to fly
 _ASIDE = 0.9  # cosine below which a leap goes aside
 # Of a blow, with which what is thrown comes down about as far aside as one along the ground goes, and a leap rises by a
 # third of a length and comes down six tenths aside; and with which a leap comes down as far aside as is told.
@@ -41,18 +42,20 @@ _THROWN, _LED = 0.45, 0.77
 def compile_strike(task: Task) -> None:
     """Blows, evenly spaced if counted; thrown things come down again."""
     event, builder, window = task.event, task.builder, task.window
-    swings, way = event.repeat.alternate, task.direction
+    swings, way, up = event.repeat.alternate, task.direction, task.brief.directions.up
+    if event.motion.gravity and dot(way, up) < -_UPRIGHT:
+        task.act(ActionType.IMPULSE, way, event.strength, make_impulse_window(window[0]))
+        return compile_fall(task)
     count = task.limit_count(event.repeat.count or (2 if swings else event.motion.strokes), SHORTEST_STROKE)
     if event.motion.gravity and not builder.grounded:
         builder.enable_gravity(event.words, "what is thrown or jumps comes down again")
     falls_back = builder.default_drop or (builder.grounded and not builder.anchored)
-    rises = falls_back and dot(way, task.brief.directions.up) > 0.5
-    strength = _find_blow(task, count, rises)
-    up, flown = task.brief.directions.up, way
-    most = _ASIDE if event.effect is Effect.JUMP else _LEVEL
+    rises = falls_back and dot(way, up) > 0.5
+    strength, flown = _find_blow(task, count, rises), way
+    most, lift = (_ASIDE, 1.0) if event.effect is Effect.JUMP else (_LEVEL, _LIFT)
     if event.motion.gravity and builder.grounded and not builder.anchored and abs(dot(way, up)) < most:
         share = _LED if event.effect is Effect.JUMP and event.amount else _THROWN
-        flown, strength = normalise(add([way, up])) or way, share * strength
+        flown, strength = normalise(add([way, scale(up, lift)])) or way, share * strength
     for index, part in enumerate(divide(window, [1.0] * count)):
         blow = scale(flown, -1.0 if swings and index % 2 else 1.0)
         task.act(ActionType.IMPULSE, blow, strength, make_impulse_window(part[0]))

@@ -23,7 +23,7 @@ class ForceFieldBuilder:
 
     Attributes:
         brief, anchored: The scene, with the clip's length.
-        planted: Whether it sways over its foot, which stays.
+        rooted: Whether its foot is held, whoever says so.
         gravity: What the sentence says about gravity: "down", "up", "none"; None = nothing.
         room: Frame at which what follows the present event is over: its brake ends there.
         earlier: What the slots before do.
@@ -37,7 +37,7 @@ class ForceFieldBuilder:
     room: float = 0.0
     earlier: list[Effect] = field(default_factory=list)
     default_drop: bool = False
-    planted: bool = False
+    rooted: bool = False
     actions: list[Action] = field(default_factory=list)
     constraints: list[VelocityConstraint] = field(default_factory=list)
     expectations: list[ExpectedMotion] = field(default_factory=list)

@@ -17,11 +17,12 @@ from physagent_jax.agents.compiler.words import look_up, suggest_motions
 from physagent_jax.agents.intent import Intent
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.materials import SOFT, find_meaning
-from physagent_jax.agents.rules.kinds import choose_kinds, find_new_places
+from physagent_jax.agents.rules.kinds import choose_kinds
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_entry
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.matching import find_new_places
 from physagent_jax.motion.parts import explain_missing, list_names
 from physagent_jax.motion.schema import MotionKind, SceneBrief, WorldRequest
 
@@ -55,7 +56,8 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     anchor = find_support(clauses, brief, _is_soft(intent, brief)) if anchor.kind is None else anchor
     held = anchor.kind in ("base", "top", "rest")
     anchored = held or (brief.anchored is not None and anchor.kind != "none")
-    builder = ForceFieldBuilder(brief, anchored, intent.surroundings.gravity, planted=anchor.kind == "rest")
+    rooted = anchored and "top" not in (anchor.kind or brief.anchored or "")
+    builder = ForceFieldBuilder(brief, anchored, intent.surroundings.gravity, rooted=rooted)
     builder.notes += intent.notes
     builder.obstacles += resolve_obstacles(intent.surroundings.solids, None, brief)
     slots, frame_count, remarks = schedule(make_events(clauses, builder), brief, anchored)

@@ -44,6 +44,7 @@ def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     event.repeat = _sum_repeats(event)
     _resolve_strength(event, before if event.clause.inherited else None)
     take_heading(event, brief)
+    event.stays = event.stays or event.motion.quick and event.effect is Effect.SCALE  # a dent
     _act_from_sides(event, brief)
     if before is not None:
         _take_over_direction(event, before)

@@ -15,6 +15,7 @@ from physagent_jax.motion.schema import AnchorRequest
 from physagent_jax.motion.vectors import dot
 
 _AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
+_LEVEL = 0.5  # cosine to the vertical below which what stands falls aside
 _RESTING = (Effect.STILL, Effect.RELEASE)
 _RISING = (Effect.PUSH, Effect.STRIKE, Effect.JUMP)
 
@@ -42,6 +43,10 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     interpret(event, _find_measure(events, event), builder.brief)
     _measure_return(event, events)
     event = _put_under_gravity(event, builder.gravity)
+    level = event.direction is not None and abs(dot(event.direction, builder.brief.directions.up)) < _LEVEL
+    airborne = _is_lifted(events, builder) or any(each.effect is Effect.FALL for each in events)
+    if event.phrase == "fall" and level and builder.grounded and not airborne:  # it stands
+        event = replace(event, motion=read_lexicon().motions["fall over"], phrase="fall over")
     thrown = bool(events) and (events[-1].motion.gravity or events[-1].effect is Effect.JUMP)
     if thrown and event.phrase in ("come back down", "go back down"):
         event = _make_another(event, "land")  # "toss it up and let it come back down"

@@ -16,7 +16,7 @@ from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_strain_magnitude, find_swing_magnitude
 from physagent_jax.motion.schema import MotionKind
-from physagent_jax.motion.swaying import sway
+from physagent_jax.motion.swaying import bend, find_bend, leads_aside, lies, rock, rocks, sway
 from physagent_jax.motion.vectors import dot, scale
 from physagent_jax.motion.windows import Window, divide, divide_swings
 
@@ -40,11 +40,8 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
             builder.obstacles += [each for each in event.obstacles if each not in builder.obstacles]
             after = [event for later in following for event in later.events]
             first, end = slot.window
-            end = (
-                min(end, first + QUICK / builder.brief.frame_dt)
-                if event.is_quick and (event.motion.quick or not builder.anchored)
-                else end
-            )
+            if event.is_quick and (event.motion.quick or not builder.anchored):
+                end = min(end, first + QUICK / builder.brief.frame_dt)
             task = Task(event, (first, end), after, builder)
             if event.motion.skill is not None and not event.repeat.alternate:
                 _compile_by_skill(task, event.motion.skill)
@@ -77,28 +74,26 @@ def _compile_by_skill(task: Task, name: str) -> None:
         event.direction,
         acted,
         repeats=count,
-        sudden=skill.is_sudden,
+        sudden=skill.is_sudden or event.motion.quick and bool(event.limbs),
         released=task.is_released,
         leaves_place=count == 1 and event.motion.skill is None and task.leaves_place,
     )
 
 
 def _compile_sway(task: Task) -> None:
-    """To and fro.
-
-    How far the pushes go does not depend on how short they are (`forces.swinging`). What bobs on the ground is thrown
-    up each time, and weight brings it back.
-    """
-    event, builder, up = task.event, task.builder, task.brief.directions.up
+    """To and fro; what bobs on the ground is thrown up each time, and weight brings it back."""
+    event, builder, brief, up = task.event, task.builder, task.brief, task.brief.directions.up
     count, held = task.limit_count(event.repeat.count or event.motion.cycles), builder.anchored
-    magnitude = event.strength
+    magnitude, leads = event.strength, builder.rooted and leads_aside(task.direction, brief)
     if event.amount is not None:
-        magnitude = find_swing_magnitude(event.amount, held, builder.brief) or magnitude
+        magnitude = find_swing_magnitude(event.amount, held, brief) or magnitude
     if builder.grounded and not held and abs(dot(task.direction, up)) > _UPRIGHT:
         for part in divide(task.window, [1.0] * count):
             task.act(ActionType.IMPULSE, up, 2 * SWING * magnitude, make_impulse_window(part[0]))
-    elif builder.planted:
-        builder.constraints += sway(builder.brief, task.direction, magnitude, count, task.window)
+    elif rocks(event.phrase) and builder.grounded and not held:
+        builder.constraints += rock(brief, task.direction, magnitude, count, task.window)
+    elif leads and (count > 3 if brief.anchored else event.motion.planted):
+        builder.constraints += sway(brief, task.direction, magnitude, count, task.window)
     else:
         _alternate(task, ActionType.TRANSLATION, magnitude, divide_swings(task.window, count, held))
     released = task.is_released
@@ -115,8 +110,14 @@ def _compile_lean(task: Task) -> None:
     """Parts, anchored things and things in the wind are pushed over; a free thing is turned."""
     event, brief = task.event, task.brief
     vertical = abs(dot(task.direction, brief.directions.up)) >= 0.9
+    bends = event.phrase == "bend" and not (event.region or event.is_in_wind)
+    way, lying, let_go = find_bend(task.direction, brief, task.builder.rooted), lies(brief), task.is_released
     if event.repeat.alternate or event.count > 1:
         _compile_sway(task)
+    elif bends and way:
+        task.builder.constraints += bend(brief, way, event.strength, event.amount, task.window, let_go)
+        end = dict(part=brief.long_axis if lying else event.part, partial=lying)
+        task.expect(MotionKind.MOVE, way, task.window, released=let_go, **end)
     elif task.builder.anchored or event.limbs or event.is_in_wind or vertical or brief.object_kind == "plant":
         _compile_push(task)
     else:
@@ -137,22 +138,20 @@ def _compile_scale(task: Task) -> None:
         strength = find_strain_magnitude(event.amount)
         task = replace(task, event=replace(event, stays=event.stays or count == 1 and task.is_kept))
         if strength > MAGNITUDE_MAX:
-            builder.notes.append(
-                f"'{event.text}': more than the library's strongest force is calibrated for."
-            )
+            builder.notes.append(f"'{event.text}': more than the strongest force is calibrated for.")
     for part in windows:
         for axis in axes:
             task.act(ActionType.SCALE, axis, event.motion.sign * strength, part)
     kind = MotionKind.STRETCH if event.motion.sign > 0 else MotionKind.SQUEEZE
     released = count > 1 or task.is_released
-    task.expect(kind, event.direction, windows[0], repeats=count, released=released)
+    task.expect(
+        kind, event.direction, windows[0], repeats=count, released=released, sudden=event.motion.quick
+    )
 
 
 def _compile_burst(task: Task) -> None:
     """Outward along all axes, briefly: a uniform impulse has no outward form."""
-    task.builder.notes.append(
-        "An explosion without a direction is a brief, strong stretch in all directions."
-    )
+    task.builder.notes.append("An explosion without a direction is a brief stretch in all directions.")
     _compile_scale(replace(task, window=shorten(task.window, task.builder.brief.last)))
 
 
@@ -184,7 +183,8 @@ def _compile_twist(task: Task) -> None:
     event = replace(task.event, stays=task.event.stays or task.is_kept)
     if builder.anchored:
         end = task.brief.directions.down if "top" in (task.brief.anchored or "") else up
-        return _turn_steadily(replace(task, event=replace(event, part=end, region=make_end_region(end, 0.5))))
+        axis, there = axis if event.ways else up, make_end_region(end, 0.5)
+        return _turn_steadily(replace(task, event=replace(event, part=end, region=there, direction=axis)))
     builder.notes.append(f"'{event.text}': one end turns against the other.")
     if amount is not None and amount.unit == "degrees":
         event.amount = amount.model_copy(update={"value": amount.value / 2})

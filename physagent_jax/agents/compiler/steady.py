@@ -175,7 +175,7 @@ def add_steady(task: Task, kind: ActionType, vector: Vector, magnitude: float) -
     """Adds a force or torque over the window, braked in its second half if need be; returns where it acts."""
     event, window, builder = task.event, task.window, task.builder
     lasts, stops = event.when.lasts, task.needs_brake
-    if event.motion.brief and lasts is None:
+    if event.motion.brief and lasts is None and not stops:  # what is braked needs its time
         window = shorten(window, builder.brief.last)
     told = lasts is not None and lasts.unit != "clip" and not event.when.within
     brakes = stops and not told

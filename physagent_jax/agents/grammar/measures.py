@@ -167,6 +167,7 @@ def _make_quantity(
         "broken": value != round(value),
         "turned": value < 1.0 and turned in _TABLES["turns"],
         "leaned": Effect.LEAN in done,
+        "pressed": Effect.SCALE in done,
         "spun": Effect.TURN in done,
         "driven": Effect.PUSH in done,
         "large": value >= _LEAST_DEGREES,

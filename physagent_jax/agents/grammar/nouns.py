@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Iterable
 from dataclasses import replace
@@ -27,12 +28,10 @@ def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
     one name ("the teddy bear", "the loaf of bread"): then it is a part, or another thing.
     """
     parts = {word for phrase in list_names(brief) for word in phrase[-1:]}
-    name = [
-        word for word in _split(brief.object_name) if word not in parts
-    ]  # "pot with lid", of a pot and a lid
+    name = [word for word in _split(brief.object_name) if word not in parts]  # "pot with lid": pot, lid
     name = name if is_telling(" ".join(name)) else _split(brief.object_name)
     own = set(_add_plurals([*name, *_split(brief.object_kind)]))
-    nouns = {w for w in _add_plurals(brief.object_nouns) if not _has_other_meaning(w) and w not in parts}
+    nouns = _find_unmistakable(brief.object_nouns) - parts
     tokens = tokenise(sentence)
     texts = [token.text for token in tokens]
     own |= _find_halves(name, texts)
@@ -78,6 +77,12 @@ def _find_halves(name: Iterable[str], texts: list[str]) -> set[str]:
 
 def _add_plurals(words) -> list[str]:
     return [form for word in words for form in (word, word + "s", word + "es")]
+
+
+@functools.lru_cache(maxsize=64)
+def _find_unmistakable(nouns: tuple[str, ...]) -> frozenset[str]:
+    """Nouns of a kind, singular and plural, that mean nothing else."""
+    return frozenset(word for word in _add_plurals(nouns) if not _has_other_meaning(word))
 
 
 def _has_other_meaning(word: str) -> bool:
@@ -162,12 +167,7 @@ def _is_part_with_name(reader: Reader, at: int, noun: str) -> bool:
     if reader.get_text(at - 1) not in owners or not noun.isalpha() or noun in reader.names:
         return False
     known = noun in PHRASES or FORMS.get(noun, noun) in PHRASES or noun in LEXICON.words - {"body"}
-    return not known and reader.get_preposition(at) not in get_set("before_ways") | {
-        "on",
-        "onto",
-        "at",
-        "in",
-    }
+    return not known and reader.get_preposition(at) not in get_set("before_ways") | {"on", "onto", "at", "in"}
 
 
 _SIDE = "left|right|front|back|rear"
@@ -207,13 +207,8 @@ def read_solid(reader: Reader, at: int) -> Mention | None:
     _convert_collision(reader)
     side, behind = _find_where(reader, at, match)
     if not side:
-        side = (
-            "up"
-            if match["noun"] == "ceiling"
-            else "down"
-            if kind == "block" and way in ("on", "onto")
-            else ""
-        )
+        below = "down" if kind == "block" and way in ("on", "onto") else ""
+        side = "up" if match["noun"] == "ceiling" else below
     solid = Solid.model_validate({"kind": kind, "sides": (side,) if side else ()})
     return reader.make_span(MentionKind.SOLID, solid, "solid", at, behind)
 

@@ -46,11 +46,8 @@ def read_patterns() -> tuple[Pattern, ...]:
 
 def suggest_patterns(sentence: str) -> list[Pattern]:
     """The documented patterns whose words are most like those of a sentence."""
-    words = {
-        token.lemma
-        for token in tokenise(sentence[:1000])
-        if token.is_word and token.text not in ("the", "a", "it")
-    }
+    said = [token for token in tokenise(sentence[:1000]) if token.text not in ("the", "a", "it")]
+    words = {token.lemma for token in said if token.is_word}
 
     def count(pattern: Pattern) -> int:
         own = {token.lemma for example in (*pattern.examples, pattern.form) for token in tokenise(example)}

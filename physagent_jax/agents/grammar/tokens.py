@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set, read_sections
@@ -40,7 +42,10 @@ class Token:
         return self.text[0].isalnum()
 
 
-def tokenise(sentence: str) -> list[Token]:
+@functools.lru_cache(
+    maxsize=1024
+)  # a sentence is taken apart four times, and a refusal looks through all patterns
+def tokenise(sentence: str) -> tuple[Token, ...]:
     """Tokens of ``sentence``; hyphens separate words, "doesn't" becomes "does", "not", "it's" becomes "it"."""
     # One character may have several in lower case; those are kept, so that places stay valid.
     text = "".join(c.lower() if len(c.lower()) == 1 else c for c in sentence)
@@ -59,7 +64,7 @@ def tokenise(sentence: str) -> list[Token]:
         tokens.append(Token(word, FORMS.get(word, word), match.start(), match.end(), suffix == "s"))
         if negated:
             tokens.append(Token("not", "not", match.start(), match.end()))
-    return [token for token in tokens if token.text]
+    return tuple(token for token in tokens if token.text)
 
 
 FORMS = read_forms()
@@ -81,14 +86,13 @@ def _collect_known() -> frozenset[str]:
 KNOWN = _collect_known()
 
 
-def correct_spelling(tokens: list[Token], names: frozenset[str]) -> list[Token]:
+def correct_spelling(tokens: Sequence[Token], names: frozenset[str]) -> list[Token]:
     """The tokens with slips of the keyboard undone: letters doubled or the wrong way round, a name nearly right.
 
     Only words that mean nothing as they stand are read as others; places in the sentence are kept. ``names`` are words
     for the object.
     """
-    known = KNOWN | names
-    meant = {text: _find_meant(text, known, names) for text in {token.text for token in tokens}}
+    meant = {text: _find_meant(text, names) for text in {token.text for token in tokens}}
     return [
         token
         if (word := meant[token.text]) is None
@@ -104,14 +108,15 @@ def describe_corrections(sentence: str, names: frozenset[str]) -> list[str]:
     return [f"'{said.text}' is read as '{meant.text}'." for said, meant in pairs if said.text != meant.text]
 
 
-def _find_meant(text: str, known: frozenset[str], names: frozenset[str]) -> str | None:
+def _find_meant(text: str, names: frozenset[str]) -> str | None:
     """The word that is meant by one that means nothing; None if it stands, or if nothing is near."""
-    if not text.isalpha() or len(text) < _LEAST or text in known or text.removesuffix("s") in known:
+    stands = any(word in known for word in (text, text.removesuffix("s")) for known in (names, KNOWN))
+    if stands or not text.isalpha() or len(text) < _LEAST:
         return None
     near = [text[:i] + text[i + 1] + text[i] + text[i + 2 :] for i in range(len(text) - 1)]
     near += [text[:i] + text[i + 1 :] for i in range(1, len(text)) if text[i] == text[i - 1]]
     near += [text[:i] + text[i] + text[i:] for i in range(1, len(text) - 1)]  # "midle"
-    found = {word for word in near if word != text and word in known}
+    found = {word for word in near if word != text and (word in KNOWN or word in names)}
     if len(found) == 1:
         return found.pop()
     meant = [w for w in names if len(w) >= _LEAST_NAME and count_slips(text, w) <= 1 + (len(w) >= _LONG_NAME)]

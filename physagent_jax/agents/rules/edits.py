@@ -14,9 +14,8 @@ from physagent_jax.forces.calibration import (
     MAGNITUDE_MIN,
     PRESCRIBED_TRAVEL,
 )
-from physagent_jax.forces.schema import Action, ForceField, HalfSpaceRegion
-from physagent_jax.forces.slabs import make_end_region
-from physagent_jax.motion.matching import AXIAL, Cause, find_action_type, redirect
+from physagent_jax.forces.schema import Action, ForceField
+from physagent_jax.motion.matching import AXIAL, Cause, find_action_type, make_part_region, redirect
 from physagent_jax.motion.schema import Check, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.tolerances import round_window
 from physagent_jax.motion.vectors import add, clamp, cosine, dot, norm, normalise, reject, scale
@@ -151,12 +150,6 @@ def format_names(causes: Sequence[Cause]) -> str:
     return ", ".join(cause.name for cause in causes)
 
 
-def get_effort(cause: Cause, last: float) -> float:
-    """The amount that the response grows with: abs(M) and k, times the frames where a velocity is prescribed."""
-    first, end = cause.item.active_time or (0.0, last)
-    return abs(cause.item.magnitude) * cause.item.gain * (end - first if cause.skill.prescribes else 1.0)
-
-
 def _scale(cause: Cause, factor: float, latest: float) -> dict:
     """Changes that give the entry ``factor`` times the effort: by M in its range, then by time, and k for the rest.
 
@@ -276,13 +269,6 @@ def make_actions(case: Case) -> list[Action]:
     region = make_part_region(expectation)
     how = {"magnitude": magnitude, "active_time": window, "region": region}
     return [Action(action_type=kind, vector=axis, **how) for axis in axes]
-
-
-def make_part_region(expectation: ExpectedMotion) -> HalfSpaceRegion | None:
-    """The half of the object on the side of a motion's end; None if the motion is about the whole, or about no end."""
-    if expectation.part is None:
-        return None
-    return make_end_region(scale(expectation.part, -1.0 if expectation.excludes_part else 1.0), 0.5)
 
 
 def _alternate(case: Case, magnitude: float | None = None) -> list[Action]:

@@ -7,9 +7,9 @@ from physagent_jax.forces.skills import get_skill
 from physagent_jax.motion.holds import find_leaving
 from physagent_jax.motion.matching import AXIAL
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind
+from physagent_jax.motion.swaying import bends
 
 _DEFORMS = (*AXIAL, MotionKind.SWAY)
-_GOES_OVER = ("collateral", "part")
 
 
 def should_hold(context: AgentContext, failed: Round) -> bool:
@@ -27,10 +27,10 @@ def should_hold(context: AgentContext, failed: Round) -> bool:
     if failed.force_field.default_drop or find_leaving(reading.plan, brief.directions.up) is not None:
         return False
     motions = [each for each in context.expectations if each.kind is not MotionKind.STILL]
-    if not motions or not all(_needs_support(each) for each in motions):
-        return False
-    return any(check.passed is False and check.aspect in _GOES_OVER for check in failed.judgement.checks)
+    supported = bool(motions) and all(_needs_support(each) for each in motions)
+    wrong = {check.aspect for check in failed.judgement.checks if check.passed is False}
+    return supported and not wrong.isdisjoint(("collateral", "part"))
 
 
 def _needs_support(motion: ExpectedMotion) -> bool:
-    return motion.kind in _DEFORMS or motion.partial or motion.part is not None
+    return motion.kind in _DEFORMS or motion.partial or motion.part is not None or bends(motion)

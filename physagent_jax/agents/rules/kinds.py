@@ -15,9 +15,9 @@ from dataclasses import dataclass, replace
 from physagent_jax.agents.rules.edits import Wish, replace_items
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
+    BLOW,
     GAIN_MAX,
     MAGNITUDE_MAX,
-    MAGNITUDE_MIN,
     PRESCRIBED_TRAVEL,
     QUICK,
     TRAVEL,
@@ -27,10 +27,20 @@ from physagent_jax.forces.calibration import (
 from physagent_jax.forces.schema import BoxRegion, ConstraintType, ForceField, Region, VelocityConstraint
 from physagent_jax.forces.skills import list_skills
 from physagent_jax.forces.slabs import make_box, make_end_region
+from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import MOVING, find_pace, find_strain, find_wanted_way, spread_effort
-from physagent_jax.motion.matching import AXIAL, Cause, agrees, find_own_causes, list_causes, share_time
+from physagent_jax.motion.matching import (
+    AXIAL,
+    Cause,
+    agrees,
+    find_own_causes,
+    is_turned_against,
+    list_causes,
+    share_line,
+    share_time,
+)
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.motion.tolerances import expect_rotation, find_told
+from physagent_jax.motion.tolerances import expect_rotation, expect_wrung, find_told
 from physagent_jax.motion.vectors import clamp, cosine, scale
 
 SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinner one tears off what tapers
@@ -38,8 +48,10 @@ TURNING = 0.8  # the same of an end that is turned
 _VERTICAL = 0.7  # cosine
 _OVER = 120.0  # [degrees] about a level line, from where on something is turned over
 _TILT = 60.0  # [degrees] up to which what stands is tilted
-_OPPOSED = -0.7
+_PRESSED = 0.07  # of its height, by which a plain blow presses what stands: it springs back, and would jump
+_RAISED = 20.0  # [degrees] by which it is tilted where one side is raised
 _NO_WAY = (0.0, 0.0, 0.0)
+_PLATE = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
 
 
 @dataclass(frozen=True)
@@ -75,26 +87,6 @@ def choose_kinds(
 _Replaced = tuple[ForceField, str] | None
 
 
-def find_new_places(before: ForceField, after: ForceField) -> dict[str, str]:
-    """The place in ``after`` of each action of ``before``: its new place, or its first constraint."""
-    places = {}
-    for index, action in enumerate(before.actions):
-        here = next((i for i, other in enumerate(after.actions) if other is action), None)
-        begin = (action.active_time or (0.0,))[0]
-        new = [Cause("constraints", i, c) for i, c in enumerate(after.constraints)][len(before.constraints) :]
-        alike = [c for c in new if abs(cosine(c.item.vector, action.vector)) > _VERTICAL]
-        heirs = [c for c in alike if (c.item.active_time or (0.0,))[0] == begin]
-        if here is not None:
-            places[f"actions[{index}]"] = f"actions[{here}]"
-        elif heirs:  # of two ends that turn or move against each other the one that goes the action's way
-            heir = max(heirs, key=lambda c: cosine(c.item.vector, action.vector))
-            places[f"actions[{index}]"] = heir.name
-    return places
-
-
-# --- the new constraints ---------------------------------------------------------------------------------------------
-
-
 def move_ends(wish: Wish, causes: Sequence[Cause]) -> ForceField:
     """Exactly two opposed translations of the end slabs in place of ``causes`` (paper, appendix B.2)."""
     axis = wish.expectation.direction or causes[0].item.vector
@@ -115,9 +107,8 @@ def press_between(wish: Wish, causes: Sequence[Cause]) -> ForceField:
         free = brief.directions.up if "top" in (brief.anchored or "") else brief.directions.down
         ways = (axis if cosine(axis, free) > 0 else scale(axis, -1.0),)
     travel = _find_travel(wish, causes, movers=len(ways))
-    plate = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
     region = causes[0].item.region
-    return _put(wish, causes, *[_prescribe(plate, way, *travel, region) for way in ways])
+    return _put(wish, causes, *[_prescribe(_PLATE, way, *travel, region) for way in ways])
 
 
 def replace_blows(wish: Wish, causes: Sequence[Cause]) -> ForceField:
@@ -139,7 +130,8 @@ def _prescribe(
     return VelocityConstraint(
         constraint_type=ConstraintType(name),
         vector=way,
-        magnitude=round(magnitude, 4),
+        magnitude=round(min(magnitude, MAGNITUDE_MAX), 4),
+        gain=round(max(magnitude / MAGNITUDE_MAX, 1.0), 4),
         active_time=window,
         held_until=kept if kept is not None and kept > window[1] else None,
         region=region,
@@ -176,10 +168,13 @@ def _find_travel(
         find_strain(each, wish.brief)
         for each in wish.expectations
         if each.kind in AXIAL and each.kind is not expectation.kind and not each.released
-        if abs(each.window[1] - first) < 1.5 and _share_line(each, expectation)
+        if abs(each.window[1] - first) < 1.5 and share_line(each, expectation)
     )
     effort = target * wish.reference / (movers * PRESCRIBED_TRAVEL)  # magnitude times frames
     magnitude, until = spread_effort(effort, first, end)
+    if expectation.sudden:
+        until = first + max(round(BLOW / wish.brief.frame_dt), 2.0)
+        return effort / (until - first), (first, until), _find_hold_end(wish, until)
     return magnitude, (first, until), _find_hold_end(wish, end)
 
 
@@ -195,18 +190,11 @@ def _stands_alone(wish: Wish) -> bool:
     return grounded and not wish.list_other_begins()
 
 
-def _share_line(one: ExpectedMotion, other: ExpectedMotion) -> bool:
-    return abs(cosine(one.direction or _NO_WAY, other.direction or _NO_WAY)) > _VERTICAL
-
-
 def _find_forces(wish: Wish, keep: Callable[[Cause], bool]) -> list[Cause]:
     """Forces of the wish's own whose work a constraint can do, of those to ``keep``; none if none goes its way."""
     causes = find_own_causes(wish.expectation, wish.expectations, wish.force_field)
     found = [c for c in causes if c.group == "actions" and c.skill.prescribed_by and keep(c)]
     return found if any(agrees(c, wish.expectation) for c in found) else []
-
-
-# --- rules: each gives the new force field and why, or None where a force serves -------------------------------------
 
 
 def _deform(wish: Wish) -> _Replaced:
@@ -218,7 +206,7 @@ def _deform(wish: Wish) -> _Replaced:
     if not causes:
         return None
     upright = _stands_on_its_end(wish, axis)
-    pulled = any(e.kind is MotionKind.STRETCH and _share_line(e, expectation) for e in wish.expectations)
+    pulled = any(e.kind is MotionKind.STRETCH and share_line(e, expectation) for e in wish.expectations)
     if expectation.kind is MotionKind.STRETCH:
         why = "the two ends are moved apart, whatever the stiffness"
     elif wish.get_span(causes[:1])[0] < 1 and not wish.force_field.default_drop and (not pulled or upright):
@@ -266,47 +254,68 @@ def _squeeze_limb(wish: Wish) -> _Replaced:
 
 
 def _turn_ends(wish: Wish) -> _Replaced:
-    """One end turned against the other: two opposed rotations of the ends; a torque on each half would shear it."""
-    other = next((e for e in wish.expectations if _is_turned_against(wish.expectation, e)), None)
-    if other is None:
+    """One end turned against the other, or against what holds that; a torque on each half would shear it."""
+    here = wish.expectation
+    turned = [each for each in wish.expectations if each is here or is_turned_against(here, each)]
+    line = abs(cosine(here.part or _NO_WAY, here.direction or _NO_WAY))
+    wrung = wish.brief.anchored and here.repeats == 1 and here.limb is None and line > _VERTICAL
+    if here.kind is not MotionKind.ROTATE or not (wrung or len(turned) == 2):
         return None
-    taken, ends = [], []
-    for each in (wish, wish.about(other)):
-        causes = _find_forces(each, lambda c: c.item.region is not None and agrees(c, each.expectation))  # noqa: B023
-        if not causes:
-            return None
-        taken.append(causes[0])
-        ends.append(_make_turn(each, causes[0]))
-    return _put(wish, taken, *ends), "its ends are turned against each other, each about its own middle"
-
-
-def _is_turned_against(one: ExpectedMotion, other: ExpectedMotion) -> bool:
-    turns = one.kind is other.kind is MotionKind.ROTATE and other is not one and share_time(one, other)
-    pairs = (one.part, other.part), (one.direction, other.direction)
-    return turns and all(cosine(a or _NO_WAY, b or _NO_WAY) < _OPPOSED for a, b in pairs)
+    found = [_find_forces(wish.about(e), lambda c, e=e: bool(c.item.region) and agrees(c, e)) for e in turned]
+    if not all(found):
+        return None
+    ends = [_make_turn(wish.about(each), causes[0]) for each, causes in zip(turned, found)]
+    taken = [causes[0] for causes in found]
+    return _put(wish, taken, *ends), "one end is turned against the other, all between in proportion"
 
 
 def _make_turn(wish: Wish, cause: Cause) -> VelocityConstraint:
-    expectation, (first, end) = wish.expectation, wish.get_span([cause])
-    end = min(end, wish.brief.last)
-    assert expectation.part is not None
-    until = max(float(round(first + TURNING * (end - first))), first + 1.0)
-    magnitude, amount = cause.item.magnitude, expectation.amount
-    if amount is not None and amount.unit == "degrees":
-        needed = math.radians(amount.value) / TURN * wish.reference / (until - first)
-        magnitude = math.copysign(clamp(needed, MAGNITUDE_MIN, MAGNITUDE_MAX), magnitude)
-    region = make_end_region(expectation.part, SLAB)
-    return _prescribe(cause, cause.item.vector, magnitude, (first, until), _find_hold_end(wish, end), region)
+    expectation, (first, end), size = wish.expectation, wish.get_span([cause]), cause.item.magnitude
+    end, told = min(end, wish.brief.last), expectation.amount
+    effort = abs(size) * TURNING * (end - first)
+    if told is not None and told.unit == "degrees" or wish.brief.anchored:
+        effort = math.radians(expect_wrung(expectation, wish.brief)) / TURN * wish.reference
+    amount, until = spread_effort(effort, first, end, TURNING)
+    way, region = cause.item.vector, make_end_region(expectation.part or _NO_WAY, SLAB)
+    kept = _find_hold_end(wish, end)
+    return _prescribe(cause, way, math.copysign(amount, size), (first, until), kept, region)
 
 
 def _strike(wish: Wish) -> _Replaced:
-    """A blow on a part, or on what is held: at once, before the rest can answer."""
-    expectation, held = wish.expectation, wish.brief.anchored is not None
+    """A blow on a part, or on what is held, acts at once; one on top of what stands presses it."""
+    expectation, brief = wish.expectation, wish.brief
     blows = _find_forces(wish, lambda c: c.skill.is_sudden and agrees(c, expectation))
-    causes = [c for c in blows if c.item.region is not None or held]
-    if not expectation.sudden or not causes:
+    if not expectation.sudden or not blows:
         return None
-    return replace_blows(wish, causes), "the blow changes the velocity at once, before the rest can answer"
+    causes = [c for c in blows if c.item.region is not None or brief.anchored is not None]
+    if causes:
+        return replace_blows(wish, causes), "it changes the velocity at once, before the rest can answer"
+    stands = brief.world == "ground" and not wish.force_field.default_drop
+    if not stands or cosine(expectation.direction or _NO_WAY, brief.directions.down) < _VERTICAL:
+        return None
+    effort = _PRESSED * wish.reference / PRESCRIBED_TRAVEL  # magnitude times frames
+    frames = max(float(round(BLOW / brief.frame_dt)), 2.0)
+    spans = [(cause.item.magnitude * effort / frames, wish.get_span([cause])[0]) for cause in blows]
+    plates = [_prescribe(_PLATE, brief.directions.down, size, (at, at + frames), None) for size, at in spans]
+    return _put(wish, blows, *plates), "the ground bears it, so it is pressed for a moment"
+
+
+def _raise_side(wish: Wish) -> _Replaced:
+    """One side of what stands is raised: it is tilted over its foot, and let go where it is to fall."""
+    expectation, brief, side = wish.expectation, wish.brief, wish.expectation.part
+    raised = cosine(expectation.direction or _NO_WAY, brief.directions.up) > _VERTICAL
+    if expectation.kind is not MotionKind.MOVE or side is None or not raised or expectation.limb is not None:
+        return None
+    level = abs(cosine(side, brief.directions.up)) < 1 - _VERTICAL and not expectation.excludes_part
+    causes = _find_forces(wish, lambda c: c.pushes and c.item.region is not None)
+    if not level or not causes or brief.world != "ground" or brief.anchored is not None:
+        return None
+    first, end = wish.get_span(causes)
+    effort = math.radians(_RAISED * expectation.strength) / TURN * wish.reference
+    size, until = spread_effort(effort, first, end)
+    axis = find_lean_axis(scale(side, -1.0), brief)
+    hand = _prescribe(ConstraintType.PARTICLE_ROTATION, axis, size, (first, until), _find_next(wish, end))
+    return _put(wish, causes, hand), "one side is raised, so it is tilted over its foot"
 
 
 def _carry(wish: Wish) -> _Replaced:
@@ -428,4 +437,4 @@ def _lead(wish: Wish) -> _Replaced:
     return _put(_hold_until(wish, hands, first), causes, hand), f"{reason}, so it is led there{short}"
 
 
-_RULES = (_deform, _squeeze_limb, _press_part, _turn_ends, _strike, _carry, _set_down, _lead)
+_RULES = (_deform, _squeeze_limb, _press_part, _turn_ends, _strike, _raise_side, _carry, _set_down, _lead)

@@ -163,7 +163,7 @@ def _answers(case: Case, causes: Sequence[Cause], gain: float) -> bool:
 
 def _list_ratios(case: Case, causes: Sequence[Cause]) -> Iterator[tuple[float, float]]:
     """Effort of the same entries in other rounds over the present one, with the gain asked for there; newest first."""
-    now = sum(edits.get_effort(cause, case.brief.last) for cause in causes)
+    now = sum(cause.get_effort(case.brief.last) for cause in causes)
     for field, needed in reversed(case.earlier):
         before = _get_same_effort(case, causes, field)
         if before is not None and needed > 0 and abs(math.log(before / now)) >= 0.02:
@@ -172,18 +172,11 @@ def _list_ratios(case: Case, causes: Sequence[Cause]) -> Iterator[tuple[float, f
 
 def _get_same_effort(case: Case, causes: Sequence[Cause], field: ForceField) -> float | None:
     """The effort of the same entries in another force field; None if it does not have them."""
-    wanted = [_identify(cause) for cause in causes]
-    found = [cause for cause in list_causes(field) if _identify(cause) in wanted]
+    wanted = [cause.identity for cause in causes]
+    found = [cause for cause in list_causes(field) if cause.identity in wanted]
     if len(found) != len(causes):
         return None
-    return sum(edits.get_effort(cause, case.brief.last) for cause in found)
-
-
-def _identify(cause: Cause) -> tuple:
-    window = cause.item.active_time
-    begin = None if window is None else window[0]
-    end = None if cause.skill.prescribes or window is None else window[1]
-    return cause.skill.name, cause.item.vector, cause.item.magnitude > 0, cause.item.region, begin, end
+    return sum(cause.get_effort(case.brief.last) for cause in found)
 
 
 def _strengthen(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change]:

@@ -31,8 +31,7 @@ class ParticleRotation(Skill):
         return bound.hold(bound.leaf(np.zeros(3)), bound.vector(bound.scaling.rotation))
 
     def make_pair(self, bound, other, sign):
-        """The whole is wrung: every section turns in proportion to its distance from the middle."""
-        assert other is not None  # the ground is no partner of a turn
+        """The whole is wrung: every section turns in proportion to its distance from the middle, or the held end."""
         return bound.wring(other, bound.scaling.rotation, sign)
 
     def draw_icon(self, reverse):

@@ -33,6 +33,7 @@ class LoadedSplats:
         notes: Sentences that a user should read before a run.
         count_in_file: Number of Gaussians in the file, before any was dropped.
         plain: The cloud in the colours that people should see; None = in its own.
+        front: The axis towards which the format says that an object looks; None = it says nothing of that.
     """
 
     cloud: GaussianCloud
@@ -43,6 +44,7 @@ class LoadedSplats:
     notes: tuple[str, ...]
     count_in_file: int
     plain: GaussianCloud | None = None
+    front: SignedAxis | None = None
 
 
 def check_threshold(opacity_threshold: float) -> None:

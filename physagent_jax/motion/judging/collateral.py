@@ -46,7 +46,11 @@ _STRAIN_HIT = 0.6  # [1] the same when it turns, or bends while it is held
 _ANOTHER_SIDE = (
     45.0  # [degrees] from which on another side is seen, so that the shape is told from fewer points
 )
-_STRAIN_TUMBLING = 1.0  # [1] the same of what tumbles, whose far side nobody sees from the start
+_STRAIN_TUMBLING = 1.0
+"""[1] of what tumbles, whose far side nobody sees from the start."""
+_STRAIN_TWISTED = (
+    0.75  # [1] of what turns one way at one end and the other way at the other, which no one map fits
+)
 _UPRIGHT = re.compile(
     r"\bupright\b|\b(without|not|never)\b.{0,20}\b(fall|tip|toppl|roll)|n't (fall|tip|toppl|roll)"
 )
@@ -197,7 +201,11 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     yielding = view.anchored or swings or _is_rough(view, asked) or _is_partial(asked)
     toward = view.brief.directions.toward
     hidden = None if any(w.stretch_view_axis_observable for w in view.report.windows) else toward
-    strains = [(t, _find_largest_strain(S, hidden)) for t, S in tensors]
+    unseen = _list_unseen_sides(view) if swings else set()
+    strains = [
+        (t, _find_largest_strain(S, hidden) * (_STRAIN_HIT / _STRAIN_TUMBLING if t in unseen else 1.0))
+        for t, S in tensors
+    ]
     left = (
         _find_left(view, strains)
         if (swings or tumbles) and not view.anchored and not _is_partial(asked)
@@ -205,8 +213,17 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     )
     if left and min(v for _, v in left) > _STRAIN:  # it swings or lands, and is out of shape from then on
         return _check_lasting(view, "shape", left, _STRAIN, sigma)
-    limit = _STRAIN_TUMBLING if tumbles else _STRAIN_HIT if yielding else _STRAIN
+    twists = sum(e.kind is MotionKind.ROTATE and e.part is not None for e in asked) > 1
+    limit = (
+        _STRAIN_TUMBLING if tumbles else _STRAIN_TWISTED if twists else _STRAIN_HIT if yielding else _STRAIN
+    )
     return _check_lasting(view, "shape", strains, limit, sigma)
+
+
+def _list_unseen_sides(view: View) -> set[int]:
+    """Frames in which it has turned so far out of the picture plane that the shape is told from another side."""
+    toward = view.brief.directions.toward
+    return {t for t, v in view.turns(0, view.last) if norm(reject(v, toward)) > _ANOTHER_SIDE}
 
 
 def _find_left(view: View, strains: Signal) -> Signal:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
+import re
 from collections.abc import Callable
 
 from physagent_jax.core.turning import find_turning_points
@@ -35,6 +37,8 @@ _REST = 0.25  # share of what follows that is looked at for where it comes to re
 _REST_SHARE = {False: 0.75, True: 0.4}
 """Share of the moving end's motion that the other may show: a part drags the rest along; an excepted one hardly
 moves."""
+_ROLLS_OVER = re.compile(r"\broll\w*\b(?!.*(\d|full|complete|whole|degree|turn)).*\bover\b")
+_TO_ITS_BACK = 210.0  # [degrees] short of a whole turn, what rolls over has come to lie on its back
 _WORDS = read_words()
 _QUANTITY = "is it as much as the sentence says?"
 _DURATION = "does it last as long as the sentence says?"
@@ -92,6 +96,8 @@ def _check_quantity(asked: Asked) -> list[Check]:
         raise _Unseen(asked.hidden or f"{motion.amount.unit} say nothing about such a motion")
     if motion.amount.unit == "seconds":
         return _check_duration(asked, tolerance)
+    if tolerance.unit == "degrees" and _ROLLS_OVER.search(motion.words.lower()):
+        tolerance = dataclasses.replace(tolerance, low=min(tolerance.low, motion.amount.value - _TO_ITS_BACK))
     until, figure = asked.until if motion.released or motion.sudden else last, asked.figure
     if tolerance.unit == "degrees" and motion.kind is not MotionKind.ROTATE:
         figure = "rotation"
@@ -313,10 +319,9 @@ def _check_part(asked: Asked) -> list[Check]:
         if motion.limb is None:
             return []
         other = 0.0
-    if motion.limb is not None:
-        other = max(
-            [other, *(norm(p) for _, p in view.course(*asked.span) if asked.kind is not MotionKind.ROTATE)]
-        )
+    if motion.limb is not None and asked.kind is not MotionKind.ROTATE:
+        whole = max((norm(p) for _, p in view.course(*asked.span)), default=0.0)
+        other = max(other, whole - view.brief.parts[motion.limb].share * own)  # the part is of the whole
     if own < asked.visible:
         return []  # that nothing moves is told by the amount
     return [check_limit(asked, "part", other / own, _REST_SHARE[motion.excludes_part], asked.sigma / own)]

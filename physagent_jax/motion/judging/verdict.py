@@ -9,6 +9,7 @@ from physagent_jax.motion.judging.changing import check_rotation, check_still, c
 from physagent_jax.motion.judging.collateral import check_collateral
 from physagent_jax.motion.judging.explaining import explain_failure
 from physagent_jax.motion.judging.following import check_following
+from physagent_jax.motion.judging.manner import check_manner
 from physagent_jax.motion.judging.moving import check_fall, check_move, check_sway
 from physagent_jax.motion.judging.seen import View
 from physagent_jax.motion.judging.stages import find_stage, judge_stages
@@ -65,8 +66,28 @@ def _make_checks(view: View) -> list[Check]:
     checks: list[Check] = []
     for index, expectation in enumerate(view.expectations):
         asked = Asked(index, expectation, view)
-        checks += _CHECKERS[expectation.kind](asked) + check_following(asked)
+        checks += _CHECKERS[expectation.kind](asked) + check_following(asked) + check_manner(asked)
+    checks = _leave_to_fellows(view, checks)
     return checks + check_collateral(view) if view.expectations else []
+
+
+def _leave_to_fellows(view: View, checks: list[Check]) -> list[Check]:
+    """Checks without those of a part that is lost from sight while another of the same words is seen to move.
+
+    Of two wings one may be behind the body: a viewer goes by the other.
+    """
+    parts = {index for index, each in enumerate(view.expectations) if each.limb is not None}
+    lost = {check.expectation for check in checks if check.passed is None} & parts
+
+    def say(index: int) -> tuple[MotionKind, str]:
+        return view.expectations[index].kind, view.expectations[index].words
+
+    seen = {say(index) for index in parts - lost}
+    return [
+        c
+        for c in checks
+        if c.passed is not None or c.expectation not in lost or say(c.expectation) not in seen
+    ]
 
 
 def _suggest(

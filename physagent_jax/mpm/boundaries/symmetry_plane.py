@@ -42,6 +42,12 @@ class SymmetryPlane(Boundary):
         nodes = jnp.where(layer == -1, 0, nodes + image)
         return nodes.at[..., self.axis].set(jnp.where(layer[..., 0] == 0, 0, nodes[..., self.axis]))
 
+    def unfold(self, nodes: jax.Array, grid: Grid) -> jax.Array:
+        """Momentum and mass of the whole body at the plane and behind it, shape (nx, ny, nz, 4)."""
+        layer = self._count_layers(grid)
+        image = jnp.roll(nodes * self._make_flip(nodes.dtype, 4), -2 * self.side, self.axis)
+        return jnp.where(layer == -1, image, jnp.where(layer == 0, 2 * nodes, nodes))
+
     def apply(self, velocity: jax.Array, grid: Grid, time: jax.Array) -> jax.Array:
         """No normal velocity on the plane, mirrored velocities behind it."""
         del time

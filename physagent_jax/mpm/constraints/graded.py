@@ -96,25 +96,30 @@ class GradedTranslation(_Graded):
 class GradedRotation(_Graded):
     """Even twist about an axis: angular velocity rate (d - d_0) / (length / 2), d_0 the middle of mass.
 
-    Along the axis matter is free, as what is wrung gets shorter.
+    Where one end is fixed it is rate (d - d_0) / length from there. Along the axis matter is free, as what is wrung
+    gets shorter.
 
     Attributes:
         rate: Angular velocity of the end in the axis's direction [rad/s], scalar; that of the other end is opposed.
         length: [m], scalar.
-        offset: Place of the axis of turning at the ends, minus the mass centre [m], shapes (2, 3): the end against
-            the axis's direction first.
+        offset: Place of the axis of turning at the ends, minus the mass centre or ``point`` [m], shape (2, 3): the end
+            against the axis's direction first, or the fixed one.
+        point: Place at the end that stays [m], shape (3,); None = the middle of mass does.
     """
 
     rate: jax.Array
     length: jax.Array
     offset: jax.Array
+    point: jax.Array | None = None
 
     def find_change(self, nodes, velocity, centre, time):
         """The change of the components across the axis."""
         del time
-        arm = nodes - centre
-        share = (arm @ self.axis / (0.5 * self.length))[..., None]
-        middle = 0.5 * (1 - share) * self.offset[0] + 0.5 * (1 + share) * self.offset[1]
+        arm = nodes - (centre if self.point is None else self.point)
+        reach = 0.5 * self.length if self.point is None else self.length
+        share = (arm @ self.axis / reach)[..., None]
+        there = 0.5 * (1 + share) if self.point is None else jnp.abs(share)
+        middle = (1 - there) * self.offset[0] + there * self.offset[1]
         wanted = self.rate * share * cross(jnp.broadcast_to(self.axis, arm.shape), arm - middle)
         change = wanted - velocity
         return change - (change @ self.axis)[..., None] * self.axis

@@ -49,8 +49,22 @@ def p2g_kelvin_voigt(
     return _scatter(form, grid, x, v, C, F, mass, volume, dv, dt, lame=(mu, lam), viscous=(viscosity, rate))
 
 
-def _scatter(form, grid, x, v, C, tau, mass, volume, dv, dt, *, lame=None, viscous=None) -> jax.Array:
-    """``tau`` is F where ``lame`` are the parameters of a neo-Hookean law."""
+@partial(jax.custom_vjp, nondiff_argnums=(0,))
+def p2g_apart(
+    form: str, grid: Grid, x, v, C, tau, lame, viscous, mass, volume, dv, push, unit, dt
+) -> jax.Array:
+    """As `transfer.p2g_apart`, or with ``tau`` = F the stress of `materials.NeoHookean` where ``lame`` is (mu, lam).
+
+    ``viscous`` are viscosity and velocity gradient as of `p2g_kelvin_voigt`, or None; only beside ``lame``.
+    """
+    options = dict(lame=lame, viscous=viscous, apart=(push, unit))
+    return _scatter(form, grid, x, v, C, tau, mass, volume, dv, dt, **options)
+
+
+def _scatter(
+    form, grid, x, v, C, tau, mass, volume, dv, dt, *, lame=None, viscous=None, apart=None
+) -> jax.Array:
+    """``tau`` is F where ``lame`` are the parameters of a neo-Hookean law; ``apart`` are push and unit."""
     count, nothing = len(x), jnp.zeros(1, x.dtype)
     mu, lam = lame or (nothing, nothing)
     viscosity, rate = viscous or (nothing, C)
@@ -64,19 +78,23 @@ def _scatter(form, grid, x, v, C, tau, mass, volume, dv, dt, *, lame=None, visco
         | dict(viscosity=(count,) if viscous else (1,), rate=(count, 3, 3), dv=(3,)),
     )
     parts, size = thread_count(), NUMBERS * grid.shape[0] * grid.shape[1] * grid.shape[2] + PADDING
-    nodes = jax.ShapeDtypeStruct((*grid.shape, NUMBERS), x.dtype)
-    private = jax.ShapeDtypeStruct((parts, size), x.dtype)
+    options = form == "gradient", lame is not None, viscous is not None
+    grids, kernel, more = 1, "p2g", ()
+    if apart is not None:
+        push, unit = apart
+        ffi.check_operands("p2g_apart", dict(push=push), dict(push=(len(push), 3)), x.dtype)
+        grids, kernel, more, options = 2, "p2g_apart", (push,), (*options, len(push) == count, unit)
+    nodes = jax.ShapeDtypeStruct((*grid.shape, grids * NUMBERS), x.dtype)
+    private = jax.ShapeDtypeStruct((grids * parts, size), x.dtype)
     call = jax.ffi.ffi_call(
-        register_handler("p2g", x.dtype.name),
+        register_handler(kernel, x.dtype.name),
         (nodes, private, _describe_touched(parts)),
         vmap_method="sequential",
         output_layouts=(_BY_NUMBER, None, None),
     )
-    options = form == "gradient", lame is not None, viscous is not None
     scalars = _stack_scalars(x.dtype, dt, grid.dx, *options)
-    return call(
-        x, v, C, tau, mu, lam, viscosity, rate, mass, volume, dv, grid.origin, scalars, **choose_team()
-    )[0]
+    particles = x, v, C, tau, mu, lam, viscosity, rate, mass, volume, dv, *more
+    return call(*particles, grid.origin, scalars, **choose_team())[0]
 
 
 @jax.custom_vjp
@@ -231,6 +249,30 @@ def _p2g_kelvin_voigt_backward(form, residuals, cotangent):
     return (None, *jax.vjp(unfused, *operands)[1](cotangent))
 
 
+def _p2g_apart_forward(form, grid, *operands):
+    return p2g_apart(form, grid, *operands), (grid, operands)
+
+
+def _p2g_apart_backward(form, residuals, cotangent):
+    grid, operands = residuals
+
+    def unfused(x, v, C, tau, lame, viscous, mass, volume, dv, push, unit, dt):
+        """Each grid by itself, for which there are adjoints; the other one as if of particles of mass m^2 ``unit``."""
+        nothing = jnp.zeros_like(C)
+        brought = p2g(form, grid, x, v, C, nothing, mass, volume, dv, dt)
+        if lame is not None and viscous is not None:
+            tau, lame = NeoHookean(*lame).stress(tau) + viscous_stress(*viscous, tau), None
+        share = (unit * mass)[:, None]
+        others = mass * share[:, 0], volume, jnp.zeros_like(dv), dt
+        if lame is None:
+            given = p2g(form, grid, x, push / share, nothing, tau, *others)
+        else:
+            given, _, _ = p2g_neo_hookean(form, grid, x, push / share, nothing, tau, *lame, *others)
+        return jnp.concatenate([brought, given], axis=-1)
+
+    return (None, *jax.vjp(unfused, *operands)[1](cotangent))
+
+
 def _grid_velocity_forward(nodes, least):
     return grid_velocity(nodes, least), (nodes, least)
 
@@ -310,6 +352,7 @@ def _describe_padded_grid(grid: Grid, dtype) -> jax.ShapeDtypeStruct:
 p2g.defvjp(_p2g_forward, _p2g_backward)
 p2g_neo_hookean.defvjp(_p2g_neo_hookean_forward, _p2g_neo_hookean_backward)
 p2g_kelvin_voigt.defvjp(_p2g_kelvin_voigt_forward, _p2g_kelvin_voigt_backward)
+p2g_apart.defvjp(_p2g_apart_forward, _p2g_apart_backward)
 grid_velocity.defvjp(_grid_velocity_forward, _grid_velocity_backward)
 g2p.defvjp(_g2p_forward, _g2p_backward)
 stop.defvjp(_stop_forward, _stop_backward)

@@ -14,6 +14,7 @@ from physagent_jax.kernels import ffi
 from physagent_jax.kernels.numbers import NO_WRAPPERS
 from physagent_jax.kernels.team import run_in_team
 from physagent_jax.mpm.kernels.adjoint import g2p_adjoint, grid_velocity_adjoint, p2g_adjoint
+from physagent_jax.mpm.kernels.apart import p2g_apart
 from physagent_jax.mpm.kernels.transfer import g2p, p2g
 
 
@@ -44,6 +45,38 @@ def _p2g(frame, number, team):
         scalars[0],
         scalars[1],
         (scalars[2] != 0, scalars[3] != 0, scalars[4] != 0),
+        ffi.get_result(frame, 0, number, 4),
+        ffi.get_result(frame, 1, number, 2),
+        ffi.get_result(frame, 2, np.int32, 2),
+    )
+
+
+@njit(**NO_WRAPPERS)
+def _p2g_apart(frame, number, team):
+    scalars = ffi.get_operand(frame, 13, number, 1)
+    p2g_apart(
+        team,
+        (
+            ffi.get_operand(frame, 0, number, 2),
+            ffi.get_operand(frame, 1, number, 2),
+            ffi.get_operand(frame, 2, number, 3),
+            ffi.get_operand(frame, 3, number, 3),
+        ),
+        (
+            ffi.get_operand(frame, 4, number, 1),
+            ffi.get_operand(frame, 5, number, 1),
+            ffi.get_operand(frame, 6, number, 1),
+            ffi.get_operand(frame, 7, number, 3),
+        ),
+        ffi.get_operand(frame, 8, number, 1),
+        ffi.get_operand(frame, 9, number, 1),
+        ffi.get_operand(frame, 10, number, 1),
+        ffi.get_operand(frame, 11, number, 2),
+        ffi.get_operand(frame, 12, np.int32, 1),
+        scalars[0],
+        scalars[1],
+        scalars[6],
+        (scalars[2] != 0, scalars[3] != 0, scalars[4] != 0, scalars[5] != 0),
         ffi.get_result(frame, 0, number, 4),
         ffi.get_result(frame, 1, number, 2),
         ffi.get_result(frame, 2, np.int32, 2),
@@ -159,6 +192,14 @@ def _p2g_float64(frame):
     return run_in_team(frame, np.float64, _p2g)
 
 
+def _p2g_apart_float32(frame):
+    return run_in_team(frame, np.float32, _p2g_apart)
+
+
+def _p2g_apart_float64(frame):
+    return run_in_team(frame, np.float64, _p2g_apart)
+
+
 def _g2p_float32(frame):
     return run_in_team(frame, np.float32, _g2p)
 
@@ -194,6 +235,8 @@ def _grid_velocity_adjoint_float64(frame):
 _HANDLERS = {
     ("p2g", "float32"): _p2g_float32,
     ("p2g", "float64"): _p2g_float64,
+    ("p2g_apart", "float32"): _p2g_apart_float32,
+    ("p2g_apart", "float64"): _p2g_apart_float64,
     ("g2p", "float32"): _g2p_float32,
     ("g2p", "float64"): _g2p_float64,
     ("p2g_adjoint", "float32"): _p2g_adjoint_float32,

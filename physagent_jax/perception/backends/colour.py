@@ -12,8 +12,6 @@ from physagent_jax.perception.protocols import Masks, Segmenter, SegmentPrompt
 
 _SPECK, _FLOATER = 8, 0.004
 """Connected pieces smaller than this [px], or than this share of the object, are noise or a capture's stray splats."""
-
-
 _TOO_BUSY = "The background is too busy to tell the object by its colour."
 
 
@@ -30,11 +28,13 @@ class ColorSegmenter(Segmenter):
         threshold: Colour distance that counts as different [8-bit levels].
         plain_spread: Border colours with a median deviation below this are a plain background [8-bit levels].
         grabcut_size: GrabCut runs on a crop reduced to this longest side [px].
+        border_share: What differs and covers more of the border of frame 0 than this is a floor or another wall.
     """
 
     threshold: float = 12.0
     plain_spread: float = 6.0
     grabcut_size: int = 112
+    border_share: float = 0.25
 
     def segment(self, frames: np.ndarray, prompt: SegmentPrompt | None) -> Masks:
         """Masks of the object; see `protocols.Segmenter`. It takes no prompt."""
@@ -57,6 +57,8 @@ class ColorSegmenter(Segmenter):
                     else self._run_grabcut(frame, guess)
                 )
             masks.append(remove_specks(guess))
+            if len(masks) == 1 and _take_border(masks[-1]).mean() > self.border_share:
+                return Masks(np.zeros(frames.shape[:3], bool), (_TOO_BUSY,))
         return Masks(np.stack(masks))
 
     def _run_grabcut(self, frame: np.ndarray, guess: np.ndarray) -> np.ndarray:
@@ -85,10 +87,14 @@ class ColorSegmenter(Segmenter):
 
 def find_border_colour(frames: np.ndarray) -> tuple[np.ndarray, float]:
     """Median colour of the border over all frames, shape (3,), and its median absolute deviation."""
-    edges = [frames[:, 0], frames[:, -1], frames[:, :, 0], frames[:, :, -1]]
-    border = np.concatenate([e.reshape(-1, 3) for e in edges]).astype(np.float32)
+    border = np.concatenate([_take_border(frame) for frame in frames]).astype(np.float32)
     median = np.median(border, axis=0)
     return median, float(np.median(np.linalg.norm(border - median, axis=1)))
+
+
+def _take_border(picture: np.ndarray) -> np.ndarray:
+    """Pixels of the outermost rows and columns, shape (N, ...)."""
+    return np.concatenate([picture[0], picture[-1], picture[:, 0], picture[:, -1]])
 
 
 def _estimate_matte(difference: np.ndarray, guess: np.ndarray) -> np.ndarray:

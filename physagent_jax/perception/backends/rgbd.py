@@ -34,7 +34,7 @@ class RgbdSegmenter(Segmenter):
         colour: What decides where depth does not.
     """
 
-    colour: ColorSegmenter = dataclasses.field(default_factory=ColorSegmenter)
+    colour: ColorSegmenter = ColorSegmenter(border_share=1.0)  # depth tells floors and walls
 
     @property
     def takes_depth(self) -> bool:

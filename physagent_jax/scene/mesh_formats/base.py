@@ -27,6 +27,8 @@ class MeshPart:
         look: Declared colours; None = the file declares none.
         normals: Normals of the vertices, of any length, shape (n, 3); None = the file has none.
         names: What the file calls it, and what it belongs to; the nearest name first.
+        bones: The joint of a skin that moves each triangle most, shape (m,), and what each joint's limb is called, as
+            ``names``; None = it has no skin.
     """
 
     vertices: np.ndarray
@@ -34,6 +36,19 @@ class MeshPart:
     look: Look | None = None
     normals: np.ndarray | None = None
     names: tuple[str, ...] = ()
+    bones: tuple[np.ndarray, tuple[tuple[str, ...], ...]] | None = None
+
+    def split(self) -> list[MeshPart]:
+        """The surfaces of the limbs that its skin names; itself if that names none."""
+        if self.bones is None or not any(self.bones[1]):
+            return [self]
+        owner, limbs = self.bones
+        found = []
+        for name in dict.fromkeys(limbs):
+            faces = self.faces[np.isin(owner, [k for k, each in enumerate(limbs) if each == name])]
+            names = tuple(dict.fromkeys((*name, *self.names)))
+            found.append(dataclasses.replace(self, faces=faces, names=names, bones=None))
+        return [each for each in found if len(each.faces)]
 
 
 class Neighbours:
@@ -87,11 +102,13 @@ class MeshFormat(Protocol):
         name: The format's name as its users write it ("STL").
         suffixes: Usual file name endings; a format is found by content first.
         up: The up axis that the format prescribes; None = it prescribes none.
+        front: The axis towards which it says that an object looks; None = it says nothing of that.
     """
 
     name: str
     suffixes: tuple[str, ...]
     up: SignedAxis | None
+    front: SignedAxis | None
 
     def matches(self, head: bytes, size: int) -> bool:
         """Return whether a file of ``size`` bytes that begins with ``head`` is of this format."""

@@ -26,7 +26,7 @@ from physagent_jax.scene.mesh_formats.gltf_document import (
     read_gltf,
 )
 from physagent_jax.scene.mesh_formats.gltf_materials import Materials
-from physagent_jax.scene.mesh_formats.names import list_names
+from physagent_jax.scene.mesh_formats.names import list_limbs, list_names
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
 _COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression")
@@ -38,6 +38,7 @@ class GLB:
     name = "GLB"
     suffixes: tuple[str, ...] = (".glb",)
     up: SignedAxis | None = "+y"  # section 3.4 of the specification
+    front: SignedAxis | None = "+z"
 
     def matches(self, head: bytes, size: int) -> bool:
         """Return whether the file begins with its magic word."""
@@ -54,6 +55,7 @@ class GLTF:
     name = "glTF"
     suffixes: tuple[str, ...] = (".gltf",)
     up: SignedAxis | None = "+y"  # section 3.4 of the specification
+    front: SignedAxis | None = "+z"
 
     def matches(self, head: bytes, size: int) -> bool:
         """Return whether the file begins like a JSON object that has keys of glTF."""
@@ -91,10 +93,33 @@ def _read_parts(document: Document, place: str, beside: Neighbours) -> list[Mesh
                 ]
                 made[mesh] = [(each, _read_primitive(document, each, materials)) for each in shown]
             for primitive, part in made[mesh]:
-                bones = _read_bones(document, node, primitive, worlds)
-                moved = _move(part, world if bones is None else bones)
-                parts.append(dataclasses.replace(moved, names=list_names(names[index], looks)))
+                skin = _read_skin(document, node, primitive, worlds)
+                moved, limbs = _move(part, world if skin is None else skin.transforms), None
+                if skin is not None:
+                    limbs = skin.find_owners(part.faces), _name_limbs(document.tree, node["skin"])
+                parts.append(dataclasses.replace(moved, names=list_names(names[index], looks), bones=limbs))
     return parts
+
+
+@dataclasses.dataclass(frozen=True)
+class _Skin:
+    """The skin of a mesh.
+
+    Attributes:
+        transforms: Transforms of its vertices in the pose of the nodes, shape (n, 4, 4).
+        joints: The joints that move each vertex, shape (n, 4).
+        weights: How much, shape (n, 4).
+    """
+
+    transforms: np.ndarray
+    joints: np.ndarray
+    weights: np.ndarray
+
+    def find_owners(self, faces: np.ndarray) -> np.ndarray:
+        """The joint that moves each triangle most, shape (m,)."""
+        joints, weights = (each[faces].reshape(len(faces), -1) for each in (self.joints, self.weights))
+        totals = (weights[:, None] * (joints[:, None] == joints[..., None])).sum(-1)
+        return np.take_along_axis(joints, totals.argmax(1)[:, None], 1)[:, 0]
 
 
 def _place_nodes(tree: Any, place: str) -> dict[int, np.ndarray]:
@@ -132,6 +157,19 @@ def _name_nodes(tree: Any) -> list[list[str]]:
             names.append(nodes[index].get("name", ""))
         found.append([each for each in names if isinstance(each, str)])
     return found
+
+
+def _name_limbs(tree: Any, skin: int) -> tuple[tuple[str, ...], ...]:
+    """The limbs that each joint of a skin belongs to, by its name and those of the joints above it."""
+    nodes, joints = tree["nodes"], tree["skins"][skin]["joints"]
+    above = {child: joint for joint in joints for child in nodes[joint].get("children", [])}
+    found = []
+    for joint in joints:
+        names = [nodes[joint].get("name", "")]
+        while (joint := above.get(joint, -1)) >= 0:
+            names.append(nodes[joint].get("name", ""))
+        found.append(list_limbs(each for each in names if isinstance(each, str)))
+    return tuple(found)
 
 
 def _read_transform(node: Any) -> np.ndarray:
@@ -173,8 +211,8 @@ def _make_triangles(index: np.ndarray, mode: int) -> np.ndarray:
     return np.stack([index[k], index[k + 1 + odd], index[k + 2 - odd]], axis=1)
 
 
-def _read_bones(document: Document, node: Any, primitive: Any, worlds: dict) -> np.ndarray | None:
-    """Transforms of a skinned mesh's vertices in the pose of the nodes, shape (n, 4, 4); None = it has no skin."""
+def _read_skin(document: Document, node: Any, primitive: Any, worlds: dict) -> _Skin | None:
+    """The skin of a mesh; None = it has none."""
     attributes = primitive["attributes"]
     if "skin" not in node or not {"JOINTS_0", "WEIGHTS_0"} <= attributes.keys():
         return None
@@ -186,8 +224,9 @@ def _read_bones(document: Document, node: Any, primitive: Any, worlds: dict) -> 
     weights = np.asarray(document.read_accessor(attributes["WEIGHTS_0"], normalise=True), np.float64)
     total = weights.sum(1, keepdims=True)
     weights = np.where(total > 0, weights / np.where(total > 0, total, 1), 0.25)
-    index = document.read_accessor(attributes["JOINTS_0"])
-    return sum(weights[:, k, None, None] * joints[index[:, k]] for k in range(4))  # pyright: ignore
+    index = document.read_accessor(attributes["JOINTS_0"]).astype(np.int64)
+    moved = sum(weights[:, k, None, None] * joints[index[:, k]] for k in range(4))
+    return _Skin(np.asarray(moved), index, weights)
 
 
 def _move(part: MeshPart, transform: np.ndarray) -> MeshPart:

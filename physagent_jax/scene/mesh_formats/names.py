@@ -16,7 +16,7 @@ _MACHINE = frozenset(
     poly polysurface shape shapes root rootnode scene world model material materials mat primitive primitives prim
     instance untitled none null unnamed noname submesh part parts element item entity layer collection surface
     surf solid sketchfab gltf glb fbx dae usd blender cleaner merger materialmerger gles export exported import
-    imported empty transform locator component
+    imported empty transform locator component copy cut duplicate dup clone low lod
     """.split()
 )
 _PRIMITIVES = frozenset(
@@ -24,6 +24,65 @@ _PRIMITIVES = frozenset(
     cube pcube sphere psphere cylinder pcylinder plane pplane cone pcone torus ptorus icosphere circle box capsule grid
     """.split()
 )
+_RIG = frozenset(
+    """
+    mixamorig mixamo rig armature bip biped bone bones bn joint jnt def org mch ctrl control fk tweak valve cc sk base
+    """.split()
+)
+"""Words of rigs that say nothing of the limb."""
+
+_TRUNK = frozenset(
+    """
+    root hips hip pelvis spine chest torso clavicle collar waist center cog origin master main parent ik pole target
+    twist roll end nub helper dummy locator
+    """.split()
+)
+"""Words of joints that no limb hangs on, or none of its own."""
+
+_JOINTS = {
+    ("up", "arm"): ("arm",),
+    ("upperarm",): ("arm",),
+    ("fore", "arm"): ("forearm",),
+    ("lower", "arm"): ("forearm",),
+    ("lowerarm",): ("forearm",),
+    ("up", "leg"): ("leg",),
+    ("upperleg",): ("leg",),
+    ("thigh",): ("leg",),
+    ("upper", "leg"): ("leg",),
+    ("upper", "arm"): ("arm",),
+    ("lower", "leg"): ("shin",),
+    ("lowerleg",): ("shin",),
+    ("calf",): ("shin",),
+    ("index",): ("index", "finger"),
+    ("middle",): ("middle", "finger"),
+    ("ring",): ("ring", "finger"),
+    ("pinky",): ("little", "finger"),
+}
+"""Limbs that joints move with all that hangs on them, by the words of the joints."""
+
+
+def list_limbs(raw: Iterable[str]) -> tuple[str, ...]:
+    """The limbs that a joint of a skin belongs to, nearest first: "mixamorig:LeftForeArm" is the left forearm.
+
+    Joints that are numbered along one limb ("Tail01", "Tail02") go by one name.
+
+    Args:
+        raw: Names of the joint and of the nodes above it, the nearest first.
+    """
+    return tuple(dict.fromkeys(name for each in raw if (name := _read_limb(each))))
+
+
+def _read_limb(raw: str) -> str:
+    words = [word for word in split_name(raw) if not word.isdigit() and len(word) > 1]
+    words = [word for word in words if word not in _RIG and word not in _MACHINE]
+    if not _TRUNK.isdisjoint(words):
+        return ""
+    sides = [word for word in words if word in ("left", "right", "front", "back", "rear")]
+    rest = tuple(word for word in words if word not in sides)
+    if len(rest) > 1 and rest[0] == "hand":
+        rest = rest[1:]  # "LeftHandThumb1"
+    rest = _JOINTS.get(rest, rest)
+    return " ".join((*sides, *rest))[:MOST_LETTERS] if rest else ""
 
 
 def list_names(raw: Iterable[str], materials: Iterable[str] = ()) -> tuple[str, ...]:

@@ -32,6 +32,7 @@ class OBJ:
     name = "OBJ"
     suffixes: tuple[str, ...] = (".obj",)
     up: SignedAxis | None = None
+    front: SignedAxis | None = None
 
     def matches(self, head: bytes, size: int) -> bool:
         """Return whether the text has a line of a vertex or a face."""

@@ -21,6 +21,7 @@ class OFF:
     name = "OFF"
     suffixes: tuple[str, ...] = (".off",)
     up: SignedAxis | None = None
+    front: SignedAxis | None = None
 
     def matches(self, head: bytes, size: int) -> bool:
         """Return whether the first word is OFF, or COFF, NOFF and the like."""

@@ -25,6 +25,7 @@ class PLY:
     name = "PLY"
     suffixes: tuple[str, ...] = (".ply",)
     up: SignedAxis | None = None
+    front: SignedAxis | None = None
 
     def matches(self, head: bytes, size: int) -> bool:
         """Return whether the first line is ``ply``."""

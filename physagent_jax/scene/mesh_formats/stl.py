@@ -24,6 +24,7 @@ class STL:
     name = "STL"
     suffixes: tuple[str, ...] = (".stl",)
     up: SignedAxis | None = None
+    front: SignedAxis | None = None
 
     def matches(self, head: bytes, size: int) -> bool:
         """Return whether the size is that of the announced faces, or the text begins with a solid and a facet."""

@@ -32,6 +32,8 @@ def name_digits(
         mirrored: Limbs of an object that is its own image whose images are limbs too.
     """
     legs = {k for k, names in roles.items() if "leg" in names}
+    if any("spike" in names for names in roles.values()):
+        return roles
     found: dict[int, tuple[PartRole, ...]] = {}
     outer = [k for k, limb in enumerate(limbs) if limb.parent is None and k not in legs]
     for group in [[k] for k in outer] if legs else [outer]:

@@ -15,6 +15,8 @@ _FEWEST_CELLS, _MOST_CELLS = 24, 64  # along the longest side
 _CELLS_PER_SPACING = 1.3
 _CLOSED = 0.95  # spacings within which a cell is closed up
 _ERODED = 0.6  # spacings that closing has added around
+_WIDER = (1.0, 1.5, 2.25)  # times that, within which it is closed up if the solid leaks
+_LEAKED = 2.0  # times the cells, from which on closing up larger holes shows that it has
 _SPECK = 0.01  # share of the solid
 _PAD = 4  # empty cells around
 _ALL = np.ones((3, 3, 3), bool)
@@ -105,6 +107,12 @@ def _shade(solid: np.ndarray, axis: int, back: bool) -> np.ndarray:
     return np.flip(seen, axis) if back else seen
 
 
+def _close(near: np.ndarray, reach: float, eroded: float, spacing: float) -> np.ndarray:
+    """The solid of cells that lie within a reach of the nearest point [m], and of what they enclose."""
+    closed = np.asarray(ndimage.binary_fill_holes(near <= reach))
+    return find_depth(closed) > eroded / spacing + 0.5
+
+
 def make_lattice(points: np.ndarray) -> Lattice:
     """The solid of a cloud.
 
@@ -119,10 +127,14 @@ def make_lattice(points: np.ndarray) -> Lattice:
     shape = np.floor((points.max(0) - low) / spacing).astype(int) + 1 + 2 * _PAD
     grid = np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), -1)
     centres = low + (grid - _PAD + 0.5) * spacing
-    reach = max(_CLOSED * gap, 0.9 * spacing)
-    near = np.asarray(tree.query(centres.reshape(-1, 3), distance_upper_bound=reach)[0]).reshape(shape)
-    closed = np.asarray(ndimage.binary_fill_holes(np.isfinite(near)))
-    solid = find_depth(closed) > max(_ERODED * gap / spacing, 0.5) + 0.5
+    reach, eroded = max(_CLOSED * gap, 0.9 * spacing), max(_ERODED * gap, 0.5 * spacing)
+    near = np.asarray(tree.query(centres.reshape(-1, 3), distance_upper_bound=_WIDER[-1] * reach)[0])
+    solids = (_close(near.reshape(shape), k * reach, k * eroded, spacing) for k in _WIDER)
+    solid = next(solids)
+    for wider in solids:  # where a cloud is thin its surface has holes, by which what it encloses is lost
+        if wider.sum() <= _LEAKED * solid.sum():
+            break
+        solid = wider
     solid[tuple(((points - low) / spacing).astype(int).T + _PAD)] = True
     labels = find_pieces(solid)
     solid = labels == np.bincount(labels[labels > 0]).argmax()

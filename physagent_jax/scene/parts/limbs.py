@@ -2,7 +2,8 @@
 
 Thin parts of a thicker body are cut best where the thickness changes (`openings`). A head that is thicker than its
 neck's body, or an arm on a body of thin plates, is found by its distance from the rest (`protrusions`). What sits on a
-seam is a part however wide it is (`caps`).
+seam is a part however wide it is (`caps`). A head that is a mere bulge is cut where it sees little of the rest
+(`convexity`).
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from physagent_jax.scene.parts.caps import find_caps
+from physagent_jax.scene.parts.convexity import find_convex_parts
 from physagent_jax.scene.parts.lattice import Lattice
 from physagent_jax.scene.parts.openings import find_thin_parts
 from physagent_jax.scene.parts.protrusions import find_protrusions, make_graph
@@ -23,6 +25,7 @@ _SMALLEST = 0.04  # length over the object's
 # Least prominence of what is thin, of what is distant, and of a distant plate, whose neck is wide; ends of boxes and
 # eggs have up to 1.05, corners less.
 _THIN, _DISTANT, _PLATE = 0.95, 1.2, 1.0
+_BLUNT = 0.7  # the same of what sees little of the rest
 _COARSE = 0.6  # of its prominence counts, where a limb by distance and one by thickness would be in each other's way
 _SAME = 0.35  # of the union of two limbs, that both hold, from which on they are one
 _MOST = 0.7  # the same where the larger one holds others, too: a head and the shoulders with arms
@@ -34,6 +37,7 @@ _NECK = 0.25  # size of a place of attachment over the largest
 _EVEN = (
     1.8  # thickest place of a loop over its usual thickness: an arm that is held at two places ends in a hand
 )
+_LOWEST = 5.0  # percent of a limb that may lie lower than its low end
 _SAMPLES = 1000  # places at which a loop's thickness is looked at
 _FLAT = 0.35  # thickness over width
 _LONG = 3.0  # length over width, above which it is no plate
@@ -50,7 +54,7 @@ class Limb:
         width: Radius of gyration of the neck, over the object's length.
         extent: Sides of its box [m], shape (3,).
         share: Share of the object.
-        low: Height of its lowest node [m].
+        low: Height of its lowest nodes [m].
         prominence: How deep it is beyond its neck over the neck's radius of gyration, and how much smaller the rest
             beside the neck is than the part; below 1 for the corners of a box.
         slimness: Length over mean thickness, which is the root of the section: a ball on a neck has 1, a tail 4.
@@ -98,7 +102,23 @@ def find_limbs(points: np.ndarray, lattice: Lattice) -> list[Limb]:
     for limb, _ in sorted(told, key=lambda each: -each[1]):
         if limb.length >= _SMALLEST and all(_fits(limb, each, chosen) for each in chosen):
             chosen.append(limb)
-    chosen.sort(key=lambda limb: limb.share)
+    return _nest(chosen)
+
+
+def add_blunt(limbs: list[Limb], lattice: Lattice) -> list[Limb]:
+    """The limbs with those that stick out little, but see little of the rest, as of `find_limbs`."""
+    chosen = list(limbs)
+    blunt = [measure(lattice, nodes) for nodes in find_convex_parts(lattice)]
+    for limb in sorted(blunt, key=lambda each: -each.prominence):
+        stands_out = limb.prominence >= _BLUNT and _SMALLEST <= limb.length and limb.share <= LARGEST
+        if stands_out and all(_fits(limb, each, chosen) for each in chosen):
+            chosen.append(limb)
+    return _nest(chosen)
+
+
+def _nest(limbs: list[Limb]) -> list[Limb]:
+    """The limbs with their places in each other, smaller ones first."""
+    chosen = sorted(limbs, key=lambda limb: limb.share)
     parents = [
         next((j for j in range(i + 1, len(chosen)) if _share(limb.nodes, chosen[j].nodes) > _WITHIN), None)
         for i, limb in enumerate(chosen)
@@ -188,7 +208,7 @@ def measure(lattice: Lattice, nodes: np.ndarray) -> Limb:
         width=width / size,
         extent=np.ptp(places, axis=0),
         share=len(nodes) / len(lattice.places),
-        low=float(places[:, 2].min()),
+        low=float(np.percentile(places[:, 2], _LOWEST)),
         prominence=_find_prominence(lattice, nodes, np.concatenate(necks), width),
         slimness=length**1.5 / (len(nodes) * lattice.spacing**3) ** 0.5,
         loop=bool(loop),

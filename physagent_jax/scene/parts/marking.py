@@ -14,7 +14,7 @@ from physagent_jax.scene.parts.digits import name_digits
 from physagent_jax.scene.parts.ends import find_ends
 from physagent_jax.scene.parts.evidence import weigh
 from physagent_jax.scene.parts.lattice import Lattice, make_lattice
-from physagent_jax.scene.parts.limbs import Limb, find_limbs, measure
+from physagent_jax.scene.parts.limbs import Limb, add_blunt, find_limbs, measure
 from physagent_jax.scene.parts.roles import Roles
 
 _JOINT, _BEND = 0.3, 0.08  # of the way from neck to tip, and of the object's length, that bends, at most
@@ -39,6 +39,11 @@ def find_parts(points: np.ndarray) -> tuple[Part, ...]:
     limbs = find_limbs(points, lattice)
     low, high = points.min(0), points.max(0)
     named = Roles(limbs, lattice)
+    if named.head is None:
+        fuller = add_blunt(limbs, lattice)
+        other = Roles(fuller, lattice)
+        if other.head is not None and len(other.legs) >= len(named.legs):
+            limbs, named = fuller, other
     roles = name_digits(limbs, named.assign(), named.mirrored)
     told = [(limbs[k], roles[k]) for k in sorted(roles)]
     chances = {

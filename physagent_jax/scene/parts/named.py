@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -23,6 +24,9 @@ _WRONG = 3.0  # spacings that a sample is farther if the particle lies before it
 _WHOLE = 0.98  # share of the object from which on a name is the object's own
 _FEWEST = 5  # particles
 _SKIN = 4  # edges that a part's surface shares with others, from which on they are one skin
+_TOLD = 0.9  # share of the object that named parts cover, from which on the file names all of it
+_WITHIN = 0.8  # share of a shape in a named part, from which on it is a part of that
+_FORELEG = re.compile(r"\barm$")
 _SAME = 0.5  # overlap (intersection over union) from which on a shape is the part that is named
 
 
@@ -59,11 +63,17 @@ def find_groups(points: np.ndarray, normals: np.ndarray, surfaces: Sequence[Mesh
     found: list[Group] = []
     for name in dict.fromkeys(name for each in surfaces for name in each.names):
         mine = np.array([name in each.names for each in surfaces])
+        if _is_all(mine[owner]):  # the root of what hangs on it is that alone
+            mine = np.array([name == each.names[0] if each.names else False for each in surfaces])
         mask = mine[owner]
         known = any((mask == other.mask).all() for other in found)
-        if _FEWEST <= mask.sum() < _WHOLE * len(mask) and not known:
+        if mask.sum() >= _FEWEST and not _is_all(mask) and not known:
             found.append(Group(name, mask, _is_joined(surfaces, mine)))
     return found
+
+
+def _is_all(mask: np.ndarray) -> bool:
+    return bool(mask.sum() >= _WHOLE * len(mask))
 
 
 def _find_owners(points: np.ndarray, normals: np.ndarray, surfaces: Sequence[MeshPart]) -> np.ndarray:
@@ -159,24 +169,43 @@ def find_pieces(
 def join_parts(points: np.ndarray, named: Sequence[Part], shapes: Sequence[Part]) -> tuple[Part, ...]:
     """The parts that the file names, then those of the shape that are none of them.
 
-    A named part takes the roles of the shape that it is.
+    A named part takes the roles of the shape that it is. Where the file names all of the object, a shape that lies
+    across the borders of its parts is none. Parts without particles are left out.
 
     Args:
         points: Particles at rest [m], shape (n, 3).
         named: Parts that the file names.
         shapes: Parts that the shape shows.
     """
+    named, shapes = ([part for part in each if _is_shown(part, points)] for each in (named, shapes))
     masks = [~make_region_mask(part.rest, points) for part in shapes]
+    own = [~make_region_mask(part.rest, points) for part in named]
     taken, found = set(), []
-    for part in named:
-        mask = ~make_region_mask(part.rest, points)
+    for part, mask in zip(named, own):
         overlaps = [_overlap(each, mask) for each in masks]
         same = int(np.argmax(overlaps)) if overlaps and max(overlaps) > _SAME else None
         if same is not None:
             taken.add(same)
             part = part.model_copy(update=dict(roles=shapes[same].roles))  # its name is certain
+            if part.roles[:1] == ("leg",):  # rigs of animals have arms in front
+                part = part.model_copy(update=dict(name=_FORELEG.sub("front leg", part.name)))
         found.append(part)
-    return (*found, *(part for index, part in enumerate(shapes) if index not in taken))
+    told = sum(own, np.zeros(len(points), bool)).mean() > _TOLD if len(own) > 1 else False
+    across = {k for k, mask in enumerate(masks) if told and not any(_holds(each, mask) for each in own)}
+    return (*found, *(part for index, part in enumerate(shapes) if index not in taken | across))
+
+
+def _is_shown(part: Part, points: np.ndarray) -> bool:
+    """Return whether a part and the rest beside it both have particles: few of them may leave a small part none."""
+    try:
+        return all(make_region_mask(each, points).any() for each in (part.moved, part.rest))
+    except UserError:
+        return False
+
+
+def _holds(outer: np.ndarray, inner: np.ndarray) -> bool:
+    """Return whether a part that the file names holds a shape, and is more than that."""
+    return float((outer & inner).sum()) > _WITHIN * inner.sum() and not outer.all()
 
 
 def _overlap(a: np.ndarray, b: np.ndarray) -> float:

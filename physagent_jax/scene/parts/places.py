@@ -24,6 +24,7 @@ _FIGURE = frozenset("head leg arm wing tail".split())  # of which something show
 _OWN = ("head", "skull", "mask")  # what the object is called that is a head as a whole
 _OFF = 0.15  # of the length, by which an animal's head is off its middle in the way that it looks
 _TRIMMED = 2.0  # percent of a parent on either side, that its ends are without
+_SHOULDER = 0.15  # of a region that hangs, by which it is held
 _FEWEST = 24  # particles of a region
 _MOST = 0.5  # share of the object
 _UP = np.array([0.0, 0.0, 1.0])
@@ -68,7 +69,11 @@ def find_places(
     said = {
         word: read_places()[word] for each in words for word in (each, each[:-1]) if word in read_places()
     }
-    asked = {word: row for word, row in said.items() if word not in known and row.get("role") not in roles}
+    asked = {
+        word: row
+        for word, row in said.items()
+        if word not in known and roles.isdisjoint(row.get("role", "").split())
+    }
     if not asked:
         return ()
     masks = [
@@ -107,6 +112,7 @@ class _Parents:
                         name=side + word, origin="place", seated=True, arm=self._find_arm(mask, row, sign)
                     )
                     told |= dict(confidence=1.0 if part is None else part.confidence)
+                    told |= self._hang(mask) if row.get("hangs") else {}
                     found.append(fit_part(self.points, mask, joined=True).model_copy(update=told))
         return found
 
@@ -122,10 +128,20 @@ class _Parents:
         length = float(np.ptp(self.points[mask] @ way) / np.ptp(self.points, axis=0).max())
         return tuple(np.round(length * way, 4).tolist())
 
+    def _hang(self, mask: np.ndarray) -> dict[str, Any]:
+        """The joint of a region at its upper end, the way from there to its lower end, and the spread of the joint."""
+        own, low = self.points[mask], self.points.min(0)
+        box, size = np.maximum(np.ptp(self.points, axis=0), 1e-12), float(np.ptp(self.points, axis=0).max())
+        levels = np.quantile(own[:, 2], [_SHOULDER, 1 - _SHOULDER])
+        lower, upper = own[own[:, 2] <= levels[0]], own[own[:, 2] >= levels[1]]
+        joint = upper.mean(0)
+        told = dict(joint=(joint - low) / box, arm=(lower.mean(0) - joint) / size, neck=upper.std(0) / size)
+        return dict(seated=False) | {key: tuple(np.round(each, 4).tolist()) for key, each in told.items()}
+
     def _list(self, of: str) -> list[tuple[np.ndarray, Part | None]]:
         """The parents of a kind, each as a mask of particles, shape (n,), and as a part; None = it is none."""
         every = np.ones(len(self.points), bool)
-        if of == "whole":
+        if of == "whole" or of == "upright" and self._count("leg") == 2:
             return [(every, None)]
         limbs = [mask for mask, part in zip(self.masks, self.parts) if not _LIMBS.isdisjoint(part.roles[:1])]
         if of == "body":
@@ -136,6 +152,8 @@ class _Parents:
         found = [(mask, part) for mask, part in zip(self.masks, self.parts) if of in part.roles[:1]]
         if not found and of == "head" and self.name.lower().endswith(_OWN):
             return [(~np.logical_or.reduce([~every, *limbs]), None)]
+        if of == "head":  # not that with its neck
+            found = sorted(found, key=lambda each: int(each[0].sum()))[:1]
         inner = [
             m for m, each in zip(self.masks, self.parts) if not {"ear", "horn"}.isdisjoint(each.roles[:1])
         ]

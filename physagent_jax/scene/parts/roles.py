@@ -83,6 +83,8 @@ class Roles:
             return self.things.assign(found)
         if self.head is not None:
             found |= self._name_head(self.head)
+        if self.head is None and not self.legs and self.things.find_spikes():
+            return self.things.assign({})
         found |= self._name_pairs(found)
         tail = self._find_tail(found)
         if tail is not None:

@@ -6,7 +6,7 @@ import numpy as np
 
 from physagent_jax.forces.part import PartRole
 from physagent_jax.scene.parts.limbs import LARGEST, Limb, list_inner, list_outer
-from physagent_jax.scene.parts.pairs import Pairs
+from physagent_jax.scene.parts.pairs import Pairs, are_alike
 
 _ON_GROUND = 0.06  # of the height
 _UPRIGHT = 0.8  # cosine to up, from which on a limb is on top
@@ -20,6 +20,8 @@ _RISE = 0.6  # cosine to up, above which it is an ear
 _LOWER = 0.1  # of the height of what arms are on, by which their joints are below its middle
 _SHOULDER = 0.2  # the same of those of slender ones above it, at most
 _CENTRED = 0.2  # of a lid's width, by which a knob may be off its middle
+_ROW, _SMALL = 3, 0.02  # spikes, at least; share of the object that one has, at most
+_BESIDE = 0.3  # their spread across the line that they are nearest to over that along it, at least
 _CLEAR = 2.0  # prominence from which on a limb is one, whatever is inside it
 
 Told = dict[int, tuple[PartRole, ...]]
@@ -43,7 +45,7 @@ class Things:
 
     def assign(self, told: Told) -> Told:
         """The roles that are told already, with those of the limbs beside them."""
-        found: Told = dict(told)
+        found: Told = dict(told) | dict.fromkeys(self.find_spikes(), ("spike",))
         for k in filter(self._is_handle, range(len(self.limbs))):
             found[k] = ("handle",)
         for index in sorted(range(len(self.limbs)), key=lambda k: -self.limbs[k].share):
@@ -53,6 +55,20 @@ class Things:
             if limb.share <= LARGEST and free and not lump:
                 found[index] = self._name_side(index, found)
         return found
+
+    def find_spikes(self) -> list[int]:
+        """Several small limbs alike that point up, beside each other both ways, as candles do on a cake."""
+        small = [
+            k
+            for k, limb in enumerate(self.limbs)
+            if not limb.children and not limb.loop and limb.share < _SMALL and not self.is_grounded(limb)
+            if (limb.tip - limb.joint)[2] > _UPRIGHT * float(np.linalg.norm(limb.tip - limb.joint))
+        ]
+        rows = [[k for k in small if are_alike(self.limbs[k], self.limbs[j])] for j in small]
+        row = max(rows, key=len, default=[])
+        joints = np.array([self.limbs[k].joint[:2] for k in row]).reshape(-1, 2)
+        spread = np.linalg.svd(joints - joints.mean(0), compute_uv=False) if len(row) >= _ROW else np.zeros(2)
+        return row if spread[1] > _BESIDE * spread[0] else []  # fingers stand in a line
 
     def _name_side(self, index: int, found: Told) -> tuple[PartRole, ...]:
         """The roles of a limb that is no handle."""

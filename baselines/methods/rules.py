@@ -1,4 +1,4 @@
-"""Ours: the product's agents, who see pictures and read the sentence."""
+"""Ours: the product's offline agents, which are rules of English; they read the sentence and see pictures."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from physagent_jax.core.errors import UserError
 
 
 @dataclasses.dataclass(frozen=True)
-class PhysAgent(Method):
+class Rules(Method):
     """Semantic agent, then rounds of playing, judging and rewriting.
 
     Attributes:
@@ -30,7 +30,7 @@ class PhysAgent(Method):
     @property
     def name(self) -> str:
         """As in the registry."""
-        return "physagent"
+        return "rules"
 
     @property
     def oracle(self) -> bool:

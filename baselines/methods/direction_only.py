@@ -1,47 +1,40 @@
-"""The semantic agent's force field played open loop; with its options, the ablations of the closed one.
+"""Directions of a sentence alone: pushes of one strength along what the rules read, without typed skills.
 
-PhysSplat (Zhao et al. 2025, "Sim Anything") has no public code, and leaves forces to its user: this stands for its
-place in the comparison of the PhysAgent paper, a guess of the forces by a language model that nothing corrects.
+It stands where the PhysAgent paper has "PhysSplat-f", a guess of the forces that nothing corrects. PhysSplat (Zhao et
+al. 2025, "Sim Anything") has published no code, and leaves forces to its user; no line of it is here.
 """
 
 from __future__ import annotations
 
 import dataclasses
 
-from baselines.agents import keep_as_it_is, play_rounds, read_sentence
+from baselines.agents import play_rounds, read_sentence
 from baselines.evaluation import Evaluator
 from baselines.protocol import Method
 from physagent_jax.forces.schema import Action, ActionType, ForceField
 
 
 @dataclasses.dataclass(frozen=True)
-class PhysSplatF(Method):
-    """One guess, without typed skills.
+class DirectionOnly(Method):
+    """Pushes of strength 1 on the whole object over the whole clip.
 
     Attributes:
-        skills: Whether actions keep their type, region, strength and window; else each is a push of strength 1 over the
-            whole clip.
-        feedback: Whether planner and executor go on from there; with ``skills`` this is `physagent`.
+        feedback: Whether planner and executor go on from there.
         rounds: With feedback, at most.
     """
 
-    skills: bool = False
     feedback: bool = False
     rounds: int = 1000
 
     @property
     def name(self) -> str:
         """As in the registry."""
-        return "physsplat_f"
+        return "direction_only"
 
     def search(self, evaluator: Evaluator) -> None:
         """One round, or as many as it takes."""
-        play_rounds(
-            evaluator,
-            read_sentence(evaluator),
-            rounds=self.rounds if self.feedback else 1,
-            change=keep_as_it_is if self.skills else forget_skills,
-        )
+        rounds = self.rounds if self.feedback else 1
+        play_rounds(evaluator, read_sentence(evaluator), rounds=rounds, change=forget_skills)
 
 
 def forget_skills(force_field: ForceField) -> ForceField:

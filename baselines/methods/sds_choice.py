@@ -1,4 +1,4 @@
-"""OmniPhysGS' score distillation with skills in the place of material laws: which of them acts is found by gradient.
+"""Score distillation that chooses skills, as OmniPhysGS chooses material laws: which of them acts is found by gradient.
 
 OmniPhysGS (Lin et al. 2025) chooses a law for each group of particles by a straight-through argmax: the forward pass
 has the likeliest law alone, the backward pass the softmax mixture of all. It goes through the clip in stages, again and
@@ -14,7 +14,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from baselines.evaluation import Evaluator
-from baselines.methods.dreamphysics_f import make_adam
+from baselines.methods.sds_steps import make_adam
 from baselines.parametrisation import Parametrisation
 from baselines.scores.method import Glance, SdsMethod
 from baselines.starts import KINDS, turn_into
@@ -25,7 +25,7 @@ from physagent_jax.forces.schema import Action, ForceField
 
 
 @dataclasses.dataclass(frozen=True)
-class OmniPhysGSF(SdsMethod):
+class SdsChoice(SdsMethod):
     """Options are those of `SdsMethod`, and these.
 
     Attributes:
@@ -54,7 +54,7 @@ class OmniPhysGSF(SdsMethod):
     @property
     def name(self) -> str:
         """As in the registry."""
-        return "omniphysgs_f"
+        return "sds_choice"
 
     def search(self, evaluator: Evaluator) -> None:
         """Stage after stage."""

@@ -1,0 +1,59 @@
+"""The manner that a verb tells beside the kind of motion: what bends keeps its foot, what is thrown flies."""
+
+from __future__ import annotations
+
+import re
+
+from physagent_jax.core.strict import Vector
+from physagent_jax.motion.judging.asked import Asked
+from physagent_jax.motion.judging.comparing import check_limit
+from physagent_jax.motion.schema import Check, MotionKind
+from physagent_jax.motion.swaying import bends, leads_aside
+from physagent_jax.motion.vectors import norm, reject, scale, subtract
+from physagent_jax.perception.schema import Box
+
+_FOOT = 0.6  # of the top's way that the foot may go: of what tips about its middle it goes as far
+_FLIGHT = 0.04  # [body lengths] between what flies and the ground
+_LASTING = 3  # frames that a flight takes
+_THROWN = re.compile(r"\b(throw|threw|toss|fling|flung|hurl|lob|chuck|catapult)")
+
+
+def check_manner(asked: Asked) -> list[Check]:
+    """Check that what stands and is to bend or sway does not slide instead, and that what is thrown flies."""
+    view, motion, up = asked.view, asked.motion, asked.view.brief.directions.up
+    whole = motion.part is None and motion.limb is None
+    if not view.grounded or view.anchored or not whole or not leads_aside(asked.direction, view.brief):
+        return []
+    if bends(motion):
+        return _check_foot(asked, up)
+    thrown = motion.kind is MotionKind.MOVE and _THROWN.search(motion.words.lower())
+    return _check_flight(asked, up) if thrown else []
+
+
+def _check_foot(asked: Asked, up: Vector) -> list[Check]:
+    """The level way of the foot over that of the top."""
+    view, first = asked.view, asked.span[0]
+    low, high = (view.find_end(each) for each in (scale(up, -1.0), up))
+    if low is None or high is None:
+        return []  # a report of windows alone tells no ends
+    foot = dict(view.course(first, asked.until, low))
+    top = [(t, p) for t, p in view.course(first, asked.until, high) if t in foot]
+    slid = max((norm(reject(p, up)) for p in foot.values()), default=0.0)
+    bent = max((norm(reject(subtract(p, foot[t]), up)) for t, p in top), default=0.0)
+    if slid + bent < view.visible:
+        return []  # that nothing moves is told by the amount
+    return [check_limit(asked, "slides", slid / (slid + bent), _FOOT, asked.sigma / (slid + bent))]
+
+
+def _check_flight(asked: Asked, up: Vector) -> list[Check]:
+    """The room between its lowest point and where that was at first."""
+    boxes = asked.view.report.box[asked.span[0] : asked.until + 1]
+    lowest = [_find_lowest(box, up) for box in boxes if box is not None]
+    if len(lowest) <= _LASTING:
+        return []
+    rise = sorted((each - lowest[0] for each in lowest), reverse=True)[_LASTING - 1]
+    return [check_limit(asked, "flies", rise, _FLIGHT, asked.sigma)]
+
+
+def _find_lowest(box: Box, up: Vector) -> float:
+    return sum(min(u * low, u * high) for u, low, high in zip(up, box.low, box.high))

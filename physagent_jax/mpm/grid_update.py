@@ -1,0 +1,94 @@
+"""The grid's part of a substep: node velocities from momentum and mass, boundaries, constraints, damping."""
+
+from __future__ import annotations
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.mpm import constraints, kernels, reductions, transfer
+from physagent_jax.mpm.conform import as_field
+from physagent_jax.mpm.inertia import Lumped, count_particles, sharpen
+from physagent_jax.mpm.state import Model, State
+from physagent_jax.mpm.transfer import stencil
+
+
+def update_grid(
+    model: Model, state: State, nodes: jax.Array
+) -> tuple[jax.Array, jax.Array, jax.Array | None, jax.Array]:
+    """From the ``nodes`` of `step.scatter`: node_mass, free_velocity, sharpening and velocity of `step.StepTrace`."""
+    node_mass = nodes[..., 3]
+    s = stencil(state.x, model.grid)  # compiled away where nothing is constrained
+
+    def oppose(velocity: jax.Array) -> jax.Array:
+        bounded = apply_boundaries(model, velocity, state.time)
+        return constraints.on_grid(model, velocity, bounded, node_mass, s, state.time)
+
+    if isinstance(model.inertia, Lumped):
+        folded = grid_velocity(model, fold_boundaries(model, nodes))
+        return node_mass, grid_velocity(model, nodes), None, oppose(damp(model, folded))
+    brought, given = nodes[..., :4], nodes[..., 4:]
+    free = grid_velocity(model, brought + given.at[..., 3].set(0))
+    brought, given = (unfold_boundaries(model, fold_boundaries(model, part)) for part in (brought, given))
+    mass = brought[..., 3:]
+    old = grid_velocity(model, brought)
+    increments = grid_velocity(model, jnp.concatenate([given[..., :3], mass], axis=-1))
+    moved = old + increments
+    opposed = oppose(moved) if model.boundaries or model.constraints else moved
+    count = count_particles(mass[..., 0], given[..., 3], find_mass_unit(model), find_least_mass(model))
+    # With what opposes them: matter at rest has none, so that its equilibrium is that of lumped masses.
+    sharpening = sharpen(model.inertia.beta, increments + (opposed - moved), mass[..., 0], count)
+    return node_mass, free, sharpening, oppose(damp(model, opposed + sharpening))
+
+
+def grid_velocity(model: Model, nodes: jax.Array) -> jax.Array:
+    """Node velocities [m/s] from momentum and mass; empty nodes stay at zero.
+
+    A node counts as empty below eps^1.5 of the lightest particle's mass. Every particle's weight there is
+    smaller still, so that its velocity would be lost in round-off; but the derivative of momentum / mass
+    divides by the mass squared, which in float32 underflows.
+    """
+    least = jnp.finfo(nodes.dtype).eps ** 1.5 * find_least_mass(model)
+    use_cpu = kernels.use_cpu(model.kernels)
+    divide = kernels.load_cpu_kernels().grid_velocity if use_cpu else transfer.grid_velocity
+    return divide(nodes, least)
+
+
+def find_least_mass(model: Model) -> jax.Array:
+    """Least mass of a particle [kg], a constant to derivatives."""
+    if model.axis is None:
+        return jax.lax.stop_gradient(model.mass.min())
+    return reductions.min_devices(
+        jnp.where(model.mass > 0, model.mass, jnp.inf).min(), model.axis
+    )  # padding aside
+
+
+def find_mass_unit(model: Model) -> jax.Array:
+    """One over the greatest mass of a particle [1/kg], a constant to derivatives."""
+    return jax.lax.stop_gradient(1 / reductions.max_devices(model.mass.max(), model.axis))
+
+
+def fold_boundaries(model: Model, nodes: jax.Array) -> jax.Array:
+    """Momentum and mass at the nodes with what boundaries add to them, shape (nx, ny, nz, 4)."""
+    for boundary in model.boundaries:
+        nodes = boundary.fold(nodes, model.grid)
+    return nodes
+
+
+def unfold_boundaries(model: Model, nodes: jax.Array) -> jax.Array:
+    """Folded momentum and mass with the images in place, shape (nx, ny, nz, 4)."""
+    for boundary in model.boundaries:
+        nodes = boundary.unfold(nodes, model.grid)
+    return nodes
+
+
+def apply_boundaries(model: Model, velocity: jax.Array, time: jax.Array) -> jax.Array:
+    """Node velocities after all boundaries [m/s]."""
+    for boundary in model.boundaries:
+        applied = boundary.apply(velocity, model.grid, time)
+        velocity = as_field(applied, velocity, f"velocities after {type(boundary).__name__}")
+    return velocity
+
+
+def damp(model: Model, velocity: jax.Array) -> jax.Array:
+    """Node velocities after the global damping of one substep."""
+    return velocity if model.damping_rate is None else velocity * jnp.exp(-model.damping_rate * model.dt)

@@ -1,0 +1,101 @@
+"""The inertia of grid nodes: lumped, or with most of the error undone that lumping makes.
+
+A node's velocity changes by dv = f / m with f the impulses of stress and m its lumped mass. The full mass matrix of
+quadratic B-splines is m (1 - q^2/4 + ...) for a wave of q radians a cell, so that lumping lets short waves travel too
+slowly: omega = c k (1 - 0.108 q^2) with MLS stress. `Sharpened` adds to each dv what its neighbours' lack,
+
+    dv_i + beta / m_i sum_j m_ij (dv_i - dv_j)      over the six neighbours j,
+
+which multiplies it by 1 + beta q^2. The edges' masses m_ij are symmetric, so that linear momentum stays exact; at most
+the lighter node's, so that a surface bears them; and nothing between nodes that one particle can fill, since a lone
+particle sets the stable step (`mpm.timestep`).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import ClassVar
+
+import jax
+import jax.numpy as jnp
+
+from physagent_jax.core.errors import UserError
+
+MOST_BETA = 0.25
+"""Strength that makes up for all of q^2/4: with more, short waves travel too fast at any step."""
+FULL = 2.0
+"""Particles of one size that a node must have for its edges to count in full."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Lumped:
+    """Each node has its own mass alone.
+
+    Attributes:
+        node_numbers: Numbers per node that P2G makes: momentum and mass.
+    """
+
+    node_numbers: ClassVar[int] = 4
+
+
+@dataclasses.dataclass(frozen=True)
+class Sharpened:
+    """Lumped masses, the increments of velocity sharpened by a stencil of seven nodes.
+
+    What stress, viscosity and forces without a gradient do is sharpened, and what boundaries and constraints oppose it
+    with. Both act twice in a substep: a prescribed motion whose windows have smooth edges takes over earlier in them.
+    Angular momentum is kept to some 2e-4, not to round-off. P2G carries eight numbers a node in place of four.
+
+    Attributes:
+        node_numbers: Numbers per node that P2G makes, as `transfer.p2g_apart`.
+        beta: Strength, in (0, 0.25]. For a Courant number Cr = c dt / dx the error of second order in the cell's size
+            vanishes at 0.216 - Cr^2/12 (MLS stress; 0.25 - Cr^2/12 with the gradient form).
+
+    Raises:
+        UserError: ``beta`` is out of range.
+    """
+
+    node_numbers: ClassVar[int] = 8
+    beta: float = 0.18
+
+    def __post_init__(self):
+        if not 0 < self.beta <= MOST_BETA:
+            raise UserError(f"`Sharpened.beta` must be within (0, {MOST_BETA}]", got=self.beta)
+
+
+def sharpen(beta: float, increments: jax.Array, mass: jax.Array, count: jax.Array) -> jax.Array:
+    """The change to ``increments``: beta / m_i sum_j m_ij (dv_i - dv_j), shape (nx, ny, nz, 3).
+
+    Args:
+        beta: Strength.
+        increments: Changes of node velocities [m/s], shape (nx, ny, nz, 3).
+        mass: Node masses [kg], shape (nx, ny, nz).
+        count: Particles per node, shape (nx, ny, nz); zero where a node is to be left alone (`count_particles`).
+    """
+    share, flows = jnp.minimum(count / FULL, 1.0), jnp.zeros_like(increments)
+    for axis in range(3):
+        sides = [[slice(None)] * 3, [slice(None)] * 3]
+        sides[0][axis], sides[1][axis] = slice(0, -1), slice(1, None)
+        low, high = map(tuple, sides)
+        edge = jnp.minimum(mass[low], mass[high]) * jnp.minimum(share[low], share[high])
+        flow = edge[..., None] * (increments[high] - increments[low])
+        room = [(0, 0)] * 4
+        at_high, at_low = ([*room[:axis], side, *room[axis + 1 :]] for side in ((1, 0), (0, 1)))
+        flows = flows + (jnp.pad(flow, at_high) - jnp.pad(flow, at_low))
+    some = count > 0
+    return jnp.where(some[..., None], beta * flows / jnp.where(some, mass, 1.0)[..., None], 0.0)
+
+
+def count_particles(mass: jax.Array, squares: jax.Array, unit: jax.Array, least: jax.Array) -> jax.Array:
+    """Particles per node, (sum w m)^2 / sum w m^2, shape (nx, ny, nz); one alone has its weight.
+
+    It counts the heavy ones among light ones: such a one is as good as alone.
+
+    Args:
+        mass: sum w m [kg], shape (nx, ny, nz).
+        squares: sum w m^2 unit [kg], same shape.
+        unit: One over a mass of the particles' size [1/kg], for single precision to hold all this.
+        least: Mass of the lightest particle [kg]; nodes with next to nothing of it have none.
+    """
+    some = mass > 1e-5 * least
+    return jnp.where(some, unit * mass * (mass / jnp.where(some, squares, 1.0)), 0.0)

@@ -1,0 +1,121 @@
+"""Blows from above, dents, raised sides, and falls and tilts of what stands: what the sentences come to."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent
+from physagent_jax.agents.schema import SemanticReply
+from physagent_jax.forces.schema import ActionType, ConstraintType
+from physagent_jax.motion.schema import MotionKind
+from tests.agents.scenes import asked, brief
+
+ON_THE_GROUND = brief(object_name="statue", object_kind="object", world="ground")
+PLATE, TURN = ConstraintType.MOVING_PLATE, ConstraintType.PARTICLE_ROTATION
+BLOW = 0.25  # [s] within which a blow is over
+
+
+def compile_whole(prompt: str, **changes) -> SemanticReply:
+    scene = ON_THE_GROUND.model_copy(update=changes)
+    return GrammarSemanticAgent().compile(asked(prompt, scene)).value
+
+
+@pytest.mark.parametrize(
+    "prompt", ["hit the statue from above with a hammer", "slam a fist down on it", "strike it from above"]
+)
+def test_a_blow_from_above_presses_what_stands_for_a_moment(prompt):
+    """The ground bears it: what was pushed down as a whole showed nothing, or jumped."""
+    reply = compile_whole(prompt)
+    (plate,) = reply.force_field.constraints
+    assert not reply.force_field.actions
+    assert plate.constraint_type is PLATE and plate.vector == (0.0, 0.0, -1.0) and plate.held_until is None
+    assert plate.active_time is not None
+    assert (plate.active_time[1] - plate.active_time[0]) * ON_THE_GROUND.frame_dt <= BLOW
+
+
+def test_each_of_several_blows_from_above_presses():
+    """One after the other, and no two at once."""
+    plates = compile_whole("hit the statue three times from above").force_field.constraints
+    spans = [each.active_time or (0.0, 0.0) for each in plates]
+    assert [each.constraint_type for each in plates] == [PLATE] * 3
+    assert all(before[1] <= after[0] for before, after in zip(spans, spans[1:]))
+
+
+def test_a_dent_is_made_at_once_and_stays():
+    """A slow squeeze is no blow, and what springs back no dent."""
+    reply = compile_whole("a heavy blow dents the statue from above")
+    (plate,) = reply.force_field.constraints
+    (motion,) = reply.expectations
+    assert motion.sudden and motion.stays and not motion.released
+    assert plate.active_time is not None and plate.held_until == ON_THE_GROUND.last
+    assert (plate.active_time[1] - plate.active_time[0]) * ON_THE_GROUND.frame_dt <= BLOW
+
+
+def test_what_is_raised_at_one_side_is_tilted_over_its_foot_and_let_go_to_drop():
+    """The right side goes up: the top goes to the left. A force on half of it tore it, or did nothing."""
+    reply = compile_whole("lift the right side of the statue and let it drop")
+    (hand,) = reply.force_field.constraints
+    fall = next(each for each in reply.expectations if each.kind is MotionKind.FALL)
+    assert hand.constraint_type is TURN and hand.region is None and hand.vector == (0.0, -1.0, 0.0)
+    assert hand.held_until == fall.window[0] and not reply.force_field.default_drop
+
+
+@pytest.mark.parametrize(
+    ("prompt", "axis"),
+    [
+        ("the statue falls to the left", (0.0, -1.0, 0.0)),
+        ("the statue falls backwards", (-1.0, 0.0, 0.0)),
+        ("the statue falls forward onto its face", (1.0, 0.0, 0.0)),
+    ],
+)
+def test_what_stands_and_falls_aside_tips_over(prompt, axis):
+    """It was raised into the air, dropped and pushed."""
+    field = compile_whole(prompt).force_field
+    assert not field.default_drop
+    assert [(each.action_type, each.vector) for each in field.actions] == [(ActionType.TORQUE, axis)]
+
+
+def test_what_was_lifted_still_falls():
+    """In the air nothing tips over."""
+    reply = compile_whole("lift the statue and let it fall to the left")
+    assert all(each.action_type is not ActionType.TORQUE for each in reply.force_field.actions)
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "tilt the statue a little to the left, then let it rock back",
+        "tilt it to the left and let it rock back upright",
+        "the statue nearly tips over to the left",
+        "tip it to the left until it almost falls",
+    ],
+)
+def test_a_tilt_that_comes_back_is_led_there_and_back(prompt):
+    """Pushes to and fro slid it, and a torque went on past the balance."""
+    hand, back = compile_whole(prompt).force_field.constraints
+    assert hand.constraint_type is back.constraint_type is TURN
+    assert hand.vector == (0.0, -1.0, 0.0) and back.vector == (0.0, 1.0, 0.0)
+
+
+def test_what_is_thrown_to_the_ground_falls_fast():
+    """It stood on the ground, where a blow downwards shows nothing."""
+    field = compile_whole("throw the statue to the ground").force_field
+    assert field.default_drop
+    assert [each.vector for each in field.actions] == [(0.0, 0.0, -1.0)]
+
+
+def test_what_is_thrown_aside_is_seen_to_fly_and_lands_about_as_far():
+    """A blow of M rises M body lengths upwards: v^2 = 2 g M s with a rise s = sin; rise M s^3, range 4 M s^2 c."""
+    (throw,) = compile_whole("throw the statue to the left").force_field.actions
+    across, up = math.hypot(*throw.vector[:2]), throw.vector[2]
+    assert 0.2 < throw.magnitude * up**3 < 0.4
+    assert 0.5 < 4 * throw.magnitude * up**2 * across < 0.9
+
+
+def test_a_shove_is_short():
+    """It accelerated for all of the clip, like a strong wind, and took the object to the end of the domain."""
+    (push,) = compile_whole("shove the statue hard to the left").force_field.actions
+    assert push.active_time is not None
+    assert (push.active_time[1] - push.active_time[0]) * ON_THE_GROUND.frame_dt <= 0.8
