@@ -38,12 +38,12 @@ def main(arguments: list[str] | None = None) -> int:
     command = tyro.cli(Command, prog="python -m baselines.record", args=arguments)
     pa.enable_compile_cache()
     try:
-        found = [find_task(command.tasks, name) for name in command.names]
+        found = [find_task(command.tasks, name, changed=True) for name in command.names]
         recorded = {spec.name: record(spec, command.data) for spec in found}
     except UserError as error:
         print(f"baselines: {error}", file=sys.stderr)
         return 2
-    specs = load_tasks(command.tasks, families=("recovery",))
+    specs = load_tasks(command.tasks, families=("recovery",), changed=True)
     write_tasks(command.tasks / "recovery.json", [recorded.get(spec.name, spec) for spec in specs])
     return 0
 

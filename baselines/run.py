@@ -121,13 +121,13 @@ def read_options(pairs: tuple[str, ...]) -> dict[str, Any]:
     return options
 
 
-def find_task(folder: Path, name: str) -> TaskSpec:
-    """The task of this name.
+def find_task(folder: Path, name: str, changed: bool = False) -> TaskSpec:
+    """The task of this name; ``changed`` as in `load_tasks`.
 
     Raises:
         UserError: There is none.
     """
-    specs = {spec.name: spec for spec in load_tasks(folder)}
+    specs = {spec.name: spec for spec in load_tasks(folder, changed=changed)}
     if name not in specs:
         raise list_names("`--task`", name, specs)
     return specs[name]

@@ -142,23 +142,25 @@ def scatter(
     form, grid, inputs = model.stress_form, model.grid, (model.mass, model.volume, dv, model.dt)
     eta, law = model.viscosity, model.materials[0]
     use_cpu = kernels.use_cpu(model.kernels)
-    is_neo_hookean = type(law) is NeoHookean and len(model.materials) == 1  # a subclass may differ
+    lame = None
+    if use_cpu and type(law) is NeoHookean and len(model.materials) == 1:  # a subclass may differ
+        # The kernel makes this stress on the way, and ``tau`` is never computed: XLA sees that nobody reads it.
+        lame = tuple(jnp.broadcast_to(parameter, model.mass.shape) for parameter in (law.mu, law.lam))
     if push is not None:
         v = v - push if model.forces else v
-        lame, viscous, total = None, None, tau
-        if use_cpu and is_neo_hookean:
-            lame = tuple(jnp.broadcast_to(parameter, model.mass.shape) for parameter in (law.mu, law.lam))
+        viscous, total = None, tau
+        if lame is not None:
             viscous, total = None if eta is None else (eta, state.C), constrained.F
         elif eta is not None:
             total = tau + viscous_stress(eta, state.C, state.F)
-        particles = constrained.x, v, constrained.C, total, *((lame, viscous) if use_cpu else ())
-        apart = kernels.load_cpu_kernels().p2g_apart if use_cpu else transfer.p2g_apart
-        others = model.mass, model.volume, dv, push, find_mass_unit(model), model.dt
-        return apart(form, grid, *particles, *others), state
-    if use_cpu and is_neo_hookean:
-        # The kernel makes this stress on the way, and ``tau`` is never computed: XLA sees that nobody reads it.
+        x, C, unit = constrained.x, constrained.C, find_mass_unit(model)
+        inputs = model.mass, model.volume, dv, push, unit, model.dt
+        if use_cpu:
+            p2g = kernels.load_cpu_kernels().p2g_apart
+            return p2g(form, grid, x, v, C, total, lame, viscous, *inputs), state
+        return transfer.p2g_apart(form, grid, x, v, C, total, *inputs), state
+    if lame is not None:
         cpu = kernels.load_cpu_kernels()
-        lame = (jnp.broadcast_to(parameter, model.mass.shape) for parameter in (law.mu, law.lam))
         particles = constrained.x, v, constrained.C, constrained.F, *lame
         if eta is None:
             nodes, x, F = cpu.p2g_neo_hookean(form, grid, *particles, *inputs)

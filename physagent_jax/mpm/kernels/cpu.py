@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from functools import partial
+from typing import Any, TypeVar, cast
 
 import jax
 import jax.numpy as jnp
@@ -23,14 +25,21 @@ from physagent_jax.mpm.state import Grid
 
 _BY_NUMBER = (3, 0, 1, 2)  # how the kernels want arrays over the grid, major to minor
 
+_R = TypeVar("_R")
 
-@partial(jax.custom_vjp, nondiff_argnums=(0,))
+
+def _custom_vjp(*fixed: int) -> Callable[[Callable[..., _R]], jax.custom_vjp[_R]]:
+    """`jax.custom_vjp` by all arguments but those numbered ``fixed``, with the result's type kept."""
+    return cast(Any, partial(jax.custom_vjp, nondiff_argnums=fixed))
+
+
+@_custom_vjp(0)
 def p2g(form: str, grid: Grid, x, v, C, tau, mass, volume, dv, dt) -> jax.Array:
     """As `transfer.p2g`."""
     return _scatter(form, grid, x, v, C, tau, mass, volume, dv, dt)
 
 
-@partial(jax.custom_vjp, nondiff_argnums=(0,))
+@_custom_vjp(0)
 def p2g_neo_hookean(
     form: str, grid: Grid, x, v, C, F, mu, lam, mass, volume, dv, dt
 ) -> tuple[jax.Array, jax.Array, jax.Array]:
@@ -41,7 +50,7 @@ def p2g_neo_hookean(
     return _scatter(form, grid, x, v, C, F, mass, volume, dv, dt, lame=(mu, lam)), x, F
 
 
-@partial(jax.custom_vjp, nondiff_argnums=(0,))
+@_custom_vjp(0)
 def p2g_kelvin_voigt(
     form: str, grid: Grid, x, v, C, F, mu, lam, viscosity, rate, mass, volume, dv, dt
 ) -> jax.Array:
@@ -49,7 +58,7 @@ def p2g_kelvin_voigt(
     return _scatter(form, grid, x, v, C, F, mass, volume, dv, dt, lame=(mu, lam), viscous=(viscosity, rate))
 
 
-@partial(jax.custom_vjp, nondiff_argnums=(0,))
+@_custom_vjp(0)
 def p2g_apart(
     form: str, grid: Grid, x, v, C, tau, lame, viscous, mass, volume, dv, push, unit, dt
 ) -> jax.Array:
@@ -103,7 +112,7 @@ def grid_velocity(nodes: jax.Array, least: jax.Array) -> jax.Array:
     return transfer.grid_velocity(nodes, least)
 
 
-@partial(jax.custom_vjp, nondiff_argnums=(0, 1))
+@_custom_vjp(0, 1)
 def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> transfer.Moved:
     """As `transfer.g2p`. ``v`` and ``C`` only lend their memory."""
     return _gather(form, wall, grid, x, v, C, F, velocity, dt, in_place=True)
@@ -150,7 +159,7 @@ def _gather(form, wall, grid, x, v, C, F, velocity, dt, *, in_place: bool) -> tr
     )
 
 
-@partial(jax.custom_vjp, nondiff_argnums=(0, 1))
+@_custom_vjp(0, 1)
 def stop(
     form: str, wall: int, grid: Grid, x, F, velocity, dt, new_x, new_v, beyond
 ) -> tuple[jax.Array, jax.Array]:
@@ -261,7 +270,8 @@ def _p2g_apart_backward(form, residuals, cotangent):
         nothing = jnp.zeros_like(C)
         brought = p2g(form, grid, x, v, C, nothing, mass, volume, dv, dt)
         if lame is not None and viscous is not None:
-            tau, lame = NeoHookean(*lame).stress(tau) + viscous_stress(*viscous, tau), None
+            viscosity, rate = viscous
+            tau, lame = NeoHookean(*lame).stress(tau) + viscous_stress(viscosity, rate, tau), None
         share = (unit * mass)[:, None]
         others = mass * share[:, 0], volume, jnp.zeros_like(dv), dt
         if lame is None:
