@@ -23,18 +23,11 @@ _FOOT = 0.1  # of its height, that stays
 _LOW, _HIGH = ((0.5, 0.5, 0.0),), ((0.5, 0.5, 2 * _FOOT),)  # the plane between them is where the foot ends
 _ANGLE = 16.0  # [degrees] that its top turns by to either side with a strength of 1
 _DEPTH, _CURVED = 0.2, 0.5  # [body lengths] over which it sways, and is bent, over its foot
-_BENT, _FARTHEST, _MOST = (
-    45.0,
-    75.0,
-    120.0,
-)  # [degrees] that a bend of strength 1, of any, and by a quantity turns its top
+_BENT, _FARTHEST = 45.0, 75.0  # [degrees] that a bend of strength 1, and of any, turns its top by
+_MOST = 120.0  # [degrees] that a quantity may tell
 _TIME, _SWING = 1.0, 0.28  # [s] in which it is bent, at most, and of each swing as it springs back
-_BACK = (
-    -1.4,
-    0.55,
-    -0.21,
-    0.06,
-)  # swings as it springs back, in parts of the angle: each 0.39 of the one before
+# Swings as it springs back, in parts of the angle: each goes 0.39 as far as the one before.
+_BACK = (-1.4, 0.55, -0.21, 0.06)
 _TILT = 9.0  # [degrees] that it rocks by to either side with a strength of 1
 _SETTLED = 0.2  # [s] for which it is kept upright where it has stopped rocking
 _ROCKS = frozenset(("rock", "teeter", "totter", "seesaw"))
