@@ -16,8 +16,8 @@ from physagent_jax.kernels import describe_kernels
 from physagent_jax.mpm import Contact, DomainBox, HalfSpace, Model, State, cell_order, lame_parameters
 from physagent_jax.mpm import materials as laws
 from physagent_jax.mpm.frame import advance, measure_extent
-from physagent_jax.mpm.materials.von_mises import yield_stress_from_deviator_norm
 from physagent_jax.mpm.health import Health
+from physagent_jax.mpm.materials.von_mises import yield_stress_from_deviator_norm
 from physagent_jax.mpm.window import find_smallest_window, fit_window
 
 

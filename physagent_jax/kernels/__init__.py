@@ -108,6 +108,11 @@ def describe_kernels(kernels: Kernels) -> str:
     return f"cpu ({thread_count()} threads)"
 
 
+def explain_reference() -> str:
+    """The reason why "auto" takes pure JAX; "" if it takes kernels."""
+    return _explain_missing_cuda() if find_platform() == "gpu" else _explain_missing()
+
+
 def _explain_missing() -> str:
     """The reason why there are no CPU kernels; "" if there are."""
     if find_platform() != "cpu":

@@ -21,6 +21,13 @@ from tests.mpm.blocks import block
 pytest.importorskip("numba")
 cpu, svd_kernels = kernels.load_cpu_kernels(), load_cpu_kernels()
 
+@pytest.fixture(autouse=True)
+def on_the_cpu():
+    """Compute where these kernels are, whatever else there is."""
+    with jax.default_device(None if jax.default_backend() == "cpu" else jax.devices("cpu")[0]):
+        yield
+
+
 TOLERANCE = {"float32": 1e-5, "float64": 1e-13}  # round-off of sums in another order
 GRID = Grid(jnp.array([3, 4, 5], jnp.int32), (12, 9, 14), 0.05, 60)
 
