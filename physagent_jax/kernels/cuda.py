@@ -14,7 +14,7 @@ import logging
 import os
 import sysconfig
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -56,13 +56,13 @@ def launch(
     number: int,
     source: Path,
     function: str,
-    macros: dict[str, object],
+    macros: Mapping[str, object],
     results: Sequence[jax.ShapeDtypeStruct],
     operands: Sequence[Any],
     threads: int,
     **options: Any,
 ) -> Any:
-    """What a kernel makes of ``operands``.
+    """Launch a kernel on ``operands``, and return its results.
 
     Args:
         number: The kernel's own, the same in every process: compiled programs that JAX keeps on the disk name it.
@@ -72,10 +72,10 @@ def launch(
         results: Shapes and types.
         operands: Arrays.
         threads: Threads in all; the last block may have more.
-        options: Of `jax.ffi.ffi_call`.
+        options: Further options of `jax.ffi.ffi_call`.
     """
     if not _functions[number]:
-        defined = tuple(sorted((macros | {"THREADS": THREADS}).items()))
+        defined = tuple(sorted({**macros, "THREADS": THREADS}.items()))
         _functions[number] = _load_function(source, function, defined)
     call = jax.ffi.ffi_call(_register(), results, vmap_method="sequential", **options)
     return call(*operands, blocks=np.int64(-(-threads // THREADS)), kernel=np.int64(number))

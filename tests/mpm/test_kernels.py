@@ -21,6 +21,7 @@ from tests.mpm.blocks import block
 pytest.importorskip("numba")
 cpu, svd_kernels = kernels.load_cpu_kernels(), load_cpu_kernels()
 
+
 @pytest.fixture(autouse=True)
 def on_the_cpu():
     """Compute where these kernels are, whatever else there is."""
