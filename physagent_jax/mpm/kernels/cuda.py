@@ -44,7 +44,8 @@ def _scatter(form, grid, x, v, C, S, lame, mass, volume, dv, dt) -> jax.Array:
         dict(C=C, S=S),
         dict(mu=mu, lam=lam, mass=mass, volume=volume),
     )
-    shapes = dict.fromkeys(vectors, (count, 3)) | dict.fromkeys(matrices, (count, 3, 3))
+    shapes: dict[str, tuple[int, ...]] = dict.fromkeys(vectors, (count, 3))
+    shapes |= dict.fromkeys(matrices, (count, 3, 3))
     shapes |= dict.fromkeys(numbers, (count,)) | dict(dv=(3,), origin=(3,))
     operands = vectors | matrices | numbers | dict(dv=dv, origin=grid.origin)
     ffi.check_operands("p2g", operands, shapes, x.dtype, origin="int32")
@@ -64,8 +65,9 @@ def _gather(form, wall, grid, x, v, C, F, velocity, dt, *, in_place: bool) -> tr
     """Write over ``x``, ``v``, ``C``, ``F`` if ``in_place``: where they are kept too, XLA would copy them first."""
     count, dtype = len(x), x.dtype
     operands = dict(x=x, v=v, C=C, F=F, velocity=velocity, origin=grid.origin)
-    shapes = dict(x=(count, 3), v=(count, 3), C=(count, 3, 3), F=(count, 3, 3), velocity=(*grid.shape, 3))
-    ffi.check_operands("g2p", operands, shapes | dict(origin=(3,)), dtype, origin="int32")
+    shapes: dict[str, tuple[int, ...]] = dict(x=(count, 3), v=(count, 3), C=(count, 3, 3), F=(count, 3, 3))
+    shapes |= dict(velocity=(*grid.shape, 3), origin=(3,))
+    ffi.check_operands("g2p", operands, shapes, dtype, origin="int32")
     walls = transfer.find_walls(wall, grid)
     extremes, counts = jnp.full(4, math.inf, dtype), jnp.zeros(3, jnp.int32)
     given = [*operands.values(), _list_sizes(count, grid), _stack_scalars(dtype, dt, grid.dx, *walls)]
