@@ -233,8 +233,10 @@ def list_ratings(specs: Sequence[TaskSpec], tasks: Path, result: Path, data: Pat
     fields = {(WITNESS, spec.name): witnesses[spec.name].model_dump() for spec in specs}
     fields |= {key: row["marks"][-1]["force_field"] for key, row in last.items()}
     return [
-        Job(f"{task} / {label}", partial(measure_fidelity, label, field, known[task], data), task)
+        Job(f"{name} / {label}", partial(measure_fidelity, label, field, spec, data), name)
+        for name, spec in known.items()  # a task's programs are compiled once
         for (label, task), field in fields.items()
+        if task == name
     ]
 
 

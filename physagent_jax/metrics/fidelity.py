@@ -72,7 +72,7 @@ class Surroundings:
         acceleration: All that acts but solids and holds, gravity too [m/s^2], in the time from each frame to the next,
             broadcast to (T - 1, n, 3); None = not known.
         resting: Whether nothing moves in frame 0.
-        driven: Whether what is held is led along, so that its way is no fault and gives energy.
+        driven: Whether something leads a part along: its way is no fault, and it gives speed and energy.
     """
 
     solids: tuple[Callable[[np.ndarray], np.ndarray], ...] = ()
@@ -238,7 +238,7 @@ def _measure_flight(
     x: np.ndarray, weight: np.ndarray, dt: float, around: Surroundings, size: float
 ) -> float | None:
     """Velocity that nothing gave, as the median of `STEADY` frames: a jump, or a blow between frames, is none."""
-    if around.acceleration is None or (around.held is not None and np.any(around.held)):
+    if around.acceleration is None or around.driven or (around.held is not None and np.any(around.held)):
         return None
     acts, x = _begin(around, x)
     free = np.ones(len(x), bool)

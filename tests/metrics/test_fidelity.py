@@ -119,6 +119,8 @@ def test_what_is_held_may_not_go():
     assert found.faults == ("slip",) and found.slip == pytest.approx(0.09, rel=0.05)
     led = rate_fidelity(sink(x), MASS, DT, Surroundings(held=around.held, driven=True))
     assert led.slip is None and not led.faults
+    known = rate_fidelity(sink(x), MASS, DT, Surroundings(acceleration=GRAVITY, driven=True))
+    assert (known.flight, known.energy) == (None, None)
 
 
 def test_an_obstacle_is_solid_too():
