@@ -38,28 +38,24 @@ BARS: Mapping[str, float] = {
     "energy": 0.05,
     "pieces": 0.01,
 }
-"""Values that are clean: [body lengths], of *flight* body lengths a second, of *energy* and *pieces* shares."""
+"""Largest values that are clean."""
 UNITS: Mapping[str, str] = dict.fromkeys(BARS, "L") | {"flight": "L/s", "energy": "", "pieces": ""}
-"""Units of the values; L is the body length, the longest side of the rest particles' box."""
+"""Units of the values; L is the body length, the longest side of the rest particles' box. Others are shares."""
 GROUPS = 64
 """Groups of neighbours whose means are looked at where noise must not matter."""
-NEIGHBOURS = 12
+NEIGHBOURS, LEAST = 12, 24
+"""Neighbours of a particle that are looked at, and the fewest particles of a recording."""
 TORN = 3.0
 """Distance of neighbours that hold together no longer, over that at rest."""
-SOME = 0.1
-"""Share of the groups that has to jump, where a crumb alone does not count."""
-NOISY = 4.0
-"""Way that a tenth of the groups goes by noise alone [deviations of a group's mean]."""
+SOME, NOISY = 0.1, 4.0
+"""Share of the groups that has to jump, and the way that it goes by noise alone [deviations of a group's mean]."""
 LOWEST, DEVIATIONS = 0.02, 2.05
 """Quantile of the distances that counts as the lowest point, and its place in white noise [deviations]."""
-TRIPLE = 1.5382
-"""Median length of three independent normal numbers, in deviations."""
 STEADY = 5
 """Frames in which a velocity in flight has to be too much."""
-ALOFT = 0.05
-"""Distance from all solids from which on nothing touches [body lengths]."""
-SLOW = 0.1
-"""Speed whose energy is the least that counts as having gone in [body lengths/s]."""
+ALOFT, SLOW = 0.05, 0.1
+"""Distance from all solids from which on nothing touches [body lengths], and the speed whose energy is the least that
+counts as having gone in [body lengths/s]."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -103,8 +99,8 @@ class Fidelity:
     @property
     def scores(self) -> dict[str, float]:
         """From 0 to 1 for each term that is rated; 1 = clean."""
-        values = dataclasses.asdict(self)
-        return {name: _score(values[name], bar) for name, bar in BARS.items() if values[name] is not None}
+        rated = {name: value for name in BARS if (value := getattr(self, name)) is not None}
+        return {name: BARS[name] / max(value, BARS[name]) for name, value in rated.items()}
 
     @property
     def score(self) -> float:
@@ -115,10 +111,6 @@ class Fidelity:
     def faults(self) -> tuple[str, ...]:
         """Names of the terms that are not clean."""
         return tuple(name for name, score in self.scores.items() if score < 1)
-
-
-def _score(value: float, bar: float) -> float:
-    return (1.0 if value <= bar else bar / value) if np.isfinite(value) else 0.0
 
 
 def rate_fidelity(
@@ -136,17 +128,14 @@ def rate_fidelity(
         UserError: A shape does not fit, or there are too few frames or particles.
     """
     x = np.asarray(x, np.float64)
-    if x.ndim != 3 or x.shape[-1] != 3 or x.shape[0] < 4 or x.shape[1] < 2 * NEIGHBOURS:
-        raise UserError(
-            f"a recording must have the shape (frames, particles, 3), with 4 frames and {2 * NEIGHBOURS} particles",
-            got=x.shape,
-        )
+    if x.ndim != 3 or x.shape[-1] != 3 or x.shape[0] < 4 or x.shape[1] < LEAST:
+        wanted = f"(frames, particles, 3), with 4 frames and {LEAST} particles or more"
+        raise UserError(f"a recording must have the shape {wanted}", got=x.shape)
     if np.shape(mass) != x.shape[1:2]:
         raise UserError("`mass` must have one number for each particle", got=np.shape(mass))
     if not np.isfinite(x).all():
-        worst = float("inf")
-        return Fidelity(worst, None, None, worst, None, None, worst)
-    size = float(np.ptp(x[0], axis=0).max())
+        return Fidelity(np.inf, None, None, np.inf, None, None, np.inf)
+    size = max(float(np.ptp(x[0], axis=0).max()), 1e-9)
     weight = np.asarray(mass, np.float64) / np.sum(mass)
     noise = _measure_noise(x) / size
     return Fidelity(
@@ -184,16 +173,16 @@ def _measure_noise(x: np.ndarray) -> float:
     Second differences in time, less those that the neighbours' best affine map tells. Half of the particles, in half of
     the frames, have to be as noisy: what a blow or a crumb does is not.
     """
-    near = KDTree(x[0]).query(x[0], k=NEIGHBOURS + 1)[1][:, 1:]
+    near = np.asarray(KDTree(x[0]).query(x[0], k=NEIGHBOURS + 1)[1])[:, 1:]
     offsets = x[0][near] - x[0][:, None]
-    ones = np.ones((*near.shape, 1))
-    tell = np.linalg.pinv(np.concatenate([ones, offsets], -1), rcond=1e-3)[
+    affine = np.concatenate([np.ones((*near.shape, 1)), offsets], axis=-1)
+    tell = np.linalg.pinv(affine, rcond=1e-3)[
         :, 0
-    ]  # of the neighbours, at the particle
+    ]  # shares of the neighbours in the map's value at the particle
     bends = x[2:] - 2 * x[1:-1] + x[:-2]
     apart = bends - np.einsum("nk,tnki->tni", tell, bends[:, near])
     deviations = np.linalg.norm(apart, axis=-1) / np.sqrt(6 * (1 + (tell**2).sum(-1)))
-    return float(np.median(np.median(deviations, axis=1))) / TRIPLE
+    return float(np.median(np.median(deviations, axis=1))) / 1.5382  # that of the lengths of normal triples
 
 
 def _find_distances(x: np.ndarray, around: Surroundings) -> np.ndarray:
@@ -217,7 +206,7 @@ def _measure_slip(x: np.ndarray, around: Surroundings, size: float) -> float | N
 
 
 def _measure_jump(x: np.ndarray, noise: float) -> float:
-    """How far a tenth of the groups goes astray in one frame, or out and back in two, more than noise alone would [m].
+    """The way that a tenth of the groups goes astray in one frame, or out and back in two, beyond that of noise [m].
 
     Astray in one frame is what lies beside the mean of the ways before and after, beyond twice the difference of these:
     a blow or a bounce, after which all goes on otherwise, is none. In two it is what goes beyond twice the ways around:
@@ -241,7 +230,7 @@ def _measure_flight(
     if around.acceleration is None or around.driven or (around.held is not None and np.any(around.held)):
         return None
     acts, x = _begin(around, x)
-    free = np.ones(len(x), bool)
+    free = np.full(len(x), True)
     if around.solids:
         low = _find_distances(x, around).min(1)
         steps = np.abs(np.diff(low, prepend=low[0], append=low[-1]))
@@ -260,20 +249,14 @@ def _measure_flight(
 
 
 def _begin(around: Surroundings, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """What acts between frames, and the frames; before what rests in frame 0, one more without anything that acts."""
+    """Accelerations between frames, and the frames; before what rests in frame 0, one more in which nothing acts."""
     acts = np.broadcast_to(np.asarray(around.acceleration, np.float64), (len(x) - 1, *x.shape[1:]))
-    if not around.resting:
-        return acts, x
-    return np.concatenate([np.zeros_like(acts[:1]), acts]), np.concatenate([x[:1], x])
+    begun = np.concatenate([np.zeros_like(acts[:1]), acts]), np.concatenate([x[:1], x])
+    return begun if around.resting else (acts, x)
 
 
 def _measure_energy(
-    x: np.ndarray,
-    weight: np.ndarray,
-    dt: float,
-    around: Surroundings,
-    noise: float,
-    size: float,
+    x: np.ndarray, weight: np.ndarray, dt: float, around: Surroundings, noise: float, size: float
 ) -> float | None:
     """Kinetic energy of groups' means, at most that of the particles, against the work since frame 0.
 
@@ -302,7 +285,7 @@ def _measure_pieces(x: np.ndarray) -> float:
 
     Neighbours hold together until they are `TORN` times as far apart as at rest, or as is usual.
     """
-    length, near = KDTree(x[0]).query(x[0], k=NEIGHBOURS + 1)
+    length, near = map(np.asarray, KDTree(x[0]).query(x[0], k=NEIGHBOURS + 1))
     one, other = np.repeat(np.arange(len(near)), NEIGHBOURS), near[:, 1:].ravel()
     reach = TORN * np.maximum(length[:, 1:].ravel(), np.median(length[:, 1]))
 
@@ -311,6 +294,7 @@ def _measure_pieces(x: np.ndarray) -> float:
         links = coo_array((np.ones(kept.sum(), bool), (one[kept], other[kept])), shape=(len(near),) * 2)
         return connected_components(links, directed=False)[1]
 
-    pieces = [np.flatnonzero(label(x[0]) == piece) for piece in range(label(x[0]).max() + 1)]
+    rest = label(x[0])
+    pieces = [np.flatnonzero(rest == piece) for piece in range(rest.max() + 1)]
     kept = [sum(np.bincount(now[piece]).max() for piece in pieces) for now in map(label, x[1:])]
     return 1.0 - float(min(kept)) / len(near)
