@@ -51,8 +51,8 @@ SOME, NOISY = 0.1, 4.0
 """Share of the groups that has to jump, and the way that it goes by noise alone [deviations of a group's mean]."""
 LOWEST, DEVIATIONS = 0.02, 2.05
 """Quantile of the distances that counts as the lowest point, and its place in white noise [deviations]."""
-STEADY = 5
-"""Frames in which a velocity in flight has to be too much."""
+STEADY, ORDER = 5, 0.05
+"""Frames in which a velocity in flight has to be too much, and what steps of first order, ten a frame, are late by."""
 ALOFT, SLOW = 0.05, 0.1
 """Distance from all solids from which on nothing touches [body lengths], and the speed whose energy is the least that
 counts as having gone in [body lengths/s]."""
@@ -155,8 +155,7 @@ def _split(rest: np.ndarray) -> list[np.ndarray]:
     while len(groups) < GROUPS and len(groups[0]) > NEIGHBOURS:
         halves = []
         for group in groups:
-            longest = np.ptp(rest[group], axis=0).argmax()
-            order = group[np.argsort(rest[group, longest], kind="stable")]
+            order = group[np.argsort(rest[group, np.ptp(rest[group], axis=0).argmax()], kind="stable")]
             halves += [order[: len(order) // 2], order[len(order) // 2 :]]
         groups = halves
     return groups
@@ -220,7 +219,7 @@ def _measure_jump(x: np.ndarray, noise: float) -> float:
     around = np.maximum(lengths[:, :-3], lengths[:, 3:])
     twice = np.minimum(lengths[:, 1:-2], lengths[:, 2:-1]) - 2 * around
     most = max(float(np.quantile(each, 1 - SOME, axis=0).max()) for each in (once, twice))
-    return max(0.0, most - NOISY * noise / np.sqrt(x.shape[1] / len(groups)))
+    return float(max(0.0, most - NOISY * noise / np.sqrt(x.shape[1] / len(groups))))
 
 
 def _measure_flight(
@@ -238,13 +237,14 @@ def _measure_flight(
     centre = np.einsum("tni,n->ti", x, weight)
     acts = np.einsum("tni,n->ti", acts, weight)
     gained = (centre[2:] - 2 * centre[1:-1] + centre[:-2]) / dt - 0.5 * dt * (acts[1:] + acts[:-1])
+    allowed = ORDER * dt * np.linalg.norm(acts, axis=-1).max()
     aloft = free[2:] & free[1:-1] & free[:-2]
     worst, flight = None, []
     for one, good in zip(gained, aloft):
         flight = [*flight, one] if good else []
         if len(flight) >= STEADY:
-            steady = np.median(np.cumsum(flight, axis=0)[-STEADY:], axis=0)
-            worst = max(worst or 0.0, float(np.linalg.norm(steady)) / size)
+            steady = np.linalg.norm(np.median(np.cumsum(flight, axis=0)[-STEADY:], axis=0))
+            worst = max(worst or 0.0, float(steady - allowed) / size)
     return worst
 
 

@@ -172,3 +172,13 @@ def test_what_is_no_recording_is_refused_and_what_is_not_finite_has_no_fidelity(
     broken = lie()
     broken[3, 5] = np.nan
     assert rate_fidelity(broken, MASS, DT).score == 0
+
+
+def test_steps_of_first_order_are_no_fault():
+    """A push to and fro of 80 m/s^2 in twelve steps a frame, speeds before places: half a step too fast."""
+    pushes = 80.0 * np.array([1.0, -1.0, -1.0, 1.0] * (FRAMES // 4 + 1))[: FRAMES - 1]
+    speeds = np.cumsum(np.repeat(pushes, 12)) * DT / 12
+    places = np.concatenate([[0.0], np.cumsum(speeds)[11::12] * DT / 12])
+    acts = pushes[:, None, None] * np.array([1.0, 0.0, 0.0])
+    x = REST + places[:, None, None] * np.array([1.0, 0.0, 0.0])
+    assert not rate_fidelity(x, MASS, DT, Surroundings(acceleration=acts, resting=True)).faults
