@@ -29,7 +29,7 @@ def jump(x, length):
     return np.concatenate([x[:1], np.repeat(x[-1:], len(x) - 1, axis=0)])
 
 
-PASSED = [
+WRONG = [
     (QUICK, sink, "sinking"),
     *(
         pytest.param(name, change, term, marks=pytest.mark.slow)
@@ -42,7 +42,7 @@ PASSED = [
         )
     ),
 ]
-"""Task, change of its witness's clip that its clauses let pass, and the term that it lowers."""
+"""Task, change of its witness's clip that no body could make, and the term that it lowers."""
 
 
 @cache
@@ -57,13 +57,13 @@ def folder(tmp_path_factory):
     return tmp_path_factory.mktemp("objects")
 
 
-@pytest.mark.parametrize(("name", "change", "term"), PASSED)
-def test_what_the_clauses_let_pass_lowers_its_own_term(name, change, term, folder):
+@pytest.mark.parametrize(("name", "change", "term"), WRONG)
+def test_what_no_body_could_do_lowers_its_own_term(name, change, term, folder):
     task, x, length = simulate(name, folder)
     clean = rate(task, WITNESSES[name], x)
     assert task.judge(x).success and clean.score == 1
     changed = change(x, length)
-    assert task.judge(changed).success
+    assert change is shake or task.judge(changed).success  # a clause of integrity sees noise as well
     assert rate(task, WITNESSES[name], changed).faults == (term,)
 
 
