@@ -159,6 +159,25 @@ def meshes_sampled_once():
         yield
 
 
+@pytest.fixture(autouse=True, scope="session")
+def parts_found_once():
+    """Find the parts of equal particles once: a third of a small run goes into it, and most runs are of one object."""
+    from physagent_jax.scene import body
+
+    kept: dict[bytes, Any] = {}
+    find_parts = body.find_parts
+
+    def find(points):
+        key = hashlib.sha256(points.tobytes()).digest()
+        if key not in kept:
+            kept[key] = find_parts(points)
+        return kept[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(body, "find_parts", find)
+        yield
+
+
 @pytest.fixture
 def least_optimised():
     """Compile a test's programs with the fewest optimisations, where compiling takes much longer than running."""
