@@ -66,7 +66,7 @@ def _measure_cached(source: str, domain: str) -> tuple[float, Vector | None]:
     front = None
     if way is not None and abs(way[2]) < _STEEP:
         front = float(np.degrees(np.arctan2(way[0], -way[1])))
-    colours = np.asarray(cloud.sh[:, 0], np.float64)
+    colours = np.asarray(cloud.sh, np.float64)[:, 0]
     return find_broad_azimuth(points, colours, front), _find_long_axis(points)
 
 
