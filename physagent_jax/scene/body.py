@@ -131,8 +131,10 @@ def _find_named(
     discs = np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=1)
     index = np.asarray(particles.gaussian_index)
     normals = np.where(index[:, None] >= 0, discs[index], 0.0)
-    groups = find_groups(np.concatenate([points, means]), np.concatenate([normals, discs]), placed)
     count = len(points)
+    groups = find_groups(np.concatenate([points, means]), np.concatenate([normals, discs]), placed)
+    # Few particles may leave a small part none, or no rest that it could hang on.
+    groups = [each for each in groups if 0 < each.mask[:count].sum() < count]
     named = make_parts(points, [dataclasses.replace(each, mask=each.mask[:count]) for each in groups])
     pieces = find_pieces(points, named, [each.mask[count:] for each in groups])
     return named, bind_pieces(means, points, pieces[1], pieces[0])

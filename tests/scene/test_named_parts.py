@@ -247,6 +247,13 @@ def test_a_part_that_few_particles_leave_none_is_left_out():
     assert [each.name for each in join_parts(points, [part, gone], [])] == ["half"]
 
 
+def test_a_named_part_that_no_particle_is_in_is_left_out(tmp_path):
+    """Its surface has splats, and few particles are spread over the object."""
+    path = write_obj(tmp_path / "figure.obj", FIGURE | {"knob": ((0, 0, 1.33), (0.02, 0.02, 0.02))})
+    names = list(find(path, max_particles=300)[2])
+    assert "left arm" in names and "knob" not in names
+
+
 def test_where_the_file_names_all_a_shape_across_its_parts_is_none():
     points = np.stack(np.meshgrid(*[np.linspace(0, 1, 9)] * 3), -1).reshape(-1, 3)
 
