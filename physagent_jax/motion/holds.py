@@ -1,9 +1,10 @@
 """Holds against motions: whether a hold gives way, stays, or makes a motion impossible.
 
-A hold that only the object's kind implies gives way to a motion that needs the object free: it falls, rises, turns as
-a whole, or leaves its place (`ExpectedMotion.leaves_place`). What is bent, swayed, stretched or twisted keeps it. So
-does a push of which neither a distance nor another place is told: it bends what is rooted. A hold that the sentence or
-the user asks for never gives way; a motion that it makes impossible is found before anything is simulated.
+A hold that only the object's kind or shape implies gives way to a motion that needs the object free: it falls, rises,
+turns as a whole, or leaves its place (`ExpectedMotion.leaves_place`). What is bent, swayed, stretched or twisted keeps
+it. So does a push of which neither a distance nor another place is told: it bends what is rooted. What only stands goes
+where it is pushed, unless it is then let go. A hold that the sentence or the user asks for never gives way; a motion
+that it makes impossible is found before anything is simulated.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.forces.skills import get_skill
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind
+from physagent_jax.motion.swaying import bends
 from physagent_jax.motion.vectors import cosine
 
 _UPWARD = 0.5  # cosine to the vertical from which on a way leads up
@@ -37,6 +39,7 @@ class HoldOrigin(enum.Enum):
     """The source of a hold."""
 
     KIND = "kind"
+    SUPPORT = "support"
     SENTENCE = "sentence"
     OPTION = "option"
 
@@ -67,9 +70,24 @@ def list_motions(field: ForceField) -> tuple[ExpectedMotion, ...]:
     return tuple(motions)
 
 
-def find_leaving(plan: Sequence[ExpectedMotion], up: Vector) -> ExpectedMotion | None:
-    """The first planned motion that needs the object free, if gravity pulls against ``up``; None if a hold can stay."""
-    return next((each for each in _keep_whole(plan) if _needs_free(each, up)), None)
+def find_leaving(
+    plan: Sequence[ExpectedMotion], up: Vector, *, stands: bool = False
+) -> ExpectedMotion | None:
+    """The first planned motion that needs the object free; None if a hold can stay.
+
+    Args:
+        plan: The planned motions.
+        up: Unit vector against gravity.
+        stands: Whether the object is held only so that it stands (`HoldOrigin.SUPPORT`).
+    """
+    whole = _keep_whole(plan)
+    return next((each for each in whole if _needs_free(each, up) or stands and _slides(each)), None)
+
+
+def _slides(motion: ExpectedMotion) -> bool:
+    """Return whether what only stands goes somewhere: a push, rather than a blow, a bend, or what is then let go."""
+    pushed = motion.kind is MotionKind.MOVE and motion.repeats == 1
+    return pushed and not (motion.sudden or motion.released or bends(motion))
 
 
 def find_impossible(hold: Hold, plan: Sequence[ExpectedMotion], up: Vector) -> ExpectedMotion | None:
@@ -117,10 +135,27 @@ def describe_yielding(hold: Hold, plan: Sequence[ExpectedMotion], up: Vector) ->
     return f"{_name(upright[0])}: {held}, so that it can only stretch, bend or twist and not leave its place"
 
 
-def describe_release(motion: ExpectedMotion, kind: str) -> str:
-    """The assumption that the hold of an object of this kind gives way to a motion, in a sentence."""
+def describe_release(motion: ExpectedMotion, hold: Hold, kind: str) -> str:
+    """The assumption that the implied hold of an object of this kind gives way to a motion, in a sentence."""
     free = f"it is not held, as an object of kind '{kind}' otherwise is"
+    if hold.origin is HoldOrigin.SUPPORT:
+        free = "its feet are let go, which are otherwise held so that it stands"
     return f"{_name(motion)} needs the object free: {free}."
+
+
+def needs_weight(motion: ExpectedMotion, up: Vector) -> bool:
+    """Return whether a viewer would miss the weight of what a motion lets go: it falls, tips over, or is flung."""
+    tips = motion.kind is MotionKind.ROTATE and abs(_find_height(motion, up)) < _LEVEL
+    return motion.kind is MotionKind.FALL or tips or motion.kind is MotionKind.MOVE and motion.sudden
+
+
+def is_struck_down(plan: Sequence[ExpectedMotion], up: Vector) -> bool:
+    """Return whether the plan is one of blows from above on all of the object."""
+    moves = [each for each in plan if each.kind is not MotionKind.STILL]
+    blows = [
+        each.kind is MotionKind.MOVE and each.sudden and _find_height(each, up) < -_LEVEL for each in moves
+    ]
+    return bool(moves) and len(_keep_whole(moves)) == len(moves) and all(blows)
 
 
 def _name(motion: ExpectedMotion) -> str:

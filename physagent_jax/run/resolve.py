@@ -14,10 +14,10 @@ from physagent_jax.core.reading import check_regular, format_validation_error
 from physagent_jax.forces.calibration import FRICTION
 from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.motion.holds import Hold
+from physagent_jax.motion.holds import Hold, HoldOrigin, is_struck_down
 from physagent_jax.motion.schema import AnchorRequest, WorldRequest
 from physagent_jax.run.brief import make_brief
-from physagent_jax.run.holding import check_hold, find_hold
+from physagent_jax.run.holding import UP, check_hold, find_hold
 from physagent_jax.run.material import resolve_material
 from physagent_jax.run.models import warn_of_licences
 from physagent_jax.run.photo import make_photo
@@ -47,7 +47,7 @@ from physagent_jax.scene.priors import (
     find_kind,
     guess_kind,
 )
-from physagent_jax.scene.standing import explain_tilt, hold_in_the_air, level, make_stand
+from physagent_jax.scene.standing import explain_tilt, hold_upright, level, make_stand
 from physagent_jax.scene.template import SceneTemplate
 from physagent_jax.scene.world import WORLDS, Obstacle, World
 
@@ -96,20 +96,19 @@ class ResolvedRun:
         return (*body.parts, *find_places(points, body.parts, words, self.template.source.name, viewer))
 
     def place_for_agents(self, body: Body, reply: SemanticReply | None = None) -> SceneTemplate:
-        """The scene as `place` has it but for the stiffness, which agents are not told and which takes longest.
+        """The scene as `place` has it but for the stiffness, which agents are not told.
 
         Args:
             body: The object at rest.
             reply: What the sentence says of the scene; None = it is not read yet.
         """
         template = self.template if reply is None else self.with_reply(reply)
-        keeps_weight = reply is not None and reply.world.gravity is not None
-        return template if keeps_weight else hold_in_the_air(template, body)[0]
+        return hold_upright(template, body, **self._choose_support(reply))[0]
 
     def place(self, body: Body, reply: SemanticReply | None = None) -> tuple[SceneTemplate, tuple[str, ...]]:
         """The scene in which the object stays as it was captured, and in words what had to be changed for that.
 
-        An object that cannot stand is made stiffer, or its weight is left out unless the sentence wants gravity.
+        An object that cannot stand is made stiffer, held at its feet, or relieved of weight that the sentence does not need.
 
         Args:
             body: The object at rest.
@@ -119,28 +118,36 @@ class ResolvedRun:
             UserError: The reply is about a part that is not known, or what is held cannot make a motion that it plans.
         """
         if reply is None:
-            return make_stand(self.template, body, keep_material=self.spec.material.says_stiffness)
+            return make_stand(self.template, body, **self._choose_support(None))
         if reply.unknown_parts:
             brief = make_brief(self.template, parts=self.list_parts(body))
             raise UnknownPartError(
                 reply.unknown_parts, brief, f"`physagent inspect {self.spec.object.path}` draws them"
             )
         template, told = self._apply(reply)
-        hold = self.find_hold(reply)
+        options = self._choose_support(reply)
+        template, support = hold_upright(template, body, **options)
+        hold = self.find_hold(reply, body)
         held = () if hold is None else check_hold(hold, template.anchor, body, reply, self.base_dir)
         said = self.find_material(reply).preset
         keeps = hold is None and keeps_shape(reply)
         if keeps and is_hard(self.spec.material, template.source.kind, said):
             template, told = make_rigid(template), (RIGID_NOTE,)  # a softer stand-in's looks are not seen
-        options = dict(
-            keep_material=self.spec.material.says_stiffness, keep_weight=reply.world.gravity is not None
-        )
         standing, notes = make_stand(template, body, **options)
         bearing = standing.bearing
         if keeps and bearing is not None and is_stiffened(self.spec.material, said, bearing):
             told = (*told, STIFF_NOTE.format(bearing.most))
             standing, notes = make_stand(make_rigid(template), body, **options)
-        return standing, (*told, *held, *notes)
+        return standing, (*told, *held, *support, *notes)
+
+    def _choose_support(self, reply: SemanticReply | None) -> dict[str, bool]:
+        """The options of `make_stand`: what the user and the sentence leave to it."""
+        return dict(
+            keep_material=self.spec.material.says_stiffness,
+            keep_weight=reply is not None and reply.world.gravity is not None,
+            let_go="none" in (self.spec.anchor.kind, reply and reply.anchor.kind),
+            struck=reply is not None and is_struck_down(reply.plan, UP),
+        )
 
     def find_material(self, reply: SemanticReply) -> SaidMaterial:
         """The material that the sentence chooses, given its ``reply``."""
@@ -149,9 +156,11 @@ class ResolvedRun:
         brief = make_brief(self.template, frames_fixed=self.frames_fixed)
         return choose_said_material(self.spec.prompt, brief, self.spec.material, reply.materials)
 
-    def find_hold(self, reply: SemanticReply) -> Hold | None:
+    def find_hold(self, reply: SemanticReply, body: Body) -> Hold | None:
         """The hold of the object, given the sentence's ``reply``; None if nothing holds it."""
-        return find_hold(self.spec.anchor, self.template.source.kind, reply.anchor)
+        hold = find_hold(self.spec.anchor, self.template.source.kind, reply.anchor)
+        supported = hold is None and self.place_for_agents(body, reply).anchor.kind != "none"
+        return Hold("base", HoldOrigin.SUPPORT) if supported else hold
 
     def with_reply(self, reply: SemanticReply) -> SceneTemplate:
         """The template with what the sentence says about material, holding, the world and the clip's length."""

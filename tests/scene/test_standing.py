@@ -15,7 +15,13 @@ from physagent_jax.scene.body import make_body
 from physagent_jax.scene.burden import measure_burden
 from physagent_jax.scene.fuse import fuse
 from physagent_jax.scene.materials.cost import AFFORDABLE_RATE, count_substeps
-from physagent_jax.scene.standing import find_bearing_modulus, find_own_burden, find_own_firmness, make_stand
+from physagent_jax.scene.standing import (
+    find_bearing_modulus,
+    find_own_burden,
+    find_own_firmness,
+    hold_upright,
+    make_stand,
+)
 from tests.scene.quiet_objects import export
 from tests.scene.test_equilibrium import farthest, scene_of
 
@@ -135,12 +141,35 @@ def test_what_no_affordable_stiffness_carries_bears_as_much_of_its_weight_as_it_
     template, body, _ = template_of(tmp_path, object=export("lamp", tmp_path))
     standing, notes = make_stand(template, body)
     assert standing.world.gravity == "down" and 0 < standing.world.weight < 1
-    assert len(notes) == 1 and "slowly" in notes[0] and "% of its weight acts" in notes[0]
+    assert len(notes) == 2 and "slowly" in notes[1] and "% of its weight acts" in notes[1]
+    assert standing.anchor.kind == "base" and "feet are held" in notes[0]  # else it would float off
+    assert make_stand(template, body, let_go=True)[0].anchor.kind == "none"
     dx, E = template.preset.domain.dx, template.material.youngs_modulus * standing.bearing.most
     stiffest = template.material.changed(youngs_modulus=E)
     assert count_substeps(stiffest, dx, 10.0) == pytest.approx(10 * AFFORDABLE_RATE, rel=0.1)
     assert fuse(standing, body, ForceField()).gravity[2] == -GRAVITY * standing.world.weight
     assert fuse(standing, body, ForceField(default_drop=True)).gravity[2] == -GRAVITY
+
+
+def export_leaning(path, lean):
+    """A slab on a foot, its mass centre ``lean`` beyond the middle of the foot."""
+    foot = trimesh.creation.box((0.3, 0.3, 0.6)).apply_translation((0, 0, 0.3))
+    slab = trimesh.creation.box((0.5, 0.4, 0.4)).apply_translation((lean, 0, 0.8))
+    trimesh.util.concatenate([foot, slab]).export(path)
+    return path
+
+
+def test_feet_are_held_only_of_what_would_fall_over(tmp_path):
+    template, body, _ = template_of(export_leaning(tmp_path / "thing.obj", 0.05))
+    assert hold_upright(template, body) == (template, ())
+    template, body, _ = template_of(export_leaning(tmp_path / "other.obj", 0.35))
+    standing, notes = make_stand(template, body)
+    assert standing.anchor.kind == "base" and standing.world.ground and standing.world.gravity == "down"
+    assert "feet are held" in notes[0] and standing.anchor.reason == notes[0]
+    free, notes = make_stand(template, body, let_go=True)
+    assert free.anchor.kind == "none" and free.world.gravity == "none" and "without weight" in notes[0]
+    falling = make_stand(template, body, let_go=True, keep_weight=True)[0]
+    assert falling.anchor.kind == "none" and falling.world == template.world
 
 
 @pytest.mark.parametrize("parts", [{"world": "free"}, {"material": {"name": "sand"}}])

@@ -92,7 +92,7 @@ def _compile_sway(task: Task) -> None:
             task.act(ActionType.IMPULSE, up, 2 * SWING * magnitude, make_impulse_window(part[0]))
     elif rocks(event.phrase) and builder.grounded and not held:
         builder.constraints += rock(brief, task.direction, magnitude, count, task.window)
-    elif leads and (count > 3 if brief.anchored else event.motion.planted):
+    elif leads and (brief.anchored and count > 3 or event.motion.planted and brief.object_kind != "plant"):
         builder.constraints += sway(brief, task.direction, magnitude, count, task.window)
     else:
         _alternate(task, ActionType.TRANSLATION, magnitude, divide_swings(task.window, count, held))

@@ -287,11 +287,13 @@ def _strike(wish: Wish) -> _Replaced:
     blows = _find_forces(wish, lambda c: c.skill.is_sudden and agrees(c, expectation))
     if not expectation.sudden or not blows:
         return None
-    causes = [c for c in blows if c.item.region is not None or brief.anchored is not None]
+    down = cosine(expectation.direction or _NO_WAY, brief.directions.down) >= _VERTICAL
+    borne = down and brief.world == "ground" and "top" not in (brief.anchored or "")
+    stands = borne and not wish.force_field.default_drop
+    causes = [c for c in blows if c.item.region is not None or (brief.anchored and not stands)]
     if causes:
         return replace_blows(wish, causes), "it changes the velocity at once, before the rest can answer"
-    stands = brief.world == "ground" and not wish.force_field.default_drop
-    if not stands or cosine(expectation.direction or _NO_WAY, brief.directions.down) < _VERTICAL:
+    if not stands:
         return None
     effort = _PRESSED * wish.reference / PRESCRIBED_TRAVEL  # magnitude times frames
     frames = max(float(round(BLOW / brief.frame_dt)), 2.0)
