@@ -149,13 +149,16 @@ def needs_weight(motion: ExpectedMotion, up: Vector) -> bool:
     return motion.kind is MotionKind.FALL or tips or motion.kind is MotionKind.MOVE and motion.sudden
 
 
-def is_struck_down(plan: Sequence[ExpectedMotion], up: Vector) -> bool:
-    """Return whether the plan is one of blows from above on all of the object."""
+def find_blow(plan: Sequence[ExpectedMotion], up: Vector) -> Literal["above", "aside"] | None:
+    """Where from the object is hit, if that is all that is planned: from above, or from a side that is dented."""
     moves = [each for each in plan if each.kind is not MotionKind.STILL]
-    blows = [
-        each.kind is MotionKind.MOVE and each.sudden and _find_height(each, up) < -_LEVEL for each in moves
-    ]
-    return bool(moves) and len(_keep_whole(moves)) == len(moves) and all(blows)
+    if not moves or not all(each.sudden and each.limb is None for each in moves):
+        return None
+    whole = len(_keep_whole(moves)) == len(moves)
+    if whole and all(each.kind is MotionKind.MOVE and _find_height(each, up) < -_LEVEL for each in moves):
+        return "above"
+    dents = (each.kind is MotionKind.SQUEEZE and abs(_find_height(each, up)) < _LEVEL for each in moves)
+    return "aside" if all(dents) else None
 
 
 def _name(motion: ExpectedMotion) -> str:

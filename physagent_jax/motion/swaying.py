@@ -59,6 +59,8 @@ def sway(
 ) -> list[VelocityConstraint]:
     """The turns of what stands over its foot, to either side and back to where it was.
 
+    It is kept there for a moment: let go with the speed of its last stroke, what is soft would be flung over.
+
     Args:
         brief: The scene.
         way: Where its top goes first (unit world vector), level.
@@ -66,11 +68,13 @@ def sway(
         count: How often it goes to and fro.
         window: First and last frame.
     """
-    strokes = [1.0, *[-2.0, 2.0] * (count - 1), -2.0, 1.0]
+    strokes, rest = [1.0, *[-2.0, 2.0] * (count - 1), -2.0, 1.0], _SETTLED / brief.frame_dt
+    end = max(min(window[1], brief.last - rest), 0.5 * (window[0] + window[1]))
+    stops = [*[None] * (len(strokes) - 1), min(end + rest, float(brief.last))]
     return [
         turn
-        for stroke, span in zip(strokes, _divide(window, strokes))
-        for turn in _turn(brief, [_make_upper(brief)], way, stroke * strength * _ANGLE, span, None, _DEPTH)
+        for stroke, span, stop in zip(strokes, _divide((window[0], end), strokes), stops)
+        for turn in _turn(brief, [_make_upper(brief)], way, stroke * strength * _ANGLE, span, stop, _DEPTH)
     ]
 
 

@@ -14,7 +14,7 @@ from physagent_jax.core.reading import check_regular, format_validation_error
 from physagent_jax.forces.calibration import FRICTION
 from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.motion.holds import Hold, HoldOrigin, is_struck_down
+from physagent_jax.motion.holds import Hold, HoldOrigin, find_blow
 from physagent_jax.motion.schema import AnchorRequest, WorldRequest
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.holding import UP, check_hold, find_hold
@@ -108,7 +108,7 @@ class ResolvedRun:
     def place(self, body: Body, reply: SemanticReply | None = None) -> tuple[SceneTemplate, tuple[str, ...]]:
         """The scene in which the object stays as it was captured, and in words what had to be changed for that.
 
-        An object that cannot stand is made stiffer, held at its feet, or relieved of weight that the sentence does not need.
+        An object that cannot stand is made stiffer, held at its feet, or relieved of weight that nobody needs.
 
         Args:
             body: The object at rest.
@@ -140,13 +140,13 @@ class ResolvedRun:
             standing, notes = make_stand(make_rigid(template), body, **options)
         return standing, (*told, *held, *support, *notes)
 
-    def _choose_support(self, reply: SemanticReply | None) -> dict[str, bool]:
+    def _choose_support(self, reply: SemanticReply | None) -> dict[str, Any]:
         """The options of `make_stand`: what the user and the sentence leave to it."""
         return dict(
             keep_material=self.spec.material.says_stiffness,
             keep_weight=reply is not None and reply.world.gravity is not None,
             let_go="none" in (self.spec.anchor.kind, reply and reply.anchor.kind),
-            struck=reply is not None and is_struck_down(reply.plan, UP),
+            struck=None if reply is None else find_blow(reply.plan, UP),
         )
 
     def find_material(self, reply: SemanticReply) -> SaidMaterial:

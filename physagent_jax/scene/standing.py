@@ -4,8 +4,8 @@ A captured object stood when it was captured. Whether it does in a scene is deci
 feet) and by the stiffness that its kind implies, which was chosen for visible motion and not for thin legs or stems:
 what they carry strains them, or makes them buckle (`scene.burden`). Those parts are made stiffer, as far as that can be
 simulated, and the others stay as they are. Where it is not enough, or somebody has chosen the stiffness, less weight
-acts. What would fall over, or is left hardly any weight, is held at its feet, as if it were fixed to a plate. Where it is to
-leave its place it is free, and what would fall over has no weight then, unless it is to fall.
+acts. What would fall over, or is left hardly any weight, is held at its feet, as if it were fixed to a plate. Where it
+is to leave its place it is free, and what would fall over has no weight then, unless it is to fall.
 
 Lean, stiffness, support and damping are decided here, and nowhere else.
 """
@@ -16,6 +16,7 @@ import dataclasses
 import math
 import warnings
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
@@ -86,7 +87,7 @@ def make_stand(
     keep_material: bool = False,
     keep_weight: bool = False,
     let_go: bool = False,
-    struck: bool = False,
+    struck: Literal["above", "aside"] | None = None,
 ) -> tuple[SceneTemplate, tuple[str, ...]]:
     """The template in which the object stays as it was captured, and in words what had to be changed for it.
 
@@ -96,10 +97,11 @@ def make_stand(
         keep_material: Leave the stiffness as it is: somebody has chosen it.
         keep_weight: Leave gravity as it is: the sentence needs it. What cannot bear its weight then collapses.
         let_go: Leave it free: the sentence or the user says so.
-        struck: It is hit from above.
+        struck: Where from it is hit and pressed in.
     """
-    options = dict(keep_weight=keep_weight, let_go=let_go, struck=struck)
-    template, support = hold_upright(template, body, keep_material=keep_material, **options)
+    template, support = hold_upright(
+        template, body, keep_material=keep_material, keep_weight=keep_weight, let_go=let_go, struck=struck
+    )
     template, bearing = _bear(template, body, keep_material, keep_weight)
     return template, (*support, *bearing)
 
@@ -111,7 +113,7 @@ def hold_upright(
     keep_material: bool = False,
     keep_weight: bool = False,
     let_go: bool = False,
-    struck: bool = False,
+    struck: Literal["above", "aside"] | None = None,
 ) -> tuple[SceneTemplate, tuple[str, ...]]:
     """The template with the feet held of what its weight does not keep upright, and why in words.
 
@@ -129,8 +131,10 @@ def hold_upright(
     elif (angle := find_tipping_angle(body, overhang)) < UNSTEADY:
         why = f"the object falls over once it is tilted by {angle:.2g} degrees"
         result = "a touch would knock it over"
-    elif struck and angle < HOPS_OVER:
+    elif struck == "above" and angle < HOPS_OVER:
         why, result = "the object is hit from above", "it would hop and fall over"
+    elif struck == "aside":
+        why, result = "the object is pressed in from a side", "it would slide away"
     elif (weight := _bear(template, body, keep_material, keep_weight)[0].world.weight) < LIGHT:
         why = f"the object can bear {100 * weight:.2g} % of its weight"
         result = "a touch would carry it away"

@@ -172,6 +172,17 @@ def test_feet_are_held_only_of_what_would_fall_over(tmp_path):
     assert falling.anchor.kind == "none" and falling.world == template.world
 
 
+@pytest.mark.parametrize(
+    ("width", "struck", "held"), [(0.04, None, True), (0.3, None, False), (0.3, "above", True)]
+)
+def test_feet_are_held_of_what_a_touch_or_the_blow_would_topple(width, struck, held, tmp_path):
+    """A pole that stands on so little, and a pillar only where it is hit from above."""
+    trimesh.creation.box((width, width, 1.0)).export(tmp_path / "thing.obj")
+    template, body, _ = template_of(tmp_path / "thing.obj")
+    assert (hold_upright(template, body, struck=struck)[0].anchor.kind == "base") is held
+    assert hold_upright(template, body, struck=struck, let_go=True) == (template, ())
+
+
 @pytest.mark.parametrize("parts", [{"world": "free"}, {"material": {"name": "sand"}}])
 def test_what_floats_or_flows_bears_nothing(table, parts):
     template, body, _ = template_of(table, **parts)

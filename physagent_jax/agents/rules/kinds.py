@@ -24,9 +24,9 @@ from physagent_jax.forces.calibration import (
     TURN,
     find_magnitude,
 )
-from physagent_jax.forces.schema import BoxRegion, ConstraintType, ForceField, Region, VelocityConstraint
+from physagent_jax.forces.schema import ConstraintType, ForceField, Region, VelocityConstraint
 from physagent_jax.forces.skills import list_skills
-from physagent_jax.forces.slabs import make_box, make_end_region
+from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import MOVING, find_pace, find_strain, find_wanted_way, spread_effort
 from physagent_jax.motion.matching import (
@@ -39,6 +39,7 @@ from physagent_jax.motion.matching import (
     share_line,
     share_time,
 )
+from physagent_jax.motion.pressing import find_pressed
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.tolerances import expect_rotation, expect_wrung, find_told
 from physagent_jax.motion.vectors import clamp, cosine, scale
@@ -49,6 +50,7 @@ _VERTICAL = 0.7  # cosine
 _OVER = 120.0  # [degrees] about a level line, from where on something is turned over
 _TILT = 60.0  # [degrees] up to which what stands is tilted
 _PRESSED = 0.07  # of its height, by which a plain blow presses what stands: it springs back, and would jump
+_HELD = 0.15  # the same of what is held at its feet, and cannot jump
 _RAISED = 20.0  # [degrees] by which it is tilted where one side is raised
 _NO_WAY = (0.0, 0.0, 0.0)
 _PLATE = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
@@ -219,27 +221,21 @@ def _deform(wish: Wish) -> _Replaced:
 
 
 def _press_part(wish: Wish) -> _Replaced:
-    """A part of what stands is pressed down: the upper end of that part is moved, as a hand would."""
-    expectation, brief, down = wish.expectation, wish.brief, wish.brief.directions.down
-    vertical = abs(cosine(expectation.direction or _NO_WAY, down)) >= _VERTICAL
-    if expectation.kind is not MotionKind.SQUEEZE or not vertical or expectation.excludes_part:
+    """A part of what stands is pressed down, or a side is dented: what is pressed is moved, as a hand would."""
+    expectation, brief = wish.expectation, wish.brief
+    if expectation.kind is not MotionKind.SQUEEZE or brief.world != "ground":
         return None
-    if brief.world != "ground" or "top" in (brief.anchored or "") or wish.force_field.default_drop:
+    if "top" in (brief.anchored or "") or wish.force_field.default_drop:
         return None
     causes = _find_forces(wish, lambda c: agrees(c, expectation))
-    place = make_box(causes[0].item.region) if causes else None
-    if place is None:
+    pressed = find_pressed(expectation, brief, causes[0].item.region, SLAB) if causes else None
+    if pressed is None:
         return None
-    low, high = list(place.low), list(place.high)
-    if 0 < low[2] < high[2] < 1:  # of what is pressed from above, the middle is not half-way up
-        sides = [0] if brief.long_axis == (1, 0, 0) else [1] if brief.long_axis == (0, 1, 0) else [0, 1]
-        for side in sides:
-            low[side], high[side] = place.low[2], place.high[2]
-    region = BoxRegion(low=(low[0], low[1], SLAB), high=(high[0], high[1], 1.0))
+    way, region, share = pressed
     there = expectation.model_copy(update={"partial": False, "part": None})  # as deep as if all were pressed
     travel = _find_travel(wish.about(there), causes, movers=1)
-    why = "the upper end of that part is pressed down, whatever the stiffness"
-    return _put(wish, causes, _prescribe(causes[0], down, *travel, region)), why
+    hand = _prescribe(ConstraintType.PARTICLE_TRANSLATION, way, share * travel[0], *travel[1:], region)
+    return _put(wish, causes, hand), "what is pressed there is moved, whatever the stiffness"
 
 
 def _squeeze_limb(wish: Wish) -> _Replaced:
@@ -287,15 +283,17 @@ def _strike(wish: Wish) -> _Replaced:
     blows = _find_forces(wish, lambda c: c.skill.is_sudden and agrees(c, expectation))
     if not expectation.sudden or not blows:
         return None
-    down = cosine(expectation.direction or _NO_WAY, brief.directions.down) >= _VERTICAL
-    borne = down and brief.world == "ground" and "top" not in (brief.anchored or "")
-    stands = borne and not wish.force_field.default_drop
+    stands = cosine(expectation.direction or _NO_WAY, brief.directions.down) >= _VERTICAL
+    stands &= brief.world == "ground" and "top" not in (brief.anchored or "")
+    stands &= not wish.force_field.default_drop
     causes = [c for c in blows if c.item.region is not None or (brief.anchored and not stands)]
     if causes:
         return replace_blows(wish, causes), "it changes the velocity at once, before the rest can answer"
     if not stands:
         return None
-    effort = _PRESSED * wish.reference / PRESCRIBED_TRAVEL  # magnitude times frames
+    effort = (
+        (_HELD if brief.anchored else _PRESSED) * wish.reference / PRESCRIBED_TRAVEL
+    )  # magnitude times frames
     frames = max(float(round(BLOW / brief.frame_dt)), 2.0)
     spans = [(cause.item.magnitude * effort / frames, wish.get_span([cause])[0]) for cause in blows]
     plates = [_prescribe(_PLATE, brief.directions.down, size, (at, at + frames), None) for size, at in spans]
@@ -439,4 +437,4 @@ def _lead(wish: Wish) -> _Replaced:
     return _put(_hold_until(wish, hands, first), causes, hand), f"{reason}, so it is led there{short}"
 
 
-_RULES = (_deform, _squeeze_limb, _press_part, _turn_ends, _strike, _raise_side, _carry, _set_down, _lead)
+_RULES = (_press_part, _deform, _squeeze_limb, _turn_ends, _strike, _raise_side, _carry, _set_down, _lead)
