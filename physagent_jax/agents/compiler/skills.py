@@ -85,6 +85,7 @@ def _compile_sway(task: Task) -> None:
     event, builder, brief, up = task.event, task.builder, task.brief, task.brief.directions.up
     count, held = task.limit_count(event.repeat.count or event.motion.cycles), builder.anchored
     magnitude, leads = event.strength, builder.rooted and leads_aside(task.direction, brief)
+    planted = event.motion.planted and "feet" in (brief.anchored or "feet")  # a plant bends by itself
     if event.amount is not None:
         magnitude = find_swing_magnitude(event.amount, held, brief) or magnitude
     if builder.grounded and not held and abs(dot(task.direction, up)) > _UPRIGHT:
@@ -92,7 +93,7 @@ def _compile_sway(task: Task) -> None:
             task.act(ActionType.IMPULSE, up, 2 * SWING * magnitude, make_impulse_window(part[0]))
     elif rocks(event.phrase) and builder.grounded and not held:
         builder.constraints += rock(brief, task.direction, magnitude, count, task.window)
-    elif leads and (brief.anchored and count > 3 or event.motion.planted and brief.object_kind != "plant"):
+    elif leads and (brief.anchored and count > 3 or planted):
         builder.constraints += sway(brief, task.direction, magnitude, count, task.window)
     else:
         _alternate(task, ActionType.TRANSLATION, magnitude, divide_swings(task.window, count, held))
