@@ -150,7 +150,7 @@ def needs_weight(motion: ExpectedMotion, up: Vector) -> bool:
 
 
 def find_blow(plan: Sequence[ExpectedMotion], up: Vector) -> Literal["above", "aside"] | None:
-    """Where from the object is hit, if that is all that is planned: from above, or from a side that is dented."""
+    """The side from which the object is hit, if nothing else is planned: from above, or from a side that is dented."""
     moves = [each for each in plan if each.kind is not MotionKind.STILL]
     if not moves or not all(each.sudden and each.limb is None for each in moves):
         return None

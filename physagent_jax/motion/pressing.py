@@ -9,8 +9,8 @@ from physagent_jax.motion.schema import ExpectedMotion, SceneBrief
 from physagent_jax.motion.vectors import add, cosine, cross, scale
 
 _VERTICAL = 0.7  # cosine
-_DENT = 0.4  # [box] twice as far as a dent reaches from its middle: up and down, to either side, inwards
-_DEEP = 0.6  # of a squeeze's strain, by which a dent goes in
+_DENT = 0.35  # [box] twice as far as a dent reaches from its middle: up and down, to either side, inwards
+_DEEP = 1.2  # of a squeeze's strain, by which a dent goes in: much of it is given way to
 
 
 def find_pressed(

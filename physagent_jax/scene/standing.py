@@ -97,7 +97,7 @@ def make_stand(
         keep_material: Leave the stiffness as it is: somebody has chosen it.
         keep_weight: Leave gravity as it is: the sentence needs it. What cannot bear its weight then collapses.
         let_go: Leave it free: the sentence or the user says so.
-        struck: Where from it is hit and pressed in.
+        struck: Side from which it is hit and pressed in.
     """
     template, support = hold_upright(
         template, body, keep_material=keep_material, keep_weight=keep_weight, let_go=let_go, struck=struck

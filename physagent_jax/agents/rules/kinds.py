@@ -49,7 +49,7 @@ TURNING = 0.8  # the same of an end that is turned
 _VERTICAL = 0.7  # cosine
 _OVER = 120.0  # [degrees] about a level line, from where on something is turned over
 _TILT = 60.0  # [degrees] up to which what stands is tilted
-_PRESSED = 0.07  # of its height, by which a plain blow presses what stands: it springs back, and would jump; held at its feet, twice as deep
+_PRESSED = 0.07  # of its height, by which a plain blow presses what stands: held at its feet, twice as deep
 _RAISED = 20.0  # [degrees] by which it is tilted where one side is raised
 _NO_WAY = (0.0, 0.0, 0.0)
 _PLATE = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
@@ -283,17 +283,14 @@ def _strike(wish: Wish) -> _Replaced:
     if not expectation.sudden or not blows:
         return None
     stands = cosine(expectation.direction or _NO_WAY, brief.directions.down) >= _VERTICAL
-    stands &= (
-        brief.world == "ground" and not wish.force_field.default_drop and "top" not in (brief.anchored or "")
-    )
+    stands &= brief.world == "ground" and not wish.force_field.default_drop
+    stands &= "top" not in (brief.anchored or "")
     causes = [c for c in blows if c.item.region is not None or (brief.anchored and not stands)]
     if causes:
         return replace_blows(wish, causes), "it changes the velocity at once, before the rest can answer"
     if not stands:
         return None
-    effort = (
-        _PRESSED * (2 if brief.anchored else 1) * wish.reference / PRESCRIBED_TRAVEL
-    )  # magnitude times frames
+    effort = (1 + bool(brief.anchored)) * _PRESSED * wish.reference / PRESCRIBED_TRAVEL
     frames = max(float(round(BLOW / brief.frame_dt)), 2.0)
     spans = [(cause.item.magnitude * effort / frames, wish.get_span([cause])[0]) for cause in blows]
     plates = [_prescribe(_PLATE, brief.directions.down, size, (at, at + frames), None) for size, at in spans]
