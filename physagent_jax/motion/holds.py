@@ -20,7 +20,7 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.forces.skills import get_skill
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind
 from physagent_jax.motion.swaying import bends
-from physagent_jax.motion.vectors import cosine
+from physagent_jax.motion.vectors import cosine, scale
 
 _UPWARD = 0.5  # cosine to the vertical from which on a way leads up
 _LEVEL = 0.7  # cosine to the vertical below which an axis is level
@@ -149,16 +149,16 @@ def needs_weight(motion: ExpectedMotion, up: Vector) -> bool:
     return motion.kind is MotionKind.FALL or tips or motion.kind is MotionKind.MOVE and motion.sudden
 
 
-def find_blow(plan: Sequence[ExpectedMotion], up: Vector) -> Literal["above", "aside"] | None:
-    """The side from which the object is hit, if nothing else is planned: from above, or from a side that is dented."""
+def find_blow(plan: Sequence[ExpectedMotion], up: Vector) -> Vector | None:
+    """The way of a blow that presses the object in, from above or at a side, if nothing else is planned."""
     moves = [each for each in plan if each.kind is not MotionKind.STILL]
     if not moves or not all(each.sudden and each.limb is None for each in moves):
         return None
     whole = len(_keep_whole(moves)) == len(moves)
     if whole and all(each.kind is MotionKind.MOVE and _find_height(each, up) < -_LEVEL for each in moves):
-        return "above"
+        return scale(up, -1.0)
     dents = (each.kind is MotionKind.SQUEEZE and abs(_find_height(each, up)) < _LEVEL for each in moves)
-    return "aside" if all(dents) else None
+    return moves[0].direction if all(dents) else None
 
 
 def _name(motion: ExpectedMotion) -> str:

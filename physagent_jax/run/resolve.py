@@ -159,8 +159,8 @@ class ResolvedRun:
     def find_hold(self, reply: SemanticReply, body: Body) -> Hold | None:
         """The hold of the object, given the sentence's ``reply``; None if nothing holds it."""
         hold = find_hold(self.spec.anchor, self.template.source.kind, reply.anchor)
-        supported = hold is None and self.place_for_agents(body, reply).anchor.kind != "none"
-        return Hold("base", HoldOrigin.SUPPORT) if supported else hold
+        place = "none" if hold is not None else self.place_for_agents(body, reply).anchor.kind
+        return hold if place == "none" else Hold(place, HoldOrigin.SUPPORT)
 
     def with_reply(self, reply: SemanticReply) -> SceneTemplate:
         """The template with what the sentence says about material, holding, the world and the clip's length."""

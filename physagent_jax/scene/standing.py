@@ -16,10 +16,11 @@ import dataclasses
 import math
 import warnings
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
+from physagent_jax.core.strict import Vector
+from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.burden import Burden, find_burden, find_firmness
 from physagent_jax.scene.config import Anchor, Bearing, Domain, Material, MaterialModel, Source
@@ -44,7 +45,9 @@ SEEN_SAG = 1e-3  # [L] by which an object's weight bends it, below which it is a
 TOPPLES = 0.0  # [L] of overhang from which on an object does not stand
 UNSTEADY = 3.0  # [degrees] of tilt that a touch gives: what falls over by less does not stand by itself
 HOPS_OVER = 30.0  # [degrees] of the same: what is steadier lands on its feet where it is hit from above
+BEHIND = 0.5  # of its extent along a blow on a side, beyond which it is held
 LIGHT = 0.5  # share of its weight, with less of which nothing keeps an object on the ground
+_LEVEL = 0.7  # component along the vertical below which a way is level
 HELD_FOOT = 0.1  # of its height, that is held of what would fall over: its feet
 
 
@@ -87,7 +90,7 @@ def make_stand(
     keep_material: bool = False,
     keep_weight: bool = False,
     let_go: bool = False,
-    struck: Literal["above", "aside"] | None = None,
+    struck: Vector | None = None,
 ) -> tuple[SceneTemplate, tuple[str, ...]]:
     """The template in which the object stays as it was captured, and in words what had to be changed for it.
 
@@ -97,7 +100,7 @@ def make_stand(
         keep_material: Leave the stiffness as it is: somebody has chosen it.
         keep_weight: Leave gravity as it is: the sentence needs it. What cannot bear its weight then collapses.
         let_go: Leave it free: the sentence or the user says so.
-        struck: Side from which it is hit and pressed in.
+        struck: Way of a blow that presses it in, unit vector.
     """
     template, support = hold_upright(
         template, body, keep_material=keep_material, keep_weight=keep_weight, let_go=let_go, struck=struck
@@ -113,7 +116,7 @@ def hold_upright(
     keep_material: bool = False,
     keep_weight: bool = False,
     let_go: bool = False,
-    struck: Literal["above", "aside"] | None = None,
+    struck: Vector | None = None,
 ) -> tuple[SceneTemplate, tuple[str, ...]]:
     """The template with the feet held of what its weight does not keep upright, and why in words.
 
@@ -131,10 +134,12 @@ def hold_upright(
     elif (angle := find_tipping_angle(body, overhang)) < UNSTEADY:
         why = f"the object falls over once it is tilted by {angle:.2g} degrees"
         result = "a touch would knock it over"
-    elif struck == "above" and angle < HOPS_OVER:
+    elif struck and abs(struck[2]) < _LEVEL:
+        why = "the object is pressed in from a side: the half behind is held, or it would slide away"
+        held = Anchor(kind="region", region=make_end_region(struck, BEHIND), reason=why)
+        return dataclasses.replace(template, anchor=held), (why,)
+    elif struck and angle < HOPS_OVER:
         why, result = "the object is hit from above", "it would hop and fall over"
-    elif struck == "aside":
-        why, result = "the object is pressed in from a side", "it would slide away"
     elif (weight := _bear(template, body, keep_material, keep_weight)[0].world.weight) < LIGHT:
         why = f"the object can bear {100 * weight:.2g} % of its weight"
         result = "a touch would carry it away"

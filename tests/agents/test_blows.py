@@ -80,8 +80,8 @@ def test_a_side_is_dented_from_there(prompt, way):
 @pytest.mark.parametrize(
     ("prompt", "where"),
     [
-        ("hit the statue from above", "above"),
-        ("dent the left side of the statue", "aside"),
+        ("hit the statue from above", "down"),
+        ("dent the left side of the statue", "right"),
         ("hit the statue from the left", None),
         ("hit the head of the statue from above", None),
         ("hit the statue from above, then push it to the left", None),
@@ -89,7 +89,9 @@ def test_a_side_is_dented_from_there(prompt, way):
     ],
 )
 def test_blows_that_would_make_it_hop_or_slide_are_told(prompt, where):
-    assert find_blow(compile_whole(prompt).expectations, ON_THE_GROUND.directions.up) == where
+    table = ON_THE_GROUND.directions
+    way = find_blow(compile_whole(prompt).expectations, table.up)
+    assert way == (where and pytest.approx(getattr(table, where)))
 
 
 def test_what_is_held_at_its_feet_is_pressed_as_well():

@@ -11,6 +11,7 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.run.resolve import resolve
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene import burden
+from physagent_jax.scene.anchor import select_anchored
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.burden import measure_burden
 from physagent_jax.scene.fuse import fuse
@@ -173,7 +174,7 @@ def test_feet_are_held_only_of_what_would_fall_over(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("width", "struck", "held"), [(0.04, None, True), (0.3, None, False), (0.3, "above", True)]
+    ("width", "struck", "held"), [(0.04, None, True), (0.3, None, False), (0.3, (0.0, 0.0, -1.0), True)]
 )
 def test_feet_are_held_of_what_a_touch_or_the_blow_would_topple(width, struck, held, tmp_path):
     """A pole that stands on so little, and a pillar only where it is hit from above."""
@@ -181,6 +182,16 @@ def test_feet_are_held_of_what_a_touch_or_the_blow_would_topple(width, struck, h
     template, body, _ = template_of(tmp_path / "thing.obj")
     assert (hold_upright(template, body, struck=struck)[0].anchor.kind == "base") is held
     assert hold_upright(template, body, struck=struck, let_go=True) == (template, ())
+
+
+def test_the_half_behind_is_held_of_what_is_dented(tmp_path):
+    """Held at its feet alone, a truck was torn off its wheels."""
+    trimesh.creation.box((1.0, 0.5, 0.5)).export(tmp_path / "thing.obj")
+    template, body, _ = template_of(tmp_path / "thing.obj")
+    anchor = hold_upright(template, body, struck=(1.0, 0.0, 0.0))[0].anchor
+    held = select_anchored(anchor, body.particles.x, body.particles.gaussian_index, ".")
+    x = body.particles.x[:, 0]
+    assert held.any() and (held == (x > x.mean())).mean() > 0.95
 
 
 @pytest.mark.parametrize("parts", [{"world": "free"}, {"material": {"name": "sand"}}])
