@@ -55,7 +55,8 @@ def read_for_scene(run: ResolvedRun, body: Body, ask: Ask) -> Reply[SemanticRepl
 def place_for_field(run: ResolvedRun, body: Body, field: ForceField) -> tuple[SceneTemplate, tuple[str, ...]]:
     """The scene for a force field without a sentence, as `ResolvedRun.place` gives it, free if the field needs that.
 
-    A hold that somebody has chosen stays, whatever the field: it may be one of many that are tried.
+    A hold that somebody has chosen stays, whatever the field: it may be one of many that are tried. Feet that are held
+    only so that the object stands are let go: no sentence says that it stays.
 
     Args:
         run: The run.
@@ -63,6 +64,9 @@ def place_for_field(run: ResolvedRun, body: Body, field: ForceField) -> tuple[Sc
         field: What acts.
     """
     reply = SemanticReply(force_field=field)
+    hold = run.find_hold(reply, body)
+    if hold is not None and hold.origin is HoldOrigin.SUPPORT:
+        return run.place(body, LET_GO)
     if (release := find_release(run, body, reply)) is None:
         return run.place(body)
     template, notes = run.place(body, _let_go(release))
