@@ -10,7 +10,7 @@ from physagent_jax.motion.vectors import add, cosine, cross, scale
 
 _VERTICAL = 0.7  # cosine
 _DENT = 0.35  # [box] twice as far as a dent reaches from its middle: up and down, to either side, inwards
-_DEEP = 1.2  # of a squeeze's strain, by which a dent goes in: much of it is given way to
+_DEEP = 1.0  # of a squeeze's strain, by which a dent goes in: much of it is given way to
 
 
 def find_pressed(
