@@ -21,7 +21,7 @@ from jax._src import compiler
 from jax._src.lib.mlir import ir
 
 from physagent_jax.kernels import programs
-from physagent_jax.scene import burden
+from physagent_jax.scene import body, burden
 from physagent_jax.scene.presets import PRESETS, PresetName
 
 REPOSITORY = Path(__file__).resolve().parents[1]
@@ -179,6 +179,7 @@ def quick_plans(monkeypatch):
     parts = {name: getattr(fast, name).model_copy(update=change) for name, change in changes.items()}
     monkeypatch.setitem(PRESETS, PresetName.FAST, dataclasses.replace(fast, **parts))
     monkeypatch.setattr(burden, "MOST_CELLS", 60)
+    monkeypatch.setattr(body, "SHAPE_POINTS", 2500)
 
 
 @pytest.fixture

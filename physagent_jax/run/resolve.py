@@ -92,8 +92,8 @@ class ResolvedRun:
         """
         table = find_viewer_directions(self.template.camera)
         viewer = Frame(toward=np.asarray(table["toward"]), right=np.asarray(table["right"]))
-        points, words = np.asarray(body.particles.x, np.float64), split_name(self.spec.prompt or "")
-        return (*body.parts, *find_places(points, body.parts, words, self.template.source.name, viewer))
+        words = split_name(self.spec.prompt or "")
+        return (*body.parts, *find_places(body.shape, body.parts, words, self.template.source.name, viewer))
 
     def place_for_agents(self, body: Body, reply: SemanticReply | None = None) -> SceneTemplate:
         """The scene as `place` has it but for the stiffness, which agents are not told and which takes longest.

@@ -30,6 +30,7 @@ from physagent_jax.scene.pieces import LoosePiece, explain_loose, join_pieces
 from physagent_jax.scene.placement import Placement, place
 
 FEWEST_PER_CELL = 3
+SHAPE_CELLS, SHAPE_POINTS = 48, 20_000  # along the longest side, and in all, of the cloud that shows the parts
 
 
 @dataclasses.dataclass(frozen=True)
@@ -83,8 +84,17 @@ class Body:
             UserError: What a person names is no part of it.
         """
         points = np.asarray(self.particles.x, np.float64)
-        found = join_parts(points, self.named, find_parts(points))
+        found = join_parts(points, self.named, find_parts(self.shape))
         return choose_parts(points, found, self.choices, self.placement)
+
+    @functools.cached_property
+    def shape(self) -> np.ndarray:
+        """Points that show its shape, surface and inside, however few particles a run has [m], shape (n, 3)."""
+        dx = 2 * self.extent / SHAPE_CELLS
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # they are heeded when its particles are made
+            filled = fill(self.cloud, Filling(cells=SHAPE_CELLS, max_particles=SHAPE_POINTS), dx=dx)
+        return np.asarray(join_pieces(filled, dx)[0].x, np.float64)
 
 
 def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | Path) -> Body:
