@@ -15,7 +15,7 @@ from physagent_jax.forces.calibration import FRICTION
 from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.holds import Hold
-from physagent_jax.motion.schema import AnchorRequest, WorldRequest
+from physagent_jax.motion.schema import AnchorRequest, MotionKind, WorldRequest
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.holding import check_hold, find_hold
 from physagent_jax.run.material import resolve_material
@@ -37,6 +37,7 @@ from physagent_jax.scene.config import Anchor, CameraConfig, Domain, Material, P
 from physagent_jax.scene.config.material import MODEL_PARAMETERS
 from physagent_jax.scene.config.photo import ELEVATION
 from physagent_jax.scene.load import hash_file, is_photo
+from physagent_jax.scene.part_view import find_part_motion, turn_to_parts
 from physagent_jax.scene.parts import Frame, find_places
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import (
@@ -126,6 +127,7 @@ class ResolvedRun:
                 reply.unknown_parts, brief, f"`physagent inspect {self.spec.object.path}` draws them"
             )
         template, told = self._apply(reply)
+        template = self._look_at_parts(template, body, reply)
         hold = self.find_hold(reply)
         held = () if hold is None else check_hold(hold, template.anchor, body, reply, self.base_dir)
         said = self.find_material(reply).preset
@@ -141,6 +143,21 @@ class ResolvedRun:
             told = (*told, STIFF_NOTE.format(bearing.most))
             standing, notes = make_stand(make_rigid(template), body, **options)
         return standing, (*told, *held, *notes)
+
+    def _look_at_parts(self, template: SceneTemplate, body: Body, reply: SemanticReply) -> SceneTemplate:
+        """The template with a camera that sees the parts move, where the whole stays in its place."""
+        asked = [each for each in reply.expectations if each.kind is not MotionKind.STILL]
+        if not template.camera.turn or not asked or any(each.limb is None for each in asked):
+            return template
+        parts = self.list_parts(body)
+        motions = [
+            find_part_motion(
+                parts[each.limb], body.shape, each.direction, turns=each.kind is MotionKind.ROTATE
+            )
+            for each in asked
+            if each.limb is not None and each.direction is not None
+        ]
+        return dataclasses.replace(template, camera=turn_to_parts(template.camera, body.shape, motions))
 
     def find_material(self, reply: SemanticReply) -> SaidMaterial:
         """The material that the sentence chooses, given its ``reply``."""
