@@ -9,7 +9,7 @@ from physagent_jax.agents import intent
 from physagent_jax.agents.compiler.amounts import MOST, find_target
 from physagent_jax.agents.compiler.directions import TOWARDS, sum_directions, take_heading
 from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueSource, WayKind
-from physagent_jax.agents.compiler.limbs import find_limbs, sticks_out
+from physagent_jax.agents.compiler.limbs import find_limbs, find_roles, sticks_out
 from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
@@ -268,7 +268,8 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
     if event.parts and not (event.effect is Effect.STRIKE and named[0].phrase in read_lexicon().fronts):
         event.limbs = find_limbs(named[0], brief)  # a blow on the belly drives all of it away
     if event.limbs:
-        doubt = explain_guess(named[0].text, brief.parts, event.limbs, plural=is_plural(named[0].text))
+        text, roles = named[0].text, find_roles(named[0].phrase)
+        doubt = explain_guess(text, brief.parts, event.limbs, plural=is_plural(text), roles=roles)
         event.doubts += filter(None, [doubt])
         part = brief.parts[event.limbs[0]]
         event.region, event.part = part.moved, part.side

@@ -112,7 +112,8 @@ class _Parents:
                         name=side + word, origin="place", seated=True, arm=self._find_arm(mask, row, sign)
                     )
                     told |= dict(confidence=1.0 if part is None else part.confidence)
-                    told |= self._hang(mask) if row.get("hangs") else {}
+                    told |= self._hang(mask, -_UP) if row.get("hangs") else {}
+                    told |= self._hang(mask, sign * self._side) if row.get("flap") else {}
                     found.append(fit_part(self.points, mask, joined=True).model_copy(update=told))
         return found
 
@@ -128,14 +129,15 @@ class _Parents:
         length = float(np.ptp(self.points[mask] @ way) / np.ptp(self.points, axis=0).max())
         return tuple(np.round(length * way, 4).tolist())
 
-    def _hang(self, mask: np.ndarray) -> dict[str, Any]:
-        """The joint of a region at its upper end, the way from there to its lower end, and the spread of the joint."""
+    def _hang(self, mask: np.ndarray, way: np.ndarray) -> dict[str, Any]:
+        """The joint of a region that points a way, from there to its far end, and the spread of the joint."""
         own, low = self.points[mask], self.points.min(0)
         box, size = np.maximum(np.ptp(self.points, axis=0), 1e-12), float(np.ptp(self.points, axis=0).max())
-        levels = np.quantile(own[:, 2], [_SHOULDER, 1 - _SHOULDER])
-        lower, upper = own[own[:, 2] <= levels[0]], own[own[:, 2] >= levels[1]]
-        joint = upper.mean(0)
-        told = dict(joint=(joint - low) / box, arm=(lower.mean(0) - joint) / size, neck=upper.std(0) / size)
+        along = own @ way
+        levels = np.quantile(along, [_SHOULDER, 1 - _SHOULDER])
+        near, far = own[along <= levels[0]], own[along >= levels[1]]
+        joint = near.mean(0)
+        told = dict(joint=(joint - low) / box, arm=(far.mean(0) - joint) / size, neck=near.std(0) / size)
         return dict(seated=False) | {key: tuple(np.round(each, 4).tolist()) for key, each in told.items()}
 
     def _list(self, of: str) -> list[tuple[np.ndarray, Part | None]]:
@@ -168,6 +170,10 @@ class _Parents:
             if key in row:
                 place = self._measure(parent, way)
                 mask &= (place >= row[key][0]) & (place <= row[key][1])
+        if "ring" in row:
+            places = [2 * self._measure(parent, way) - 1 for way in np.eye(3)[:2]]
+            away = np.hypot(*places)
+            mask &= (away >= row["ring"][0]) & (away <= row["ring"][1] * np.sqrt(2))
         if "side" in row:
             place = np.abs(2 * self._measure(parent, self._side) - 1)
             mask &= (place >= row["side"][0]) & (place <= row["side"][1])
