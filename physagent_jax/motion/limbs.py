@@ -11,6 +11,7 @@ from physagent_jax.forces.part import Part
 from physagent_jax.motion.schema import SceneBrief
 from physagent_jax.motion.vectors import add, cosine, cross, norm, normalise, scale
 
+_WORLD_AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _LEVEL = 0.5  # cosine to the vertical below which a line is level
 _THERE = 0.2  # cosine to a side from which on a limb is on it
 PLACES = ("top", "bottom", "side")
@@ -86,3 +87,17 @@ def find_level_line(brief: SceneBrief) -> Vector:
     across = max(pairs, default=(0.0, (0.0, 0.0, 0.0)))[1]
     beside = normalise(cross(brief.directions.up, across))
     return find_front(brief.parts) or (beside if abs(across[2]) < _LEVEL else None) or brief.directions.toward
+
+
+def sum_directions(names: Sequence[str], brief: SceneBrief) -> Vector:
+    """Sum of directions by their names, those of the viewer, of the world and of the object (not normalised).
+
+    Args:
+        names: Such as "left", "x", "long" (its long axis), "own" (its level line) and "beside" (across that).
+        brief: The scene.
+    """
+    table, long, own = brief.directions, brief.long_axis, find_level_line(brief)
+    lines = {"long": long or table.up, "lengthwise": long or table.right, "own": own}
+    lines["beside"] = normalise(cross(own, table.up)) or table.left
+    known = _WORLD_AXES | lines
+    return add(known.get(name) or getattr(table, name) for name in names)

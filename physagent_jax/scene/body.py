@@ -30,7 +30,10 @@ from physagent_jax.scene.pieces import LoosePiece, explain_loose, join_pieces
 from physagent_jax.scene.placement import Placement, place
 
 FEWEST_PER_CELL = 3
-SHAPE_CELLS, SHAPE_POINTS = 48, 20_000  # along the longest side, and in all, of the cloud that shows the parts
+SHAPE_CELLS, SHAPE_POINTS = (
+    48,
+    20_000,
+)  # along the longest side, and in all, of the cloud that shows the parts
 
 
 @dataclasses.dataclass(frozen=True)

@@ -14,16 +14,15 @@ from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueS
 from physagent_jax.agents.lexicon import Effect, Names, read_lexicon
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion.axes import find_lean_axis, find_turn_towards
-from physagent_jax.motion.limbs import find_level_line
+from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.schema import SceneBrief
-from physagent_jax.motion.vectors import add, cross, dot, normalise, scale
+from physagent_jax.motion.vectors import add, dot, normalise, scale
 
 ASSUMED = "left"
 TOWARDS = (Effect.PUSH, Effect.STRIKE, Effect.SCALE, Effect.LEAN, Effect.ROLL, Effect.JUMP, Effect.TOPPLE)
 """Effects that go a way."""
 _NO_WAY = (Effect.FALL, Effect.HOLD, Effect.RELEASE, Effect.STILL, Effect.SWELL, Effect.BURST)
 _LEVEL = 0.5  # cosine to the vertical below which a way is level
-_WORLD_AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _NORMALS: dict[Names, Names] = {("right",): ("up",), ("up",): ("right",)}
 """Turning horizontally is about the vertical."""
 
@@ -34,17 +33,6 @@ class Heading(NamedTuple):
     vector: Vector | None
     words: str
     why: str
-
-
-def sum_directions(names: Names, brief: SceneBrief) -> Vector:
-    """Sum of named directions (not normalised)."""
-    table = brief.directions
-    long = brief.long_axis
-    own = find_level_line(brief)  # "own" is along it, "beside" across
-    lines = {"long": long or table.up, "lengthwise": long or table.right, "own": own}
-    lines["beside"] = normalise(cross(own, table.up)) or table.left
-    known = _WORLD_AXES | lines
-    return add(known.get(name) or getattr(table, name) for name in names)
 
 
 def take_heading(event: Event, brief: SceneBrief) -> None:

@@ -10,14 +10,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from physagent_jax.agents.compiler.directions import sum_directions
 from physagent_jax.agents.compiler.events import Event, KnownPart
 from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.forces.part import is_plural, split_name
 from physagent_jax.forces.schema import ConstraintType, VelocityConstraint
 from physagent_jax.motion.joints import Turning
-from physagent_jax.motion.limbs import LOOSE, PLACES, choose_parts, find_front
+from physagent_jax.motion.limbs import LOOSE, PLACES, choose_parts, find_front, sum_directions
 from physagent_jax.motion.parts import find_named, join_rest
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.swaying import FOOT, leads_aside, lies, rocks

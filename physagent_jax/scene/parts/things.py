@@ -83,16 +83,20 @@ class Things:
     def list_possible(self, index: int, found: Told) -> tuple[PartRole, ...]:
         """What a limb may be as well, of which only the place is known, and no other one like it.
 
-        A pair across the mirror plane may be ears or horns if it points up, and wings or arms; a lone limb on the plane
-        may be a head if it is on top and no slim one, and a tail if it is at a side.
+        A pair across the mirror plane may be ears or horns if it points up, else wings or arms; wings and arms may be
+        ears of what is a mere head. A lone limb on the plane may be a head if it is on top and no slim one, and a tail
+        if it is at a side.
         """
         limb, (place, *told), partner = self.limbs[index], found[index], self.partners[index]
+        if place in ("wing", "arm") and not told and {("head",), ("leg",), ("ear",)}.isdisjoint(found.values()):
+            return ("ear",)
         if told or place not in ("top", "side"):
             return ()
         if partner is not None:
             points_up = (limb.tip - limb.joint)[2] > _RISE * float(np.linalg.norm(limb.tip - limb.joint))
             paired = found.get(partner) == found[index] and len(self._list_pairs(found)) == 2
-            return () if not paired else ("ear", "horn") if points_up else ("wing", "arm")
+            up = ("horn",) if {("wing",), ("arm",)} & set(found.values()) else ("ear", "horn")
+            return () if not paired else up if points_up else ("wing", "arm")
         alone = [k for k in found if found[k] == (place,)] == [index]
         off = abs(float(self.mirror.measure(limb.centre)))
         if not alone or off > _CENTRED * self.height or place == "top" and limb.slimness > _SLIM:
@@ -101,7 +105,8 @@ class Things:
 
     def _list_pairs(self, found: Told) -> list[int]:
         """The limbs of which only the place is known, and that have an image like them."""
-        return [k for k, p in enumerate(self.partners) if p is not None and found.get(k) == found.get(p) in (("top",), ("side",))]
+        placed = [k for k in found if found[k] in (("top",), ("side",))]
+        return [k for k in placed if (p := self.partners[k]) is not None and found.get(p) == found[k]]
 
     def _name_side(self, index: int, found: Told) -> tuple[PartRole, ...]:
         """The roles of a limb that is no handle."""
