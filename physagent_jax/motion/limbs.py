@@ -7,13 +7,14 @@ import math
 from collections.abc import Sequence
 
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.part import Part
+from physagent_jax.forces.part import Part, split_name
 from physagent_jax.motion.schema import SceneBrief
 from physagent_jax.motion.vectors import add, cosine, cross, norm, normalise, scale
 
 _WORLD_AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _LEVEL = 0.5  # cosine to the vertical below which a line is level
 _THERE = 0.2  # cosine to a side from which on a limb is on it
+_OWN_SIDES = frozenset(("left", "right"))
 PLACES = ("top", "bottom", "side")
 """Roles that tell a part's place alone: a word for another part takes it where it is the only one there."""
 SEATED = frozenset(("crown", "lid", "knob", "top"))
@@ -23,7 +24,7 @@ LOOSE = frozenset((*PLACES, "lid", "knob", "crown"))
 
 
 def choose_parts(
-    parts: Sequence[Part], roles: Sequence[str], side: Vector | None, plural: bool
+    parts: Sequence[Part], roles: Sequence[str], side: Vector | None, plural: bool, words: str = ""
 ) -> tuple[int, ...]:
     """Places of the parts that a word means.
 
@@ -32,6 +33,7 @@ def choose_parts(
         roles: Roles that the word may mean, likeliest first: the first that the object has is meant.
         side: Where the part is (world vector); None = not told. One part is chosen then.
         plural: Whether all of them are meant.
+        words: What the sentence says of it: where the file has a left and a right one, left is as the file has it.
 
     Returns:
         Places in ``parts``, likeliest first; empty if there is none, or several of which only the place is known.
@@ -39,6 +41,10 @@ def choose_parts(
     for role in roles:
         fitting = [index for index, each in enumerate(parts) if role in each.roles]
         fitting = [index for index in fitting if parts[index].name] or fitting  # what is named goes first
+        own = _OWN_SIDES.intersection(split_name(words))
+        sided = [index for index in fitting if own and own <= set(split_name(parts[index].name))]
+        if sided:
+            return tuple(sided if plural else sided[:1])
         nearness = {index: _find_nearness(parts[index], side) for index in fitting}
         fitting = [index for index in fitting if nearness[index] > _THERE]
         fitting.sort(key=lambda index: (-nearness[index], -parts[index].share))

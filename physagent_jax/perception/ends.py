@@ -2,8 +2,8 @@
 
 An end is the third of the surface seen in frame 0 that lies farthest along a world axis. Its points are fitted apart
 from the rest's, link by link as the whole object's are (`follow`): a link's new points belong to the end whose earlier
-points lie beside them. Where parts are asked for, ends are those of the rest: else a large shade on a slim pole would be
-its own other end.
+points lie beside them. Where parts are asked for, ends are those of the rest: else a large shade on a slim pole would
+be its own other end.
 """
 
 from __future__ import annotations

@@ -139,10 +139,13 @@ class View:
         return [normalise(way) or way for way in ways if norm(way) > _TOPPLES]
 
     def fit_to_limb(self, tolerance: Tolerance, motion: ExpectedMotion) -> Tolerance:
-        """A way's tolerance in lengths of the limb that is asked about; unchanged where none is."""
+        """A way's tolerance in lengths of the limb that is asked about; unchanged where none is.
+
+        What is followed is the middle of it, which goes half as far as its tip.
+        """
         if motion.limb is None:
             return tolerance
-        return tolerance.scaled(norm(self.brief.parts[motion.limb].arm), least=tolerances.VISIBLE)
+        return tolerance.scaled(norm(self.brief.parts[motion.limb].arm), least=0.5 * tolerances.VISIBLE)
 
     def find_end(self, direction: Vector) -> PartMotion | None:
         """The end towards a direction; None if the report tells no ends apart."""

@@ -88,7 +88,11 @@ class Things:
         if it is at a side.
         """
         limb, (place, *told), partner = self.limbs[index], found[index], self.partners[index]
-        if place in ("wing", "arm") and not told and {("head",), ("leg",), ("ear",)}.isdisjoint(found.values()):
+        if (
+            place in ("wing", "arm")
+            and not told
+            and {("head",), ("leg",), ("ear",)}.isdisjoint(found.values())
+        ):
             return ("ear",)
         if told or place not in ("top", "side"):
             return ()
