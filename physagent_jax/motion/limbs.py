@@ -13,6 +13,7 @@ from physagent_jax.motion.vectors import add, cosine, cross, norm, normalise, sc
 
 _WORLD_AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _LEVEL = 0.5  # cosine to the vertical below which a line is level
+_ALIKE = 0.7  # share of the object over the largest's, from which on a part is as likely as that
 _THERE = 0.2  # cosine to a side from which on a limb is on it
 _OWN_SIDES = frozenset(("left", "right"))
 PLACES = ("top", "bottom", "side")
@@ -24,7 +25,12 @@ LOOSE = frozenset((*PLACES, "lid", "knob", "crown"))
 
 
 def choose_parts(
-    parts: Sequence[Part], roles: Sequence[str], side: Vector | None, plural: bool, words: str = ""
+    parts: Sequence[Part],
+    roles: Sequence[str],
+    side: Vector | None,
+    plural: bool,
+    adjective: str = "",
+    toward: Vector = (0.0, 0.0, 0.0),
 ) -> tuple[int, ...]:
     """Places of the parts that a word means.
 
@@ -33,7 +39,9 @@ def choose_parts(
         roles: Roles that the word may mean, likeliest first: the first that the object has is meant.
         side: Where the part is (world vector); None = not told. One part is chosen then.
         plural: Whether all of them are meant.
-        words: What the sentence says of it: where the file has a left and a right one, left is as the file has it.
+        adjective: The sentence's word for its side: where the file has a left and a right one, left is as the file
+            has it.
+        toward: The viewer's direction: of parts that are alike, the one that is seen best is likeliest.
 
     Returns:
         Places in ``parts``, likeliest first; empty if there is none, or several of which only the place is known.
@@ -41,13 +49,17 @@ def choose_parts(
     for role in roles:
         fitting = [index for index, each in enumerate(parts) if role in each.roles]
         fitting = [index for index in fitting if parts[index].name] or fitting  # what is named goes first
-        own = _OWN_SIDES.intersection(split_name(words))
-        sided = [index for index in fitting if own and own <= set(split_name(parts[index].name))]
+        sided = [index for index in fitting if adjective in _OWN_SIDES & {*split_name(parts[index].name)}]
         if sided:
             return tuple(sided if plural else sided[:1])
         nearness = {index: _find_nearness(parts[index], side) for index in fitting}
         fitting = [index for index in fitting if nearness[index] > _THERE]
-        fitting.sort(key=lambda index: (-nearness[index], -parts[index].share))
+        least = _ALIKE * max((parts[index].share for index in fitting), default=0.0)
+        seen = {
+            index: (cosine(parts[index].side, toward) if parts[index].share >= least else -1.0)
+            for index in fitting
+        }
+        fitting.sort(key=lambda index: (-nearness[index], -round(seen[index], 1), -parts[index].share))
         if role in PLACES and len(fitting) > 1 and not plural:
             continue
         if fitting:

@@ -428,3 +428,8 @@ def test_a_head_that_looks_aside_nods_down_and_shakes_levelly():
     head = make_part("head", (-0.3, 0, 0.05), (-0.9, 0, 0.4))
     nod, shake = (read(f"it {verb} its head", head, TAIL).expectations[0] for verb in ("nods", "shakes"))
     assert abs(nod.direction[2]) > 0.8 > 0.3 > abs(shake.direction[2])
+
+
+def test_of_parts_that_are_alike_the_one_in_front_is_meant():
+    legs = [make_part("leg", (0, 0, -0.3), (x, y, -0.6)) for x, y in ((0.1, 0.8), (-0.1, -0.8))]
+    assert [each.limb for each in read("bend one of its legs to the left", *legs).expectations] == [1]

@@ -45,7 +45,7 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     known = [
         each.model_copy(update=dict(roles=(*find_roles(each.name)[:1], *each.roles))) for each in brief.parts
     ]
-    return choose_parts(known, roles, side, is_plural(part.text), adjective)
+    return choose_parts(known, roles, side, is_plural(part.text), adjective, brief.directions.toward)
 
 
 def find_support(clauses: Sequence[Event], brief: SceneBrief, soft: bool = False) -> AnchorRequest:

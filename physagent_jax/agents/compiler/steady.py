@@ -95,9 +95,8 @@ class Task:
         for limb in event.limbs or (None,):
             part = event.part if limb is None else builder.brief.parts[limb].side
             away = event.radial and part and normalise(scale((part[0], part[1], 0.0), event.radial))
-            builder.expect(
-                kind, away or direction, window, event.text, **(values | dict(limb=limb, part=part) | more)
-            )
+            told = values | dict(limb=limb, part=part) | more
+            builder.expect(kind, away or direction, window, event.text, **told)
 
     def _find_duration(self) -> Amount | None:
         """The cause's duration, if the sentence says so in seconds or frames."""

@@ -81,7 +81,7 @@ class Things:
         return limb.prominence > _CLEAR and limb.share < _SMALL and on_top
 
     def list_possible(self, index: int, found: Told) -> tuple[PartRole, ...]:
-        """What a limb may be as well, of which only the place is known, and no other one like it.
+        """The roles that a limb may have as well, of which only the place is known, and no other one like it.
 
         A pair across the mirror plane may be ears or horns if it points up, else wings or arms; wings and arms may be
         ears of what is a mere head. A lone limb on the plane may be a head if it is on top and no slim one, and a tail
