@@ -157,12 +157,12 @@ def test_the_crust_of_a_disc_is_two_flaps_at_its_edge():
     inside = make_region_mask(left.moved, points)
     assert (left.name, right.name) == ("left crust", "right crust")
     away = np.hypot(*points[inside, :2].T)
-    assert points[inside, 0].max() < 0 and np.quantile(away, 0.01) > 0.3
+    assert points[inside, 0].max() < 0 and (away > 0.33).mean() > 0.9
     assert left.arm[0] < -0.03 and not left.seated  # it is lifted about its inner edge
 
 
 def test_the_head_of_a_tall_statue_is_its_top_and_nods_about_its_lower_end():
     points = make([((0, 0, 0), (0.15, 0.12, 0.5))])
     (head,) = find_places(points, (), ("head",), "statue", VIEWER)
-    assert points[make_region_mask(head.moved, points), 2].min() > 0.2 and head.arm[2] > 0.05
+    assert points[make_region_mask(head.moved, points), 2].min() > 0.15 and head.arm[2] > 0.05
     assert find_places(make([((0, 0, 0), (0.5, 0.3, 0.3))]), (), ("head",), "statue", VIEWER) == ()
