@@ -157,7 +157,7 @@ def test_the_crust_of_a_disc_is_two_flaps_at_its_edge():
     inside = make_region_mask(left.moved, points)
     assert (left.name, right.name) == ("left crust", "right crust")
     away = np.hypot(*points[inside, :2].T)
-    assert points[inside, 0].max() < 0 and (away > 0.33).mean() > 0.9
+    assert points[inside, 0].max() < 0 and np.quantile(away, 0.1) > 0.3
     assert left.arm[0] < -0.03 and not left.seated  # it is lifted about its inner edge
 
 
