@@ -141,16 +141,14 @@ class Turning:
         """
         if motion.kind is MotionKind.SWAY:
             return self._drive_swings(motion)
-        if motion.kind is MotionKind.ROTATE and motion.direction is not None and self._spins(motion):
+        axis = motion.direction
+        if motion.kind is MotionKind.ROTATE and axis is not None and self._spins(motion, axis):
             motion = motion.model_copy(update=dict(amount=Amount(value=_SPUN, unit="degrees")))
-            return [
-                self.turn(motion.direction, _SPUN, (motion.window[0], min(motion.window[1], until)), None)
-            ], motion
+            return [self.turn(axis, _SPUN, (motion.window[0], min(motion.window[1], until)), None)], motion
         window = self._find_window(motion, until)
         let_go = motion.released or motion.sudden and not motion.stays
         stop = None if let_go or until <= window[1] else until
-        if motion.kind is MotionKind.ROTATE and motion.direction is not None:
-            axis = motion.direction
+        if motion.kind is MotionKind.ROTATE and axis is not None:
             return [self.turn(axis, self.find_angle(motion, axis), window, stop)], motion
         way = motion.direction or self.swing
         place = self.part.origin == "place"  # it has no joint
@@ -160,17 +158,11 @@ class Turning:
             update=dict(direction=course)
         )
 
-    def _spins(self, motion: ExpectedMotion) -> bool:
+    def _spins(self, motion: ExpectedMotion, axis: Vector) -> bool:
         """Return whether it turns about the upright on what bears it, as a dish does: then by half a turn."""
-        axis, upright = motion.direction, self.brief.directions.up
-        return (
-            axis is not None
-            and motion.amount is None
-            and not motion.sudden
-            and _NECKED.isdisjoint(split_name(motion.words))
-            and not SEATED.isdisjoint(self.part.roles[:1])
-            and abs(dot(axis, upright)) > _ALONG
-        )
+        plain = motion.amount is None and not motion.sudden and _NECKED.isdisjoint(split_name(motion.words))
+        upright = abs(dot(axis, self.brief.directions.up)) > _ALONG
+        return plain and upright and not SEATED.isdisjoint(self.part.roles[:1])
 
     def _drive_swings(self, motion: ExpectedMotion) -> tuple[list[VelocityConstraint], ExpectedMotion]:
         """As `drive`, to and fro: each stroke takes as long as its angle needs."""
