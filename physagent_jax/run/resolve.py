@@ -54,6 +54,10 @@ from physagent_jax.scene.world import WORLDS, Obstacle, World
 
 LET_GO = SemanticReply(force_field=ForceField(), anchor=AnchorRequest(kind="none"))
 """A reply that asks for nothing but that the object be free."""
+VIEW_NOTE = (
+    "the camera stands at azimuth {:.0f}, where the part's motion is seen; left and right are told from where it stood "
+    "before; `--azimuth` keeps it elsewhere"
+)
 _PRESET_PARTS = ("domain", "filling", "timing", "transfer", "rendering")
 
 
@@ -127,7 +131,8 @@ class ResolvedRun:
                 reply.unknown_parts, brief, f"`physagent inspect {self.spec.object.path}` draws them"
             )
         template, told = self._apply(reply)
-        template = self._look_at_parts(template, body, reply)
+        before, template = template.camera, self._look_at_parts(template, body, reply)
+        viewed = () if template.camera == before else (VIEW_NOTE.format(template.camera.azimuth_degrees),)
         hold = self.find_hold(reply)
         held = () if hold is None else check_hold(hold, template.anchor, body, reply, self.base_dir)
         said = self.find_material(reply).preset
@@ -142,7 +147,7 @@ class ResolvedRun:
         if keeps and bearing is not None and is_stiffened(self.spec.material, said, bearing):
             told = (*told, STIFF_NOTE.format(bearing.most))
             standing, notes = make_stand(make_rigid(template), body, **options)
-        return standing, (*told, *held, *notes)
+        return standing, (*told, *held, *notes, *viewed)
 
     def _look_at_parts(self, template: SceneTemplate, body: Body, reply: SemanticReply) -> SceneTemplate:
         """The template with a camera that sees the parts move, where the whole stays in its place."""
