@@ -180,6 +180,7 @@ def quick_plans(monkeypatch):
     monkeypatch.setitem(PRESETS, PresetName.FAST, dataclasses.replace(fast, **parts))
     monkeypatch.setattr(burden, "MOST_CELLS", 60)
     monkeypatch.setattr(body, "SHAPE_POINTS", 2500)
+    monkeypatch.setattr(body, "SHAPE_CELLS", 24)
 
 
 @pytest.fixture

@@ -42,6 +42,7 @@ _ALONG = 0.85  # cosine to the limb from which on a way leads along it
 _REACH = 0.3  # of its length, by which a plain word moves a limb along itself
 _DENTED = 0.6  # the same of a region that is pressed into what it is one skin with
 _DRAWN = 0.08  # [body lengths] that such a region is drawn at least, or by its length, as its border hardly goes along
+_LIMIT = 0.6  # of its length, by which a short limb is drawn at most, so that it is seen
 _PRESSED, _DEEPEST = (
     0.5,
     0.6,
@@ -308,7 +309,8 @@ class Turning:
             size = self.brief.size if told.unit == "metres" else 1.0
             return self.driver.shift(way, told.value / size, window, stop)
         place, pressed = self.part.origin == "place", dot(self.arm, way) < -_ALONG
-        reach = _LIFTED if "lid" in self.part.roles[:1] else _REACH
+        drawn = clamp(_DRAWN / max(norm(self.part.arm), 1e-9), _REACH, _LIMIT)
+        reach = _LIFTED if "lid" in self.part.roles[:1] else drawn
         if place:
             reach = _DENTED if pressed else max(1.0, _DRAWN / max(norm(self.part.arm), 1e-9))
         made = self.driver.shift(way, reach * norm(self.part.arm) * angle / _PLAIN, window, stop)
