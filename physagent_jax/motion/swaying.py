@@ -8,7 +8,6 @@ rocks does not bend: it is tilted over the edges of its foot, to either side.
 from __future__ import annotations
 
 import itertools
-import re
 from collections.abc import Sequence
 
 from physagent_jax.core.strict import Vector
@@ -30,23 +29,21 @@ _TIME, _SWING = 1.0, 0.28  # [s] in which it is bent, at most, and of each swing
 _BACK = (-1.4, 0.55, -0.21, 0.06)
 _TILT = 9.0  # [degrees] that it rocks by to either side with a strength of 1
 _SETTLED = 0.2  # [s] for which it is kept upright where it has stopped rocking
-_ROCKS = frozenset(("rock", "teeter", "totter", "seesaw"))
 _REACH = 2.0  # [body lengths]: all of its foot borders on the rest
 _LEVEL = 0.7  # cosine to the vertical below which a way leads aside
-_BENDS = re.compile(r"\b(bend|bent|bow|lean|droop|sway|rock|wobbl|jiggl|teeter|totter)")
+_FOLDED, _UPRIGHT_FOLD = (
+    172.0,
+    150.0,
+)  # [degrees] that one half turns by onto the other: of what lies, and stands
+_CREASE = 0.15  # [body lengths] over which it is bent there
 HALF = "one half"  # the name of what bends about its middle
 FOOT = CellsRegion(inside=_LOW, outside=_HIGH, label="its foot")
 
 
 def bends(motion: ExpectedMotion) -> bool:
-    """Return whether a motion of the whole is one over its foot, by its verb: what is shaken may slide as well."""
+    """Return whether a motion of the whole is one over its foot, by its manner: what is shaken may slide as well."""
     kinds = (MotionKind.MOVE, MotionKind.SWAY)
-    return motion.kind in kinds and _BENDS.search(motion.words.lower()) is not None
-
-
-def rocks(verb: str) -> bool:
-    """Return whether what does it tilts over its foot as a whole."""
-    return verb in _ROCKS
+    return motion.kind in kinds and motion.manner in ("bend", "rock", "wobble")
 
 
 def leads_aside(way: Vector | None, brief: SceneBrief) -> bool:
@@ -106,6 +103,31 @@ def bend(
         for share, span, stop in swings
         for turn in _turn(brief, bodies, way, share * angle, span, stop if stop > span[1] else None, _CURVED)
     ]
+
+
+def find_fold(brief: SceneBrief) -> Part:
+    """The half of something that is laid onto the other: the far end of what lies, the upper half of what stands.
+
+    It turns about the face that comes to lie inside.
+    """
+    long, table = brief.long_axis, brief.directions
+    if long is not None and abs(dot(long, table.up)) > _LEVEL:
+        half, inside = _make_half(brief, 1.0 if dot(long, table.up) > 0 else -1.0), scale(table.toward, 0.3)
+    else:
+        level = table.right if long is None else long
+        flat = brief.model_copy(update=dict(long_axis=level))
+        half, inside = _make_half(flat, 1.0 if dot(level, table.right) > 0 else -1.0), scale(table.up, 0.5)
+    return half.model_copy(update=dict(joint=add((half.joint, inside))))
+
+
+def fold(brief: SceneBrief, window: Window) -> tuple[list[VelocityConstraint], Vector]:
+    """The turn of one half onto the other, where it is held, and the way in which its end goes (unit vector)."""
+    half, table = find_fold(brief), brief.directions
+    stands = abs(dot(half.arm, table.up)) > _LEVEL
+    way, angle = (table.toward, _UPRIGHT_FOLD) if stands else (table.up, _FOLDED)
+    end = min(window[1], window[0] + max(1.5 * _TIME / brief.frame_dt, 2.0))
+    turns = _turn(brief, [half], way, angle, (window[0], end), float(brief.last), _CREASE)
+    return turns, scale(half.arm, -1.0)
 
 
 def lies(brief: SceneBrief) -> bool:

@@ -162,7 +162,7 @@ def _act_from_sides(event: Event, brief: SceneBrief) -> None:
             outward = event.motion.pulls or sides[0].phrase in ("outward", "outwards", "apart")
             sign = 1 if outward else -1  # of all sides at once, whatever acts there
             event.motion = replace(event.motion, effect=Effect.SCALE, sign=sign, skill=None)
-        if event.effect is Effect.SCALE and sides[0].names == ("all",):
+        if event.effect is Effect.SCALE and all(each.names == ("all",) for each in sides):
             event.motion = replace(event.motion, effect=Effect.SWELL)
     if event.effect is Effect.SWELL:
         event.direction = None

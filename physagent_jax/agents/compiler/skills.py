@@ -16,7 +16,7 @@ from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_strain_magnitude, find_swing_magnitude
 from physagent_jax.motion.schema import MotionKind
-from physagent_jax.motion.swaying import bend, find_bend, leads_aside, lies, rock, rocks, sway
+from physagent_jax.motion.swaying import bend, find_bend, fold, leads_aside, lies, rock, sway
 from physagent_jax.motion.vectors import dot, scale
 from physagent_jax.motion.windows import Window, divide, divide_swings
 
@@ -90,9 +90,9 @@ def _compile_sway(task: Task) -> None:
     if builder.grounded and not held and abs(dot(task.direction, up)) > _UPRIGHT:
         for part in divide(task.window, [1.0] * count):
             task.act(ActionType.IMPULSE, up, 2 * SWING * magnitude, make_impulse_window(part[0]))
-    elif rocks(event.phrase) and builder.grounded and not held:
+    elif event.motion.manner == "rock" and builder.grounded and not held:
         builder.constraints += rock(brief, task.direction, magnitude, count, task.window)
-    elif leads and (count > 3 if brief.anchored else event.motion.planted):
+    elif leads and (count > 3 if brief.anchored else event.motion.manner in ("bend", "rock")):
         builder.constraints += sway(brief, task.direction, magnitude, count, task.window)
     else:
         _alternate(task, ActionType.TRANSLATION, magnitude, divide_swings(task.window, count, held))
@@ -110,10 +110,15 @@ def _compile_lean(task: Task) -> None:
     """Parts, anchored things and things in the wind are pushed over; a free thing is turned."""
     event, brief = task.event, task.brief
     vertical = abs(dot(task.direction, brief.directions.up)) >= 0.9
-    bends = event.phrase == "bend" and not (event.region or event.is_in_wind)
+    bends = event.motion.manner in ("bend", "fold") and not (event.region or event.is_in_wind)
     way, lying, let_go = find_bend(task.direction, brief, task.builder.rooted), lies(brief), task.is_released
     if event.repeat.alternate or event.count > 1:
         _compile_sway(task)
+    elif event.motion.manner == "fold" and not event.region and brief.anchored is None:
+        turns, way = fold(brief, task.window)
+        task.builder.constraints += turns
+        end = dict(part=scale(way, -1.0), partial=True, strength=MAGNITUDE_MAX)
+        task.expect(MotionKind.MOVE, way, task.window, **end)
     elif bends and way:
         task.builder.constraints += bend(brief, way, event.strength, event.amount, task.window, let_go)
         end = dict(part=brief.long_axis if lying else event.part, partial=lying)

@@ -88,6 +88,7 @@ class Task:
             "part": event.part,
             "excludes_part": event.excludes_part,
             "stays": event.stays,
+            "manner": event.motion.manner,
             "even": (event.clause.pace == "even" or event.motion.floats or event.is_quick)
             and kind in (MotionKind.MOVE, MotionKind.ROTATE),
             "amount": event.amount or self._find_duration(),

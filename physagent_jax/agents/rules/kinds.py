@@ -12,7 +12,6 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from physagent_jax.agents.rules.edits import Wish, replace_items
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
     BLOW,
@@ -42,6 +41,7 @@ from physagent_jax.motion.matching import (
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.tolerances import expect_rotation, expect_wrung, find_told
 from physagent_jax.motion.vectors import clamp, cosine, scale
+from physagent_jax.motion.wishes import Wish, replace_items
 
 SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinner one tears off what tapers
 TURNING = 0.8  # the same of an end that is turned

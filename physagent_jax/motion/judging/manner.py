@@ -1,8 +1,6 @@
-"""The manner that a verb tells beside the kind of motion: what bends keeps its foot, what is thrown flies."""
+"""The manner that is told beside the kind of motion: what bends keeps its foot, what is thrown flies."""
 
 from __future__ import annotations
-
-import re
 
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion.judging.asked import Asked
@@ -15,7 +13,6 @@ from physagent_jax.perception.schema import Box
 _FOOT = 0.6  # of the top's way that the foot may go: of what tips about its middle it goes as far
 _FLIGHT = 0.04  # [body lengths] between what flies and the ground
 _LASTING = 3  # frames that a flight takes
-_THROWN = re.compile(r"\b(throw|threw|toss|fling|flung|hurl|lob|chuck|catapult)")
 
 
 def check_manner(asked: Asked) -> list[Check]:
@@ -26,7 +23,7 @@ def check_manner(asked: Asked) -> list[Check]:
         return []
     if bends(motion):
         return _check_foot(asked, up)
-    thrown = motion.kind is MotionKind.MOVE and _THROWN.search(motion.words.lower())
+    thrown = motion.kind is MotionKind.MOVE and motion.manner == "fly"
     return _check_flight(asked, up) if thrown else []
 
 
