@@ -101,7 +101,16 @@ def bend(
     return [
         turn
         for share, span, stop in swings
-        for turn in _turn(brief, bodies, way, share * angle, span, stop if stop > span[1] else None, _CURVED)
+        for turn in _turn(
+            brief,
+            bodies,
+            way,
+            share * angle,
+            span,
+            stop if stop > span[1] else None,
+            _CURVED,
+            not lies(brief),
+        )
     ]
 
 
@@ -197,13 +206,13 @@ def _turn(
     window: Window,
     stop: float | None,
     depth: float,
+    held: bool = True,
 ) -> list[VelocityConstraint]:
-    """Bodies turned so that their tips go a way, by an angle [degrees], bending over ``depth``."""
+    """Bodies turned so that their tips go a way, by an angle [degrees], bending over ``depth``; ``held`` as it is."""
     made = []
     for body in bodies:
         axis = normalise(cross(body.arm, way))
         assert axis is not None  # the way leads across
-        held = body.rest.label != HALF  # what lies is free
         driver = PartDriver(body, brief.frame_dt, brief.frame_count, held=held)
         turn = driver.turn(axis, angle, window, stop)
         place = Bend(joint=body.joint, rest=body.rest, reach=_REACH, depth=depth)

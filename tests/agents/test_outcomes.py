@@ -1,0 +1,102 @@
+"""What a sentence says beside its first action: how that ends, what comes next, its manner, and amounts to be seen."""
+
+import pytest
+
+from physagent_jax.agents.compiler.compilation import compile_intent
+from physagent_jax.agents.llm.forms import SentenceForm, make_intent
+from physagent_jax.agents.rules import edits
+from physagent_jax.agents.rules.edits import Case
+from physagent_jax.motion.matching import find_own_causes
+from physagent_jax.motion.tolerances import expect_strain
+from tests.agents.scenes import brief, make_report, read
+from tests.agents.tellings import ground, order
+
+LEAST = 0.1  # of a length: the least change of shape that is seen without comparison
+
+
+@pytest.mark.parametrize(
+    ("sentence", "told"),
+    [
+        ("an earthquake shakes the robot until it topples", "sway left x4; rotate & fall"),
+        ("the robot teeters, then crashes to the floor", "sway left x3; rotate & fall"),
+        ("the robot wobbles and falls down", "sway left x3; rotate & fall"),
+        ("roll the robot to the right until it tips over", "move right & rotate away; rotate & fall"),
+        ("the robot swells until it bursts", "stretch; stretch"),
+        ("the robot rises, spins and falls to the ground", "move up; rotate up; fall"),
+        ("the robot rises, hovers, then drops", "move up; still; fall"),
+        ("squash the robot and let it pop back up", "squeeze up"),
+        ("knock the robot over so that it lies on its back", "rotate left & fall"),
+        ("push the robot to the left until it topples", "move left & rotate toward & fall"),
+        ("toss the robot into the air so that it falls back down", "hit up; fall"),
+    ],
+)
+def test_how_an_action_ends_comes_after_it(sentence, told):
+    assert order(sentence) == told
+
+
+def test_each_swing_over_the_foot_has_time_to_be_seen():
+    reply = read("the robot teeters, then crashes to the floor", ground())
+    first, end = reply.expectations[0].window
+    assert (end - first) * ground().frame_dt / reply.expectations[0].repeats >= 0.6
+
+
+@pytest.mark.parametrize(("sentence", "way"), [("inwards from both sides", (1, 0, 0)), ("inwards", None)])
+def test_a_squeeze_from_both_sides_goes_along_one_line(sentence, way):
+    (motion,) = read(f"squeeze the robot {sentence}", ground()).expectations
+    assert motion.direction == way
+
+
+@pytest.mark.parametrize(("height", "times"), [("twice its own height", 2), ("three times its height", 3)])
+def test_what_rises_to_a_height_goes_so_many_of_its_own(height, times):
+    reply = read(f"the robot rises to {height}", ground())
+    assert reply.unsure == () and reply.expectations[0].amount.value == times
+
+
+@pytest.mark.parametrize("verb", ["stretch", "squash", "squeeze", "widen"])
+def test_a_little_is_enough_to_be_seen(verb):
+    (motion,) = read(f"{verb} the robot a little", ground()).expectations
+    assert expect_strain(motion, motion.kind.value == "squeeze").low >= LEAST
+
+
+def test_what_is_folded_lays_one_half_onto_the_other():
+    reply = read("fold the robot in half", ground(may_be_held=True))
+    (turn,) = reply.force_field.constraints
+    assert turn.bend is not None and turn.vector[1] == pytest.approx(-1.0) and reply.anchor.kind == "rest"
+    assert reply.expectations[0].direction == (-1, 0, 0)
+    standing = read("fold the robot", ground(may_be_held=True, long_axis=(0, 0, 1)))
+    assert standing.force_field.constraints[0].vector[0] == pytest.approx(1.0)  # its top comes forward
+
+
+@pytest.mark.parametrize(
+    ("manner", "kinds"), [("rock", {"enforce_particle_rotation"}), ("shake", set()), ("bend", None)]
+)
+def test_a_manner_that_is_told_outweighs_the_verb(manner, kinds):
+    """A language model may fill it in as well."""
+    scene = ground(may_be_held=True)
+    form = SentenceForm.model_validate(
+        {"clauses": [{"words": "moves about", "motion": "sway", "manner": manner}]}
+    )
+    reply = compile_intent(make_intent(form), scene)
+    assert reply.expectations[0].manner == form.clauses[0].manner == manner
+    assert (reply.anchor.kind == "rest") == (manner == "bend")
+    assert kinds is None or {each.constraint_type for each in reply.force_field.constraints} == kinds
+
+
+def test_a_bend_that_springs_back_is_rescaled_with_its_swings():
+    scene = brief(world="ground", may_be_held=True, frame_count=101)
+    reply = read("bend the robot to the left, then let it spring back", scene)
+    field, (motion,) = reply.force_field, reply.expectations
+    causes = find_own_causes(motion, reply.expectations, field)
+    assert len(causes) == len(field.constraints) > 2
+    case = Case(field, motion, reply.expectations, scene, (), make_report([(0.0, 0.0, 0.0)] * 101))
+    changed = edits.scale_magnitudes(case, causes, 1.3).force_field
+
+    def reach(each):
+        first, end = each.active_time
+        return each.magnitude * each.gain * (end - first)
+
+    for before, after in zip(field.constraints, changed.constraints):
+        assert reach(after) == pytest.approx(1.3 * reach(before), rel=0.05)
+        assert after.active_time[0] == before.active_time[0]
+    windows = [each.active_time for each in changed.constraints]
+    assert all(one[1] <= other[0] + 1e-6 for one, other in zip(windows, windows[1:]))
