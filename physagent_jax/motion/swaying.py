@@ -27,7 +27,7 @@ _MOST = 120.0  # [degrees] that a quantity may tell
 _TIME, _SWING = 1.0, 0.28  # [s] in which it is bent, at most, and of each swing as it springs back
 # Swings as it springs back, in parts of the angle: each goes 0.39 as far as the one before.
 _BACK = (-1.4, 0.55, -0.21, 0.06)
-_TILT = 9.0  # [degrees] that it rocks by to either side with a strength of 1
+_TILT = 11.0  # [degrees] that it rocks by to either side with a strength of 1
 _SETTLED = 0.2  # [s] for which it is kept upright where it has stopped rocking
 _REACH = 2.0  # [body lengths]: all of its foot borders on the rest
 _LEVEL = 0.7  # cosine to the vertical below which a way leads aside

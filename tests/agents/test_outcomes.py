@@ -100,3 +100,17 @@ def test_a_bend_that_springs_back_is_rescaled_with_its_swings():
         assert after.active_time[0] == before.active_time[0]
     windows = [each.active_time for each in changed.constraints]
     assert all(one[1] <= other[0] + 1e-6 for one, other in zip(windows, windows[1:]))
+
+
+@pytest.mark.parametrize(
+    "sentence", ["the boat rocks from side to side", "the boat rocks", "the boat capsizes"]
+)
+def test_what_lies_rocks_and_tips_over_about_its_own_line(sentence):
+    turns = read(sentence, ground(may_be_held=True, long_axis=(1, 0, 0), object_name="boat")).force_field
+    assert all(abs(each.vector[0]) == pytest.approx(1.0) for each in (*turns.constraints, *turns.actions))
+
+
+def test_what_wobbles_before_it_falls_tilts_over_its_foot():
+    reply = read("the robot wobbles, then falls over", ground(may_be_held=True))
+    assert {each.constraint_type for each in reply.force_field.constraints} == {"enforce_particle_rotation"}
+    assert [each.action_type for each in reply.force_field.actions] == ["torque"]

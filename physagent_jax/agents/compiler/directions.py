@@ -16,6 +16,7 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.motion.axes import find_lean_axis, find_turn_towards
 from physagent_jax.motion.limbs import find_level_line
 from physagent_jax.motion.schema import SceneBrief
+from physagent_jax.motion.swaying import lies
 from physagent_jax.motion.vectors import add, cross, dot, normalise, scale
 
 ASSUMED = "left"
@@ -128,8 +129,9 @@ def _find_line(event: Event, brief: SceneBrief) -> Heading | None:
 
 
 def _find_swing(event: Event, brief: SceneBrief) -> Heading | None:
-    """The first swing of "left and right"."""
-    total = normalise(sum_directions(event.repeat.names, brief))
+    """The first swing of "left and right"; what lies rocks about its line, whichever way that points."""
+    rolls = event.motion.manner == "rock" and event.repeat.names and lies(brief)
+    total = normalise(sum_directions(("beside",) if rolls else event.repeat.names, brief))
     if total is None:
         return None
     if event.effect is Effect.TURN:
@@ -167,7 +169,9 @@ def _assume(event: Event, brief: SceneBrief) -> Heading:
     if motion.effect in _NO_WAY:
         return Heading(None, event.words, "needs no direction")
     sides = any("side" in way.phrase and way.names == ("both",) for way in event.pick(WayKind.SIDES))
-    name = "right" if sides and motion.effect is Effect.SCALE else motion.direction or ASSUMED
+    falls = (motion.manner == "rock" or motion.effect is Effect.TOPPLE) and lies(brief)
+    usual = motion.direction or ("beside" if falls else ASSUMED)
+    name = "right" if sides and motion.effect is Effect.SCALE else usual
     missing = "no axis given: it points" if motion.effect is Effect.TURN else "no direction given:"
     event.notes += [] if motion.direction else [f"'{event.words}': no direction given, assumed {name}."]
     vector = normalise(sum_directions((name,), brief))

@@ -90,7 +90,7 @@ def _compile_sway(task: Task) -> None:
     if builder.grounded and not held and abs(dot(task.direction, up)) > _UPRIGHT:
         for part in divide(task.window, [1.0] * count):
             task.act(ActionType.IMPULSE, up, 2 * SWING * magnitude, make_impulse_window(part[0]))
-    elif event.motion.manner == "rock" and builder.grounded and not held:
+    elif event.motion.manner in ("rock", brief.may_be_held and "bend") and builder.grounded and not held:
         builder.constraints += rock(brief, task.direction, magnitude, count, task.window)
     elif leads and (count > 3 if brief.anchored else event.motion.manner in ("bend", "rock")):
         builder.constraints += sway(brief, task.direction, magnitude, count, task.window)
