@@ -10,11 +10,11 @@ from benchmarks import harness
 from benchmarks.executor.scenes import Clip, Setting, prepare
 from benchmarks.executor.tasks import LAST
 from benchmarks.harness import Row
-from physagent_jax.agents.rules import kinds
 from physagent_jax.core.rotations import polar
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField, VelocityConstraint
 from physagent_jax.forces.slabs import make_end_region
+from physagent_jax.motion import kinds
 from physagent_jax.motion.matching import find_causes
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind
 from physagent_jax.motion.vectors import scale

@@ -6,6 +6,7 @@ from physagent_jax.agents.compiler.compilation import compile_intent
 from physagent_jax.agents.llm.forms import SentenceForm, make_intent
 from physagent_jax.agents.rules import edits
 from physagent_jax.agents.rules.edits import Case
+from physagent_jax.motion.kinds import choose_kinds
 from physagent_jax.motion.matching import find_own_causes
 from physagent_jax.motion.tolerances import expect_strain
 from tests.agents.scenes import brief, make_report, read
@@ -114,3 +115,12 @@ def test_what_wobbles_before_it_falls_tilts_over_its_foot():
     reply = read("the robot wobbles, then falls over", ground(may_be_held=True))
     assert {each.constraint_type for each in reply.force_field.constraints} == {"enforce_particle_rotation"}
     assert [each.action_type for each in reply.force_field.actions] == ["torque"]
+
+
+def test_what_is_crumpled_is_pressed_from_one_side_after_another():
+    reply = read("crumple a robot made of tin foil", ground())
+    assert (reply.materials, reply.unsure, reply.not_understood) == (("tin foil",), (), ())
+    field = choose_kinds(reply.force_field, reply.expectations, ground()).force_field
+    assert {each.constraint_type for each in field.constraints} == {"moving_plate"} and not field.actions
+    begins = [each.active_time[0] for each in field.constraints]
+    assert begins == sorted(begins) and len(set(begins)) == 3 and len(begins) == 5

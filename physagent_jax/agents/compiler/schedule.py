@@ -119,7 +119,7 @@ def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, la
             line = event.direction if event.effect is Effect.TURN else None
             led = (
                 line is not None and abs(dot(line, brief.directions.up)) < _LEVEL
-            )  # `rules.kinds` leads it over
+            )  # `motion.kinds` leads it over
             if effort is not None and not anchored:
                 pace = (
                     event.strength if event.amount and event.strengths else 1.0

@@ -41,6 +41,7 @@ from physagent_jax.motion.matching import (
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.tolerances import expect_rotation, expect_wrung, find_told
 from physagent_jax.motion.vectors import clamp, cosine, scale
+from physagent_jax.motion.windows import divide
 from physagent_jax.motion.wishes import Wish, replace_items
 
 SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinner one tears off what tapers
@@ -50,6 +51,11 @@ _OVER = 120.0  # [degrees] about a level line, from where on something is turned
 _TILT = 60.0  # [degrees] up to which what stands is tilted
 _PRESSED = 0.07  # of its height, by which a plain blow presses what stands: it springs back, and would jump
 _RAISED = 20.0  # [degrees] by which it is tilted where one side is raised
+_CRUMPLED = [
+    1.0,
+    1.0,
+    2.0,
+]  # shares of the time for what is pressed from both sides, both ends, and from above alone
 _NO_WAY = (0.0, 0.0, 0.0)
 _PLATE = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
 
@@ -216,6 +222,27 @@ def _deform(wish: Wish) -> _Replaced:
         why = f"the two ends are moved together, {where}"
     held = wish.brief.anchored is not None or wish.force_field.default_drop
     return None if upright and held else (move_ends(wish, causes), why)
+
+
+def _crumple(wish: Wish) -> _Replaced:
+    """What is crumpled is pressed from one side after another: evenly from all at once it would only get smaller."""
+    expectation, table = wish.expectation, wish.brief.directions
+    if expectation.manner != "crumple" or expectation.direction is not None or expectation.partial:
+        return None
+    field, axes = wish.force_field, (table.right, table.toward, table.up)
+    for part, axis in zip(divide(expectation.window, _CRUMPLED), axes):
+        there = expectation.model_copy(update=dict(direction=axis, stays=True))
+        pressed = replace(wish.about(there), force_field=field)
+        causes = [c for c in _find_forces(pressed, lambda c: c.item.region is None) if agrees(c, there)]
+        causes = [c for c in causes if abs(cosine(c.item.vector, axis)) > _VERTICAL]
+        if not causes:
+            return None
+        timed = replace_items(
+            field, causes, [c.item.model_copy(update=dict(active_time=part)) for c in causes]
+        )
+        moved = [Cause(c.group, c.index, getattr(timed, c.group)[c.index]) for c in causes]
+        field = press_between(replace(pressed, force_field=timed), moved)
+    return field, "it is pressed from one side after another"
 
 
 def _press_part(wish: Wish) -> _Replaced:
@@ -437,4 +464,15 @@ def _lead(wish: Wish) -> _Replaced:
     return _put(_hold_until(wish, hands, first), causes, hand), f"{reason}, so it is led there{short}"
 
 
-_RULES = (_deform, _squeeze_limb, _press_part, _turn_ends, _strike, _raise_side, _carry, _set_down, _lead)
+_RULES = (
+    _crumple,
+    _deform,
+    _squeeze_limb,
+    _press_part,
+    _turn_ends,
+    _strike,
+    _raise_side,
+    _carry,
+    _set_down,
+    _lead,
+)
