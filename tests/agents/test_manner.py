@@ -6,7 +6,7 @@ import pytest
 from physagent_jax.agents.grammar.semantic import read_sentence
 from physagent_jax.motion.parts import explain_guess
 from physagent_jax.motion.schema import Verdict
-from physagent_jax.perception.schema import PartMotion
+from physagent_jax.perception.schema import Box, PartMotion
 from physagent_jax.scene.priors import list_nouns
 from tests.agents.scenes import IDENTITY, brief, judge, make_report, read
 from tests.agents.test_limbs import HEAD, LEFT_ARM, RIGHT_ARM
@@ -171,3 +171,15 @@ def test_one_map_does_not_fit_what_is_twisted(strain, passed):
         "twist the robot", 0 * RAMP, stretches=[((1 + strain, 0, 0), (0, 1, 0), (0, 0, 1))] * FRAMES
     )
     assert passed == ("does its shape change although nobody asked for it?" not in list_failed(judgement))
+
+
+@pytest.mark.parametrize(("left", "verdict"), [(1.0, "FAIL"), (0.9, "FAIL"), (0.55, "SUCCESS")])
+def test_a_fold_is_seen_by_the_outline(left, verdict):
+    """The half that comes to lie on top shows its other side: no track tells its place."""
+    scene = brief(world="ground", may_be_held=True)
+    reading = read("fold the robot in half", scene)
+    seen = make_report([(0.0, 0.0, 0.0)] * FRAMES, windows=[(0, round(reading.expectations[0].window[1]))])
+    boxes = [Box(low=(-0.5, -0.5, 0.0), high=(1.0 * s - 0.5, 0.5, 0.2)) for s in 1.0 - (1.0 - left) * RAMP]
+    lost = tuple(part.model_copy(update={"centroid": (None,) * FRAMES}) for part in seen.parts)
+    seen = seen.model_copy(update={"box": tuple(boxes), "parts": lost})
+    assert judge("fold the robot in half", reading, seen, scene).judgement.verdict is Verdict(verdict)

@@ -109,12 +109,17 @@ def _alternate(task: Task, kind: ActionType, magnitude: float, windows: list[Win
 def _compile_lean(task: Task) -> None:
     """Parts, anchored things and things in the wind are pushed over; a free thing is turned."""
     event, brief = task.event, task.brief
+    if event.motion.manner == "fold" and (event.region or event.limbs or brief.anchored):
+        event = replace(
+            event, motion=replace(event.motion, manner="bend")
+        )  # a part goes over, or what is rooted
+        task = replace(task, event=event)
     vertical = abs(dot(task.direction, brief.directions.up)) >= 0.9
-    bends = event.motion.manner in ("bend", "fold") and not (event.region or event.is_in_wind)
+    bends = event.motion.manner == "bend" and not (event.region or event.is_in_wind)
     way, lying, let_go = find_bend(task.direction, brief, task.builder.rooted), lies(brief), task.is_released
     if event.repeat.alternate or event.count > 1:
         _compile_sway(task)
-    elif event.motion.manner == "fold" and not event.region and brief.anchored is None:
+    elif event.motion.manner == "fold":
         turns, way = fold(brief, task.window)
         task.builder.constraints += turns
         end = dict(part=scale(way, -1.0), partial=True, strength=MAGNITUDE_MAX)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion.judging.asked import Asked
-from physagent_jax.motion.judging.comparing import check_limit
+from physagent_jax.motion.judging.comparing import check_limit, make_unseen_check
 from physagent_jax.motion.schema import Check, MotionKind
 from physagent_jax.motion.swaying import bends, leads_aside
 from physagent_jax.motion.vectors import norm, reject, scale, subtract
@@ -12,6 +12,7 @@ from physagent_jax.perception.schema import Box
 
 _FOOT = 0.6  # of the top's way that the foot may go: of what tips about its middle it goes as far
 _FLIGHT = 0.04  # [body lengths] between what flies and the ground
+_FOLDED = 0.75  # of its length that what was folded in half may have
 _LASTING = 3  # frames that a flight takes
 
 
@@ -25,6 +26,16 @@ def check_manner(asked: Asked) -> list[Check]:
         return _check_foot(asked, up)
     thrown = motion.kind is MotionKind.MOVE and motion.manner == "fly"
     return _check_flight(asked, up) if thrown else []
+
+
+def check_fold(asked: Asked) -> list[Check]:
+    """The length along the line that is folded over that at first: the half on top, turned over, is known no more."""
+    boxes = [box for box in asked.view.report.box[asked.span[0] : asked.until + 1] if box is not None]
+    line = asked.motion.part
+    if line is None or len(boxes) <= _LASTING:
+        return [make_unseen_check(asked, "its outline is not known throughout")]
+    before, after = (_find_length(box, line) for box in (boxes[0], boxes[-1]))
+    return [check_limit(asked, "folds", after / before, _FOLDED, asked.sigma / before)]
 
 
 def _check_foot(asked: Asked, up: Vector) -> list[Check]:
@@ -50,6 +61,10 @@ def _check_flight(asked: Asked, up: Vector) -> list[Check]:
         return []
     rise = sorted((each - lowest[0] for each in lowest), reverse=True)[_LASTING - 1]
     return [check_limit(asked, "flies", rise, _FLIGHT, asked.sigma)]
+
+
+def _find_length(box: Box, line: Vector) -> float:
+    return sum(abs(u) * (high - low) for u, low, high in zip(line, box.low, box.high))
 
 
 def _find_lowest(box: Box, up: Vector) -> float:
