@@ -138,7 +138,8 @@ def _find_end(slots: list[Slot], brief: SceneBrief) -> float:
         return at
     last, leading = slots[-1], slots[-1].events[0]
     blow = leading.effect is Effect.STRIKE and last.start is not None and last.length is not None
-    rest = STEP if leading.stays or blow else _REST if leading.amount else 0.0
+    topples = leading.effect is Effect.TOPPLE and len(slots) > 1  # it takes its time, and then lies
+    rest = STEP if leading.stays or blow or topples else _REST if leading.amount else 0.0
     return at + rest / brief.frame_dt
 
 
