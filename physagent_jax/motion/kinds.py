@@ -51,11 +51,7 @@ _OVER = 120.0  # [degrees] about a level line, from where on something is turned
 _TILT = 60.0  # [degrees] up to which what stands is tilted
 _PRESSED = 0.07  # of its height, by which a plain blow presses what stands: it springs back, and would jump
 _RAISED = 20.0  # [degrees] by which it is tilted where one side is raised
-_CRUMPLED = [
-    1.0,
-    1.0,
-    2.0,
-]  # shares of the time for what is pressed from both sides, both ends, and from above alone
+_CRUMPLED = [1.0, 1.5]  # shares of the time in which it is pressed from both sides, and from above alone
 _NO_WAY = (0.0, 0.0, 0.0)
 _PLATE = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
 
@@ -225,13 +221,16 @@ def _deform(wish: Wish) -> _Replaced:
 
 
 def _crumple(wish: Wish) -> _Replaced:
-    """What is crumpled is pressed from one side after another: evenly from all at once it would only get smaller."""
+    """What is crumpled is pressed from one side after another: evenly from all at once it would only get smaller.
+
+    Plates before and behind it would hide it.
+    """
     expectation, table = wish.expectation, wish.brief.directions
     if expectation.manner != "crumple" or expectation.direction is not None or expectation.partial:
         return None
-    field, axes = wish.force_field, (table.right, table.toward, table.up)
+    field, axes = wish.force_field, (table.right, table.up)
     for part, axis in zip(divide(expectation.window, _CRUMPLED), axes):
-        there = expectation.model_copy(update=dict(direction=axis, stays=True))
+        there = expectation.model_copy(update=dict(direction=axis, stays=True, strength=MAGNITUDE_MAX))
         pressed = replace(wish.about(there), force_field=field)
         causes = [c for c in _find_forces(pressed, lambda c: c.item.region is None) if agrees(c, there)]
         causes = [c for c in causes if abs(cosine(c.item.vector, axis)) > _VERTICAL]
@@ -242,6 +241,8 @@ def _crumple(wish: Wish) -> _Replaced:
         )
         moved = [Cause(c.group, c.index, getattr(timed, c.group)[c.index]) for c in causes]
         field = press_between(replace(pressed, force_field=timed), moved)
+    depth = _find_forces(replace(wish, force_field=field), lambda c: c.item.region is None)
+    field = replace_items(field, depth, [None] * len(depth))
     return field, "it is pressed from one side after another"
 
 

@@ -118,16 +118,11 @@ class Motion:
 
 def is_end(before: Motion, after: Motion) -> bool:
     """Return whether the second motion is how the first one ends: it shakes until it topples, it swells and bursts."""
-    falls = (
-        after.effect is Effect.TOPPLE
-        or after.topples
-        or after.effect is Effect.TURN
-        and after.angle > 0
-        and before.effect is Effect.SWAY
-    )
+    falls = after.effect is Effect.TOPPLE or after.topples
     turns = before.effect in (Effect.SWAY, Effect.TURN, Effect.ROLL)
-    swells = before.effect in (Effect.SWELL, Effect.SCALE)
-    return falls and turns or after.effect is Effect.BURST and swells
+    tips = before.effect is Effect.SWAY and after.effect is Effect.TURN and after.angle > 0
+    bursts = after.effect is Effect.BURST and before.effect in (Effect.SWELL, Effect.SCALE)
+    return falls and turns or tips or bursts
 
 
 class Join(enum.Enum):
