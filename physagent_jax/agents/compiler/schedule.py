@@ -220,6 +220,7 @@ def _carries_on(before: Event, event: Event) -> bool:
 _SUCCESSIONS = (
     (Effect.FALL, Effect.SWAY),  # "drops and jiggles"
     (Effect.STRIKE, Effect.FALL),
+    (Effect.TOPPLE, Effect.ROLL),
     (Effect.JUMP, Effect.FALL),  # "jumps and lands"
     (Effect.JUMP, Effect.TOPPLE),  # "jumps and lands on its back"
 )
