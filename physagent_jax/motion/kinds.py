@@ -221,7 +221,7 @@ def _deform(wish: Wish) -> _Replaced:
 
 
 def _crumple(wish: Wish) -> _Replaced:
-    """What is crumpled is pressed from one side after another: evenly from all at once it would only get smaller.
+    """Press what is crumpled from one side after another: evenly from all at once it would only get smaller.
 
     Plates before and behind it would hide it.
     """

@@ -1,4 +1,4 @@
-"""What a sentence says beside its first action: how that ends, what comes next, its manner, and amounts to be seen."""
+"""Ends of actions, manners and amounts: the words of a sentence beside its first action."""
 
 import pytest
 
