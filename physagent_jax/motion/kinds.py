@@ -52,6 +52,7 @@ _TILT = 60.0  # [degrees] up to which what stands is tilted
 _PRESSED = 0.07  # of its height, by which a plain blow presses what stands: it springs back, and would jump
 _RAISED = 20.0  # [degrees] by which it is tilted where one side is raised
 _CRUMPLED = [1.0, 1.5]  # shares of the time in which it is pressed from both sides, and from above alone
+_SPUN = 0.9  # of the most of its word that what lies spins by about its own line: less is hardly seen of what is slim
 _NO_WAY = (0.0, 0.0, 0.0)
 _PLATE = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
 
@@ -433,15 +434,18 @@ def _lead(wish: Wish) -> _Replaced:
     seconds, hands = (end - first) * brief.frame_dt, _find_hand(wish, first)
     quick = expectation.even and seconds <= QUICK + brief.frame_dt
     usual = brief.seconds if quick else seconds  # what is sudden goes as far as in all of the clip
+    level = turns and abs(cosine(way, brief.directions.up)) < _VERTICAL
+    spins = level and abs(cosine(way, brief.long_axis or _NO_WAY)) > _VERTICAL and _stands_alone(wish)
     if turns:
-        effort = math.radians((told or expect_rotation(expectation, False, seconds=usual)).target) / TURN
+        usually = expect_rotation(expectation, False, seconds=usual)
+        angle = told.target if told else _SPUN * usually.high if spins else usually.target
+        effort = math.radians(angle) / TURN
     else:
         effort = find_wanted_way(expectation, brief, usual) / TRAVEL
-    level = turns and abs(cosine(way, brief.directions.up)) < _VERTICAL
     over = level and told and told.target > _OVER
     tilts = level and math.degrees(effort * TURN) <= _TILT and _stands_alone(wish)
     needed = find_magnitude(effort, max(seconds, brief.frame_dt), brief.seconds, braked=True)
-    if not (hands or expectation.even or over or tilts) and (not told or needed <= MAGNITUDE_MAX):
+    if not (hands or expectation.even or over or tilts or spins) and (not told or needed <= MAGNITUDE_MAX):
         return None
     effort *= wish.reference * (1.0 if turns else TRAVEL / PRESCRIBED_TRAVEL)  # magnitude times frames
     kept_up = hands or not turns and cosine(way, brief.directions.up) > _VERTICAL
@@ -454,7 +458,7 @@ def _lead(wish: Wish) -> _Replaced:
         back = _prescribe(causes[0], scale(way, -1.0), size, (end, end + until - first), None)
         return _put(wish, causes, hand, back), "it is tilted over its foot, and brought back"
     reason = "at one speed" if expectation.even else "no force in range starts and stops it in that time"
-    reason = "a torque would let it tumble" if over else "it is kept up" if hands else reason
+    reason = "a torque would let it tumble" if over or spins else "it is kept up" if hands else reason
     reason = "it would fall over by itself" if tilts else reason
     if quick:
         hand = hand.model_copy(

@@ -117,6 +117,15 @@ def test_what_wobbles_before_it_falls_tilts_over_its_foot():
     assert [each.action_type for each in reply.force_field.actions] == ["torque"]
 
 
+def test_what_lies_is_led_as_it_spins_about_its_own_line():
+    """The ground holds it against a torque."""
+    scene = ground(long_axis=(1, 0, 0))
+    reply = read("spin the robot around its long axis", scene)
+    field = choose_kinds(reply.force_field, reply.expectations, scene).force_field
+    (turn,) = field.constraints
+    assert not field.actions and abs(turn.vector[0]) == 1 and turn.region is None
+
+
 def test_what_is_crumpled_is_pressed_from_one_side_after_another():
     reply = read("crumple a robot made of tin foil", ground())
     assert (reply.materials, reply.unsure, reply.not_understood) == (("tin foil",), (), ())
