@@ -183,3 +183,10 @@ def test_a_fold_is_seen_by_the_outline(left, verdict):
     lost = tuple(part.model_copy(update={"centroid": (None,) * FRAMES}) for part in seen.parts)
     seen = seen.model_copy(update={"box": tuple(boxes), "parts": lost})
     assert judge("fold the robot in half", reading, seen, scene).judgement.verdict is Verdict(verdict)
+
+
+@pytest.mark.parametrize(("rise", "verdict"), [(0.55, "SUCCESS"), (1.2, "FAIL")])
+def test_the_middle_of_what_gets_twice_as_tall_rises(rise, verdict):
+    taller = [((1, 0, 0), (0, 1, 0), (0, 0, 1.0 + float(s))) for s in RAMP]
+    judgement = tell("make the robot twice as tall", 0 * RAMP, lift=rise * RAMP, stretches=taller)
+    assert judgement.verdict is Verdict(verdict), judgement.suggestion
