@@ -190,3 +190,23 @@ def test_the_middle_of_what_gets_twice_as_tall_rises(rise, verdict):
     taller = [((1, 0, 0), (0, 1, 0), (0, 0, 1.0 + float(s))) for s in RAMP]
     judgement = tell("make the robot twice as tall", 0 * RAMP, lift=rise * RAMP, stretches=taller)
     assert judgement.verdict is Verdict(verdict), judgement.suggestion
+
+
+def test_what_topples_after_it_rolled_falls_its_own_way():
+    """It goes over towards us where it came to rest, and no way was told."""
+    scene = brief(world="ground", frames_fixed=False)
+    sentence = "the robot rolls to the right and falls flat"
+    reading = read(sentence, scene)
+    count, begin = reading.frame_count, round(reading.expectations[-1].window[0])
+    roll = np.minimum(np.arange(count) / begin, 1.0)
+    fall = np.clip((np.arange(count) - begin) / (count - begin - 9), 0.0, 1.0)
+    axes = [
+        np.asarray(e.direction or (1.0, 0.0, 0.0)) for e in reading.expectations if e.kind.value == "rotate"
+    ]
+    seen = make_report(
+        [(float(0.6 * r), float(-0.35 * f), float(-0.2 * f)) for r, f in zip(roll, fall)],
+        [tuple(80.0 * r * axes[0] + 85.0 * f * axes[1]) for r, f in zip(roll, fall)],
+        windows=[(round(e.window[0]), round(e.window[1])) for e in reading.expectations],
+    )
+    failed = list_failed(judge(sentence, reading, seen, scene).judgement)
+    assert "which way does it fall?" not in failed
