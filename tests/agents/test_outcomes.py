@@ -137,3 +137,13 @@ def test_what_is_crumpled_is_pressed_from_one_side_after_another():
     assert {each.constraint_type for each in field.constraints} == {"moving_plate"} and not field.actions
     begins = [(each.active_time or (0.0,))[0] for each in field.constraints]
     assert begins == sorted(begins) and len(set(begins)) == 2 and len(begins) == 3
+
+
+@pytest.mark.parametrize(("line", "held"), [((0, 0, 1), True), (None, True), ((1, 0, 0), False)])
+def test_what_stands_is_twisted_against_its_foot(line, held):
+    """Both ends of it would turn, and let go it would jump; what lies is wrung at both its ends."""
+    scene = ground(may_be_held=True, long_axis=line)
+    reply = read("twist the robot, then let it spring back", scene)
+    assert (reply.anchor.kind == "rest") == held
+    assert len(reply.expectations) == (1 if held else 2)
+    assert all(each.released for each in reply.expectations)

@@ -55,7 +55,7 @@ def find_support(clauses: Sequence[Event], brief: SceneBrief, soft: bool = False
     if not brief.may_be_held or brief.world != "ground" or brief.anchored is not None or not acting:
         return AnchorRequest()
     feet = (e.motion.manner == "bend" and not e.parts and leads_aside(e.direction, brief) for e in acting)
-    if all(feet) and not any(e.effect is Effect.LEAN and lies(brief) for e in acting):
+    if all(feet) and not any(e.effect in (Effect.LEAN, Effect.TURN) and lies(brief) for e in acting):
         return AnchorRequest(kind="rest", words=acting[0].words, region=FOOT)
     if all(each.motion.manner == "fold" and not each.parts for each in acting):
         return AnchorRequest(kind="rest", words=acting[0].words, region=find_fold(brief).rest)
