@@ -173,16 +173,17 @@ def test_one_map_does_not_fit_what_is_twisted(strain, passed):
     assert passed == ("does its shape change although nobody asked for it?" not in list_failed(judgement))
 
 
+@pytest.mark.parametrize("sentence", ["fold the robot in half", "crumple the robot"])
 @pytest.mark.parametrize(("left", "verdict"), [(1.0, "FAIL"), (0.9, "FAIL"), (0.55, "SUCCESS")])
-def test_a_fold_is_seen_by_the_outline(left, verdict):
+def test_a_fold_or_a_crumpling_is_seen_by_the_outline(sentence, left, verdict):
     """The half that comes to lie on top shows its other side: no track tells its place."""
     scene = brief(world="ground", may_be_held=True)
-    reading = read("fold the robot in half", scene)
+    reading = read(sentence, scene)
     seen = make_report([(0.0, 0.0, 0.0)] * FRAMES, windows=[(0, round(reading.expectations[0].window[1]))])
     boxes = [Box(low=(-0.5, -0.5, 0.0), high=(1.0 * s - 0.5, 0.5, 0.2)) for s in 1.0 - (1.0 - left) * RAMP]
     lost = tuple(part.model_copy(update={"centroid": (None,) * FRAMES}) for part in seen.parts)
     seen = seen.model_copy(update={"box": tuple(boxes), "parts": lost})
-    assert judge("fold the robot in half", reading, seen, scene).judgement.verdict is Verdict(verdict)
+    assert judge(sentence, reading, seen, scene).judgement.verdict is Verdict(verdict)
 
 
 @pytest.mark.parametrize(("rise", "verdict"), [(0.55, "SUCCESS"), (1.2, "FAIL")])

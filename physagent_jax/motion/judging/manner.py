@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.comparing import check_limit, make_unseen_check
@@ -12,7 +14,7 @@ from physagent_jax.perception.schema import Box
 
 _FOOT = 0.6  # of the top's way that the foot may go: of what tips about its middle it goes as far
 _FLIGHT = 0.04  # [body lengths] between what flies and the ground
-_FOLDED = 0.75  # of its length that what was folded in half may have
+_LESS = 0.75  # of its outline at first that what was folded or crumpled may have
 _LASTING = 3  # frames that a flight takes
 
 
@@ -28,14 +30,19 @@ def check_manner(asked: Asked) -> list[Check]:
     return _check_flight(asked, up) if thrown else []
 
 
-def check_fold(asked: Asked) -> list[Check]:
-    """The length along the line that is folded over that at first: the half on top, turned over, is known no more."""
+def check_outline(asked: Asked) -> list[Check]:
+    """The outline of what is folded or crumpled over that at first: of what is turned over no track tells the place.
+
+    What is folded gets shorter along its line; what is crumpled takes less room in the picture.
+    """
     boxes = [box for box in asked.view.report.box[asked.span[0] : asked.until + 1] if box is not None]
-    line = asked.motion.part
-    if line is None or len(boxes) <= _LASTING:
+    table, name = asked.view.brief.directions, f"{asked.motion.manner}s"
+    lines = (table.right, table.up) if asked.motion.part is None else (asked.motion.part,)
+    if len(boxes) <= _LASTING:
         return [make_unseen_check(asked, "its outline is not known throughout")]
-    before, after = (_find_length(box, line) for box in (boxes[0], boxes[-1]))
-    return [check_limit(asked, "folds", after / before, _FOLDED, asked.sigma / before)]
+    sizes = [[_find_length(box, line) for line in lines] for box in (boxes[0], boxes[-1])]
+    before, after = map(math.prod, sizes)
+    return [check_limit(asked, name, after / before, _LESS, asked.sigma / min(sizes[0]))]
 
 
 def _check_foot(asked: Asked, up: Vector) -> list[Check]:
