@@ -119,7 +119,7 @@ def _compile_lean(task: Task) -> None:
     way, lying, let_go = find_bend(task.direction, brief, task.builder.rooted), lies(brief), task.is_released
     if event.repeat.alternate or event.count > 1:
         _compile_sway(task)
-    elif event.motion.manner == "fold":
+    elif event.motion.manner == "fold" and task.window[1] > task.window[0]:
         turns, way = fold(brief, task.window)
         task.builder.constraints += turns
         end = dict(part=scale(way, -1.0), partial=True, strength=MAGNITUDE_MAX)
