@@ -198,7 +198,7 @@ def test_what_topples_after_it_rolled_falls_its_own_way():
     scene = brief(world="ground", frames_fixed=False)
     sentence = "the robot rolls to the right and falls flat"
     reading = read(sentence, scene)
-    count, begin = reading.frame_count, round(reading.expectations[-1].window[0])
+    count, begin = reading.frame_count or FRAMES, round(reading.expectations[-1].window[0])
     roll = np.minimum(np.arange(count) / begin, 1.0)
     fall = np.clip((np.arange(count) - begin) / (count - begin - 9), 0.0, 1.0)
     axes = [
