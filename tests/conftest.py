@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import dataclasses
 import functools
 import gc
@@ -10,6 +11,7 @@ import os
 import shutil
 import sys
 import tempfile
+import threading
 import warnings
 from collections import OrderedDict
 from pathlib import Path
@@ -18,10 +20,11 @@ from typing import Any
 import jax
 import pytest
 from jax._src import compiler
+from jax._src.interpreters import mlir
 from jax._src.lib.mlir import ir
 
 from physagent_jax.kernels import programs
-from physagent_jax.scene import burden
+from physagent_jax.scene import body, burden
 from physagent_jax.scene.presets import PRESETS, PresetName
 
 REPOSITORY = Path(__file__).resolve().parents[1]
@@ -86,11 +89,39 @@ def compile_what_runs_once_least() -> None:
     compiler.compile_or_get_cached = compile_or_get_cached
 
 
+def lower_in_few_contexts(programs_each: int = 32) -> None:
+    """Has JAX lower some programs after each other in one MLIR context, where it makes one for each.
+
+    To make one takes a quarter of the time in which a single operation is compiled. Each stays, with 1 MB, as long as
+    its program does: a process of the suite grew to 6 GB.
+    """
+    make, local = mlir.make_ir_context, threading.local()
+
+    def make_ir_context():
+        if not getattr(local, "left", 0):
+            local.context, local.left = make(), programs_each
+        local.left -= 1
+        return local.context
+
+    mlir.make_ir_context = make_ir_context
+
+
+def keep_freed_memory() -> None:
+    """Has the C library keep memory that is freed: XLA asks for much, briefly and often, to compile a program."""
+    keep, most = getattr(ctypes.CDLL(None), "mallopt", None), 1 << 28
+    if keep is not None:  # glibc
+        for option in (-1, -3):  # M_TRIM_THRESHOLD, M_MMAP_THRESHOLD
+            keep(option, most)
+        keep(-2, 1 << 24)  # M_TOP_PAD
+
+
 def compile_as_tests_do() -> None:
     """Compile quickly in a process that a test run has started; do nothing in others."""
     if _SHARED in os.environ:
         compile_quickly()
         compile_what_runs_once_least()
+        lower_in_few_contexts()
+        keep_freed_memory()
 
 
 def pytest_configure(config):
@@ -159,6 +190,25 @@ def meshes_sampled_once():
         yield
 
 
+@pytest.fixture(autouse=True, scope="session")
+def parts_found_once():
+    """Find the parts of equal particles once: a third of a small run goes into it, and most runs are of one object."""
+    from physagent_jax.scene import body
+
+    kept: dict[bytes, Any] = {}
+    find_parts = body.find_parts
+
+    def find(points):
+        key = hashlib.sha256(points.tobytes()).digest()
+        if key not in kept:
+            kept[key] = find_parts(points)
+        return kept[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(body, "find_parts", find)
+        yield
+
+
 @pytest.fixture
 def least_optimised():
     """Compile a test's programs with the fewest optimisations, where compiling takes much longer than running."""
@@ -179,6 +229,8 @@ def quick_plans(monkeypatch):
     parts = {name: getattr(fast, name).model_copy(update=change) for name, change in changes.items()}
     monkeypatch.setitem(PRESETS, PresetName.FAST, dataclasses.replace(fast, **parts))
     monkeypatch.setattr(burden, "MOST_CELLS", 60)
+    monkeypatch.setattr(body, "SHAPE_POINTS", 2500)
+    monkeypatch.setattr(body, "SHAPE_CELLS", 24)
 
 
 @pytest.fixture

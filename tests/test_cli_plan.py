@@ -67,14 +67,31 @@ def test_the_sentence_stands_alone_or_behind_its_option(robot_path, capsys):
 
 @quickly
 def test_a_plan_says_where_the_object_will_be(robot_path, tmp_path, capsys):
-    """On the ground if it stands there; the robot would fall over, so that it is held in the air, as in a run."""
+    """On the ground if it stands there; the robot would fall over, so that it slides without weight, as in a run."""
     cube = tmp_path / "cube.obj"
     trimesh.creation.box([0.4, 0.4, 0.4]).export(cube)
     said = json.loads(plan(capsys, cube, "push it left", "--json", "--up", "+z"))
     assert said["world"]["surroundings"] == "ground"
     said = json.loads(plan(capsys, robot_path, "push it left", "--json", "--world", "ground"))
     assert said["world"]["surroundings"] == "free"
-    assert any("held in the air" in each for each in said["assumptions"])
+    assert any("without weight" in each for each in said["assumptions"])
+
+
+@quickly
+@pytest.mark.parametrize("sentence", ["bend it to the left, then let go", "hit it from the left", "shake it"])
+def test_a_plan_says_that_feet_are_held_and_why(sentence, robot_path, capsys):
+    """Of what would fall over, where nothing moves it off."""
+    said = json.loads(plan(capsys, robot_path, sentence, "--json"))
+    assert said["world"]["surroundings"] == "ground" and "its feet are held" in said["anchor"]["held"]
+    assert any("its feet are held" in each for each in said["assumptions"])
+
+
+@quickly
+@pytest.mark.parametrize("sentence", ["knock it over to the left", "throw it into the air"])
+def test_what_cannot_stand_falls_with_its_weight(sentence, robot_path, capsys):
+    """It was without weight once, hung there, and went off."""
+    said = json.loads(plan(capsys, robot_path, sentence, "--json"))
+    assert said["world"]["gravity"] == "down" and said["anchor"]["held"] is None
 
 
 @quickly
@@ -103,7 +120,9 @@ def test_a_plan_of_what_falls_has_gravity(robot_path, capsys):
 @quickly
 def test_a_plan_tells_what_grips_and_turns(robot_path, capsys):
     out = plan(capsys, robot_path, "twist the robot by 90 degrees")
-    assert out.count("keeps turning") == 2 and "then held until frame" in out
+    assert out.count("keeps turning") == 1 and "then held until frame" in out  # its feet are held
+    out = plan(capsys, robot_path, "twist the robot by 90 degrees", "--anchor", "none")
+    assert out.count("keeps turning") == 2
 
 
 @quickly

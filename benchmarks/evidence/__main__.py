@@ -100,7 +100,7 @@ def describe_state(page: Page, summary: Summary) -> str:
     code = summary["code"]
     if code is None:
         return text + "The revision that they were measured on is not recorded.*"
-    text += f"Newest of {code['date']}, revision {code['revision']}; "
+    text += f"Oldest part of {code['date']}, revision {code['revision']}; "
     if changed := find_changed(page, summary):
         return text + f"code has changed since: {', '.join(f'`{source}`' for source in changed)}.*"
     return text + "the code that they depend on has not changed since.*"

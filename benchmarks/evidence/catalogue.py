@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from benchmarks import distillation, limits, rendering, startup
+from benchmarks import distillation, gpu, limits, rendering, startup
 from benchmarks.accuracy import markdown as accuracy
 from benchmarks.agents import markdown as agents
 from benchmarks.executor import markdown as executor
@@ -28,6 +28,7 @@ _MODULES = (
     distillation,
     executor,
     first_results,
+    gpu,
     gradients,
     headtohead,
     inverse,

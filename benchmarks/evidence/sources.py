@@ -32,8 +32,16 @@ def is_checkout() -> bool:
 
 def find_newest(revisions: Iterable[str]) -> str | None:
     """The revision that was committed last; None where there are none."""
-    dated = [(int(_need("log", "-1", "--format=%ct", each)), each) for each in revisions]
-    return max(dated)[1] if dated else None
+    return max(revisions, key=_read_time, default=None)
+
+
+def find_oldest(revisions: Iterable[str]) -> str | None:
+    """The revision that was committed first; None where there are none."""
+    return min(revisions, key=_read_time, default=None)
+
+
+def _read_time(revision: str) -> int:
+    return int(_need("log", "-1", "--format=%ct", revision))
 
 
 def read_date(revision: str) -> str:

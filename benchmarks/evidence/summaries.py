@@ -1,7 +1,7 @@
 """Summaries: what is kept of raw rows, with where these come from.
 
 A summary is ``{"raw": {part: file}, "code": {...}, "parts": {part: section}}``. A file of raw rows is known by its size
-and its sha256. The code is the newest revision that rows come from, with its date and the hashes of the page's sources;
+and its sha256. The code is the newest revision of the oldest part, with its date and the hashes of the page's sources;
 None where no revision is recorded. Sections are like those of raw rows, with rows that the tables are made of.
 """
 
@@ -15,6 +15,7 @@ from typing import Any
 
 from benchmarks.evidence.sources import (
     find_newest,
+    find_oldest,
     hash_sources,
     is_checkout,
     is_known,
@@ -59,7 +60,9 @@ def summarise(
         _drop_idle_runs(section)
     _settle_revisions(result, allow_unkept)
     parts = earlier | page.condense(copy.deepcopy(result))
-    revision = find_newest(list_revisions(parts))
+    revision = find_oldest(
+        newest for part in parts if (newest := find_newest(list_revisions({part: parts[part]})))
+    )  # a part that is measured anew makes the others no newer
     file = {"bytes": len(content), "sha256": hashlib.sha256(content).hexdigest()}
     known = recorded["raw"] if recorded else {}
     return {

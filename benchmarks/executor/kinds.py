@@ -10,15 +10,16 @@ from benchmarks import harness
 from benchmarks.executor.scenes import Clip, Setting, prepare
 from benchmarks.executor.tasks import LAST
 from benchmarks.harness import Row
-from physagent_jax.agents.rules import kinds
-from physagent_jax.agents.rules.edits import Wish
 from physagent_jax.core.rotations import polar
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField, VelocityConstraint
 from physagent_jax.forces.slabs import make_end_region
+from physagent_jax.motion import kinds
 from physagent_jax.motion.matching import find_causes
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind
+from physagent_jax.motion.tolerances import expect_strain
 from physagent_jax.motion.vectors import scale
+from physagent_jax.motion.wishes import Wish
 
 _TAIL = 2.0  # particles beyond this percentile on either side do not count for an extent [%]
 
@@ -110,7 +111,7 @@ def _make_scale(setting: Setting, comparison: Comparison, axis: Vector) -> tuple
         magnitude=1.0 if stretches else -1.0,
         active_time=(0.0, LAST),
     )
-    field, target = ForceField(actions=(pull,)), kinds.expect_strain(expected, not stretches).target
+    field, target = ForceField(actions=(pull,)), expect_strain(expected, not stretches).target
     causes, wish = find_causes(expected, field), Wish(field, expected, (), setting.brief)
     match comparison.kind:
         case "ends":

@@ -126,7 +126,7 @@ def prepare(name: str, world: str = "free") -> Setting:
         )  # fmt: skip
         template = resolve(spec).template
         body = make_body(template.source, template.preset.filling, template.preset.domain, ".")
-        template, _ = make_stand(template, body, keep_material=True)
+        template, _ = make_stand(template, body, keep_material=True, let_go=True)
     return Setting(template, body, make_brief(template))
 
 

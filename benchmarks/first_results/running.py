@@ -131,8 +131,10 @@ def judge_truth(run: FinishedRun) -> Judgement:
     limbs = sorted({each.limb for each in reply.expectations if each.limb is not None})
     parts = make_scene_body(scene, run.folder).parts if limbs else ()
     brief = make_brief(template, frames_fixed=spec.overrides.frame_count is not None, parts=parts)
-    if not scene.always_gravity:  # an object that cannot stand is held in the air
+    if not scene.always_gravity:  # an object that cannot stand has no weight where it leaves its place
         brief = brief.model_copy(update={"world": "free"})
+    if scene.anchor.kind != "none":  # or is held at its feet
+        brief = brief.model_copy(update={"anchored": scene.anchor.reason or scene.anchor.kind})
     context = AgentContext(spec.prompt, brief, describe_skills(), reply)
     planner, pictures = make_agents().planner, VideoKeyFrames(best.video)
     again = planner.judge(context, Observation(best.force_field, best.motion, pictures)).value

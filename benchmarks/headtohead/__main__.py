@@ -4,7 +4,8 @@ Every method gets the same budget on the same tasks and the same simulator, coun
 to be judged by is read from the particles and never shown to it (oracles apart, which are named so). `methods` is the
 comparison, `ablation` takes the agents apart, `iterations` counts their rewrites, `materials` gives objects other
 materials, `neighbourhood` checks that local methods are not broken. `gradients` times what a gradient is charged for.
-`clipsim` is how alike their pictures and the sentence are to a CLIP model. `verify` simulates the force fields of the
+`clipsim` is how alike their pictures and the sentence are to a CLIP model. `fidelity` asks whether a body could have
+moved so. `verify` simulates the force fields of the
 file again and judges them anew.
 """
 
@@ -42,6 +43,7 @@ from benchmarks.headtohead.jobs import (
     list_gradients,
     list_materials,
     list_neighbours,
+    list_ratings,
     list_similarities,
 )
 from benchmarks.headtohead.markdown import PAGE
@@ -71,6 +73,7 @@ class Command(harness.Command):
             "neighbourhood",
             "gradients",
             "clipsim",
+            "fidelity",
             "verify",
         ],
         ...,
@@ -140,6 +143,7 @@ def main() -> int:
         "neighbourhood": lambda: list_neighbours(specs, command.tasks, marks, budget, command.data),
         "gradients": lambda: list_gradients(specs, command.tasks, command.data),
         "clipsim": lambda: list_similarities(specs, command.json, find_clip(command.clip), command.data),
+        "fidelity": lambda: list_ratings(specs, command.tasks, command.json, command.data),
         "verify": lambda: list_checks(specs, command.json, command.leaderboard, command.data),
     }
     about = {"left_out": left_out, "budget": budget}

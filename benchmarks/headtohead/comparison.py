@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -45,12 +46,12 @@ SECONDS = (5.0, 20.0, 60.0, 300.0)
 _LEVELS = (0.5, 1.0, 2.0)  # [tolerances]
 
 
-def list_comparison(section: dict[str, Any]) -> Tables:
-    """The tables of the part `methods`."""
+def list_comparison(section: dict[str, Any], clean: Mapping[str, str]) -> Tables:
+    """The tables of the part `methods`; ``clean`` tells the clips without a fault of fidelity of each method."""
     rows = choose_split(section["rows"])
     tables = {
         "agents": describe_agents(rows),
-        "methods": tell_splits(rows) + write_families(rows),
+        "methods": tell_splits(rows) + write_families(rows, clean),
         "progress": write_progress(rows, section["runs"]),
         "seeds": write_seeds(rows),
         "pairs": write_pairs(rows),
@@ -120,8 +121,8 @@ def format_count(successes: list[float]) -> str:
     return f"{sum(successes):.3g}/{len(successes)}" if successes else ""
 
 
-def write_families(rows: Rows) -> str:
-    """Tasks solved by family and in all, each method at its own last mark, and its error."""
+def write_families(rows: Rows, clean: Mapping[str, str]) -> str:
+    """Tasks solved by family and in all, each method at its own last mark, its error, and its clean clips."""
     families = list(dict.fromkeys(row["family"] for row in rows))
     lines = []
     for label, mine in group(rows).items():
@@ -129,7 +130,7 @@ def write_families(rows: Rows) -> str:
         refused = len(find_refused(mine))
         if not last:
             lines.append(
-                [name_row(label, mine), tell_published(label), *[""] * len(families), "", "", refused, ""]
+                [name_row(label, mine), tell_published(label), *[""] * len(families), "", "", refused, "", ""]
             )
             continue
         tasks = average_tasks(mine, last).values()
@@ -146,9 +147,10 @@ def write_families(rows: Rows) -> str:
                 format_share(estimate_share(solved)),
                 refused or "",
                 error,
+                clean.get(label, ""),
             ]
         )
-    return table(["method", "published as", *families, "all", "share", "refused", "error"], lines)
+    return table(["method", "published as", *families, "all", "share", "refused", "error", "clean"], lines)
 
 
 def write_progress(rows: Rows, runs: list[dict[str, Any]]) -> str:

@@ -11,12 +11,14 @@ from functools import cache, partial
 from pathlib import Path
 
 from baselines.materials import OWN
+from baselines.recordings import rate
 from baselines.simulation import Simulation
 from baselines.tasks import Task, TaskSpec, load_witnesses, make_task
 from benchmarks import harness
 from benchmarks.harness import Job, Row
 from benchmarks.headtohead import leaderboard
 from benchmarks.headtohead.entrants import Entrant
+from benchmarks.headtohead.fits import read_budget
 from benchmarks.headtohead.measuring import judge_field, measure, measure_gradient
 from benchmarks.headtohead.neighbourhood import list_begins, list_entrants, move
 from physagent_jax.core.errors import UserError
@@ -25,6 +27,7 @@ from physagent_jax.metrics.clip_similarity import PictureEncoder, load_clip, mea
 from physagent_jax.metrics.targets import hash_target
 
 USUAL = 30.0  # forward-equivalents; fits with others say so in their names
+WITNESS = "witness"
 NOTHING = "nothing is done"
 SHOWN = ("methods", "ablation", "iterations", "distillation", "materials")
 """Parts whose clips are compared with their sentences."""
@@ -214,6 +217,39 @@ def measure_similarity(row: Row, spec: TaskSpec, clip: Path, data: Path | None) 
         return [told | {"refused": str(error)[:200]}]
     found = measure_clip_similarity(pictures.rgb, spec.sentence, _load_clip(clip))
     return [told | {"mark": last and last["mark"], **dataclasses.asdict(found)}]
+
+
+def list_ratings(specs: Sequence[TaskSpec], tasks: Path, result: Path, data: Path | None) -> list[Job]:
+    """Physical fidelity of the clips of all witnesses, and of every method's last force field of one run."""
+    witnesses, known = load_witnesses(tasks), {spec.name: spec for spec in specs}
+    content = json.loads(result.read_text()) if result.is_file() else {}
+    rows = [
+        row for row in content.get("methods", {}).get("rows", []) if row["task"] in known and row["marks"]
+    ]
+    last: dict[tuple[str, str], Row] = {}
+    for row in sorted(rows, key=read_budget):
+        if row["seed"] == 0:
+            last[row["label"], row["task"]] = row
+    fields = {(WITNESS, spec.name): witnesses[spec.name].model_dump() for spec in specs}
+    fields |= {key: row["marks"][-1]["force_field"] for key, row in last.items()}
+    return [
+        Job(f"{name} / {label}", partial(measure_fidelity, label, field, spec, data), name)
+        for name, spec in known.items()  # a task's programs are compiled once
+        for (label, task), field in fields.items()
+        if task == name
+    ]
+
+
+def measure_fidelity(label: str, field: dict, spec: TaskSpec, data: Path | None) -> list[Row]:
+    """Terms of the clip of a force field; a row without terms where it cannot be simulated."""
+    told = {"label": label, "task": spec.name, "family": spec.family, "split": spec.split}
+    task, force_field = _make(spec, data), ForceField.model_validate(field)
+    try:
+        found = rate(task, force_field, task.simulate(force_field))
+    except UserError as error:
+        return [told | {"refused": str(error)[:200]}]
+    harness.say(f"{spec.name:32s} {label:36s} {found.score:.2f} {' '.join(found.faults)}")
+    return [told | {"terms": dataclasses.asdict(found), "score": found.score, "faults": found.faults}]
 
 
 def check(row: Row, spec: TaskSpec, data: Path | None) -> list[Row]:

@@ -31,6 +31,7 @@ from benchmarks.headtohead.comparison import (
     write_marks,
 )
 from benchmarks.headtohead.entrants import ABLATION_ROWS, LOCAL, list_distillers, rename
+from benchmarks.headtohead.fidelity import count_clean, write_terms
 from benchmarks.headtohead.fits import (
     arrange,
     average_tasks,
@@ -56,6 +57,7 @@ PARTS = (
     "neighbourhood",
     "gradients",
     "clipsim",
+    "fidelity",
     "verify",
 )
 
@@ -77,7 +79,7 @@ def _list_tables(part: str, result: Result) -> Tables:
     """The tables that stand with a part."""
     rows = result[part]["rows"]
     if part == "methods":
-        return list_comparison(result[part])
+        return list_comparison(result[part], count_clean(result.get("fidelity", {}).get("rows", [])))
     if part == "ablation":
         chosen = choose_ablation(result)
         found = claims.answer(claims.ABLATION, group(chosen))
@@ -92,7 +94,7 @@ def _list_tables(part: str, result: Result) -> Tables:
         return {part: _write_neighbours(choose_neighbours(result))}
     if part == "verify":
         return {part: _write_checks(rows, result)}
-    return {part: {"gradients": _write_gradients, "clipsim": _write_similarities}[part](rows)}
+    return {part: _WRITERS[part](rows)}
 
 
 def choose_ablation(result: dict[str, Any]) -> list[dict]:
@@ -243,6 +245,7 @@ def _group_clips(rows: list[dict]) -> dict[tuple[str, str], list[dict]]:
     return groups
 
 
+_WRITERS = {"gradients": _write_gradients, "clipsim": _write_similarities, "fidelity": write_terms}
 PAGE = Page(
     "head-to-head",
     "python -m benchmarks.headtohead --data DIR --parts methods ablation iterations",

@@ -15,7 +15,8 @@ from benchmarks.peers.scene import Material, PeerScene
 from physagent_jax.kernels import describe_kernels
 from physagent_jax.mpm import Contact, DomainBox, HalfSpace, Model, State, cell_order, lame_parameters
 from physagent_jax.mpm import materials as laws
-from physagent_jax.mpm.frame import advance
+from physagent_jax.mpm.frame import advance, measure_extent
+from physagent_jax.mpm.health import Health
 from physagent_jax.mpm.materials.von_mises import yield_stress_from_deviator_norm
 from physagent_jax.mpm.window import find_smallest_window, fit_window
 
@@ -47,6 +48,7 @@ class Ours:
         order = cell_order(scene.x, scene.dx) if self.sort else np.arange(scene.particle_count)
         self._back = np.argsort(order)
         model, self.state = build(scene.take(order), self.kernels)
+        self._dt = dt
         self.model = model.replace(dt=jnp.asarray(dt, jnp.float32))
         self.compile_seconds = 0.0
         self._fit_window(FRAME_DT)
@@ -58,12 +60,12 @@ class Ours:
         Raises:
             RuntimeError: `mpm.simulate` would redo a frame.
         """
-        frame = max(1, round(FRAME_DT / float(self.model.dt)))
+        frame = max(1, round(FRAME_DT / self._dt))
         while steps > 0:
             chunk = min(steps, frame)
-            self._fit_window(chunk * float(self.model.dt))
+            self._fit_window(chunk * self._dt)
             self.state, health, _ = advance(self.model, self.state, jnp.int32(chunk))
-            if not bool(health.is_good(self.model)):
+            if not _judge(health, self.model):
                 raise RuntimeError(f"the frame cannot be trusted: {health}")
             steps -= chunk
 
@@ -81,15 +83,18 @@ class Ours:
 
     def _fit_window(self, duration: float) -> None:
         """The window for the coming ``duration`` [s]; where its shape changes, compilation is timed apart."""
-        x, shape = np.asarray(self.state.x), self.model.grid.shape
-        speed = float(jnp.linalg.norm(self.state.v, axis=-1).max())
-        reach = speed * duration + 2 * self.model.grid.dx
-        grid = fit_window(self.model.grid, x.min(0), x.max(0), reach)
+        shape = self.model.grid.shape
+        low, high, speed = jax.device_get(measure_extent(self.state.x, self.state.v))
+        reach = float(speed) * duration + 2 * self.model.grid.dx
+        grid = fit_window(self.model.grid, low, high, reach)
         self.model = self.model.replace(grid=grid)
         if grid.shape != shape:
             begun = time.perf_counter()
             jax.block_until_ready(advance(self.model, self.state, jnp.int32(0)))
             self.compile_seconds += time.perf_counter() - begun
+
+
+_judge = jax.jit(Health.is_good)
 
 
 def build(scene: PeerScene, kernels: Any = "auto") -> tuple[Model, State]:

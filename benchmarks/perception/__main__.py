@@ -15,7 +15,7 @@ import tyro
 
 from benchmarks import harness
 from benchmarks.harness import RAW, Job, Row, number
-from benchmarks.perception.markdown import EARLIER, PAGE
+from benchmarks.perception.markdown import PAGE
 from benchmarks.perception.measure import measure
 from benchmarks.perception.motions import MOTIONS
 from benchmarks.perception.scenes import BACKGROUNDS, DISTANCES, NOISES, OBJECTS, compose, film
@@ -49,8 +49,6 @@ def main() -> int:
     known = json.loads(command.json.read_text()) if command.json.is_file() else {}
     choices = dict.fromkeys(known) | {re.sub(":[^,]*", "", each): each for each in command.parts}
     parts = tuple(name for name, choice in choices.items() if choice)
-    if "rgbd" in choices:
-        choices.pop(EARLIER, None)
     return harness.main(
         dataclasses.replace(command, parts=parts),
         {name: partial(make_jobs, choice or name, command.quick) for name, choice in choices.items()},

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import partial
 
 import numpy as np
 
-from benchmarks.harness import Page, Result, Row, Rows, Tables, drop_fields, one_line, provenance, table
+from benchmarks.harness import Page, Result, Row, Rows, Tables, condense_section, provenance, table
 
 KEYS = ("background", "noise", "distance", "object", "motion")
-EARLIER = "clips"
-"""Part of rows with "rgbd" from before backends were chosen."""
+LEFT_OUT = ("job", "run", "frames", "size_ratio", "notes", "text")
+"""Fields of rows that no table needs."""
 Figure = tuple[str, str, float, str, str, Callable[[Row], bool]]
 FIGURES: tuple[Figure, ...] = (
     ("displacement", "3%", 0.03, "displacement", "displacement_stated", lambda row: True),
@@ -34,8 +33,7 @@ def write_tables(result: Result) -> Tables:
 
     Choices that saw a sample of the clips are compared over all and by background, where a sample says something.
     """
-    named = {"rgbd" if part == EARLIER else part: section["rows"] for part, section in result.items()}
-    seen = {name: rows for name, rows in named.items() if rows}
+    seen = {name: rows for name, section in result.items() if (rows := _read_columns(section["rows"]))}
     tables = {"runs": provenance(result, tuple(result))}
     whole = {name: rows for name, rows in seen.items() if len(rows) == max(map(len, seen.values()))}
     if seen:
@@ -43,6 +41,28 @@ def write_tables(result: Result) -> Tables:
         tables |= {f"by {key}": _compare_by(seen if key == "background" else whole, key) for key in KEYS}
         tables["worst"] = _list_wrong(seen)
     return tables
+
+
+def condense(result: Result) -> Result:
+    """The rows as columns, with numbers to four digits."""
+    return {
+        part: condense_section(section, _make_columns(section["rows"])) for part, section in result.items()
+    }
+
+
+def _make_columns(rows: Rows) -> Rows:
+    """One row for each field that tables need, with the values of all clips; None where a clip has no such field."""
+    fields = [field for field in dict.fromkeys(f for row in rows for f in row) if field not in LEFT_OUT]
+    return [{"field": field, "values": [_round(row.get(field)) for row in rows]} for field in fields]
+
+
+def _read_columns(columns: Rows) -> Rows:
+    names = [column["field"] for column in columns]
+    return [dict(zip(names, values)) for values in zip(*(column["values"] for column in columns))]
+
+
+def _round(value: object) -> object:
+    return float(f"{value:.4g}") if isinstance(value, float) else value
 
 
 def summarize(rows: Rows, figure: Figure) -> dict[str, float | int | None]:
@@ -114,22 +134,21 @@ def _compare_by(seen: Mapping[str, Rows], key: str) -> str:
 
 
 def _list_wrong(seen: Mapping[str, Rows]) -> str:
-    """The twenty clips whose displacement or rotation is farthest off, with what the report says."""
+    """The twenty clips whose displacement or rotation is farthest off."""
 
     def badness(row: Row) -> float:
         return max((row["displacement"] or 0) / 0.03, (row["rotation"] or 0) / (4 if row["in_plane"] else 8))
 
     every = [(name, row) for name, rows in seen.items() for row in rows]
     worst = sorted(every, key=lambda each: badness(each[1]), reverse=True)[:20]
-    columns = ("clip", "perception", "displacement", "rotation", "stretch", "notes")
+    columns = ("clip", "perception", "displacement", "rotation", "stretch")
     lines = []
     for name, row in worst:
         clip = (
             f"{row['motion']}: {row['object']}, {row['distance']}, {row['background']}, noise {row['noise']}"
         )
-        figures = [_to_text(row[key]) for key in ("displacement", "rotation", "stretch")]
         if badness(row) > 1:
-            lines.append([clip, name, *figures, one_line(" ".join(row["notes"]))])
+            lines.append([clip, name, *(_to_text(row[key]) for key in columns[2:])])
     return table(columns, lines)
 
 
@@ -138,5 +157,5 @@ PAGE = Page(
     "python -m benchmarks.perception",
     write_tables,
     ("physagent_jax/perception", "physagent_jax/render"),
-    partial(drop_fields, left_out=("text",)),
+    condense,
 )

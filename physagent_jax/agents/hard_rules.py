@@ -17,11 +17,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from physagent_jax.core.strict import Vector
+from physagent_jax.core.strict import Vector, read_numbers
 from physagent_jax.forces import schema as forces
 from physagent_jax.forces.calibration import GAIN_MAX, GAIN_MIN, MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import ForceField, is_too_short
 from physagent_jax.forces.skills import Skill, find_skill
+from physagent_jax.forces.slabs import mirror_entry
 from physagent_jax.motion.matching import (
     AXIAL,
     Cause,
@@ -151,7 +152,7 @@ def known_skills(entries: Entries, _context: Context) -> tuple[Entries, list[str
 @_on_each
 def unit_vectors(item: Entry, _group: str, _context: Context) -> Iterator[str]:
     """||v|| = 1: vectors are normalised; an entry without a usable direction is dropped."""
-    vector = _read_numbers(item.get("vector"), 3)
+    vector = read_numbers(item.get("vector"), 3)
     unit = normalise(vector) if vector else None
     if vector is None or unit is None:
         item.clear()
@@ -166,13 +167,13 @@ def unit_vectors(item: Entry, _group: str, _context: Context) -> Iterator[str]:
 def magnitude_range(item: Entry, _group: str, _context: Context) -> Iterator[str]:
     """0.4 <= |M| <= 1.6 with the sign kept, and the gain inside its range; something that is no number becomes 1."""
     told = item.get("magnitude", 1.0)
-    given = _read_numbers([told], 1)
+    given = read_numbers([told], 1)
     value = given[0] if given else 1.0
     item["magnitude"] = kept = math.copysign(clamp(abs(value), MAGNITUDE_MIN, MAGNITUDE_MAX), value)
     if not given or abs(kept - value) > 1e-9:
         yield f".magnitude {told} becomes {kept:g}"
     if "gain" in item:
-        told, numbers = item["gain"], _read_numbers([item["gain"]], 1)
+        told, numbers = item["gain"], read_numbers([item["gain"]], 1)
         item["gain"] = gain = clamp(numbers[0], GAIN_MIN, GAIN_MAX) if numbers else 1.0
         if gain != told:
             yield f".gain {told} becomes {gain:g}"
@@ -184,7 +185,7 @@ def window_in_clip(item: Entry, _group: str, context: Context) -> Iterator[str]:
     told, end = item.get("active_time"), context.brief.last
     if told is None:
         return
-    window, kept = _read_numbers(told, 2), None
+    window, kept = read_numbers(told, 2), None
     if window and end >= 1:
         first, last = clamp(min(window), 0.0, end), clamp(max(window), 0.0, end)
         begin = min(first, end - 1.0)
@@ -200,7 +201,7 @@ def held_until_in_clip(item: Entry, group: str, context: Context) -> Iterator[st
     told, window = item.pop("held_until", None), item.get("active_time")
     if told is None:
         return
-    given = _read_numbers([told], 1)
+    given = read_numbers([told], 1)
     if given and window and not _get_skill(group, item).is_sudden:
         until = min(given[0], context.brief.last)
         item |= {"held_until": until} if until > window[1] else {}
@@ -337,7 +338,7 @@ def paired_translation(entries: Entries, context: Context) -> tuple[Entries, lis
         slabs = [c for c in ends if abs(cosine(c.item.vector, expectation.direction)) > _PARALLEL]
         if not slabs or _is_pair(slabs):
             continue
-        mirrored, gone = _mirror(entries["constraints"][slabs[0].index]), slabs[1:]
+        mirrored, gone = mirror_entry(entries["constraints"][slabs[0].index]), slabs[1:]
         entries = _drop(entries, gone)
         entries["constraints"].append(mirrored)
         partner = f"{slabs[0].name} is given its symmetrically opposed partner"
@@ -348,16 +349,6 @@ def paired_translation(entries: Entries, context: Context) -> tuple[Entries, lis
 def _is_pair(slabs: list[Cause]) -> bool:
     sums = add(scale(slab.item.vector, slab.item.magnitude) for slab in slabs)
     return len(slabs) == 2 and norm(sums) < 1e-6 and slabs[0].item.active_time == slabs[1].item.active_time
-
-
-def _mirror(item: dict[str, Any]) -> dict[str, Any]:
-    """The same constraint on the opposite side of the object's middle, moving the other way."""
-    region, other = item["region"], {"low": "high", "high": "low"}
-    places = [key for key in ("point", "center", "low", "high") if key in region]
-    mirrored = region | {other.get(key, key): [1.0 - c for c in region[key]] for key in places}
-    if "normal" in region:
-        mirrored["normal"] = [-c for c in region["normal"]]
-    return {**item, "region": mirrored, "vector": [-c + 0.0 for c in item["vector"]]}
 
 
 def _list_causes(entries: Entries) -> list[Cause]:
@@ -373,17 +364,6 @@ def _drop(entries: Entries, causes: Sequence[Cause]) -> Entries:
 
 def _get_skill(group: str, item: Mapping[str, Any]) -> Skill:
     return find_skill(item[_GROUPS[group][0]])
-
-
-def _read_numbers(value: Any, count: int) -> tuple | None:
-    """``value`` as that many finite numbers, or None."""
-    if not isinstance(value, (list, tuple)) or len(value) != count:
-        return None
-    try:
-        numbers = tuple(float(v) for v in value)
-    except (TypeError, ValueError, OverflowError):
-        return None
-    return numbers if all(math.isfinite(v) and abs(v) < 1e12 for v in numbers) else None
 
 
 def _format(vector: Vector) -> str:

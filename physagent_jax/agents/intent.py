@@ -13,6 +13,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from physagent_jax.core.strict import Strict
+from physagent_jax.motion.schema import Manner
 
 Word = Annotated[str, Field(max_length=200)]
 _MANY = Field(max_length=100_000)  # as many entries as a sentence of the longest kind has characters
@@ -156,6 +157,7 @@ class Clause(Strict):
         negated: Whether the sentence says that it does not happen.
         inherited: Whether the motion is understood from the clause before ("push it left, then right").
         stays: Whether the result is held ("and hold it there").
+        manner: How it goes on, where the words tell another manner than the motion's own.
         pace: Whether it goes at one speed, or begins and ends at once.
         elsewhere: Whether the object ends at another place: "away", "aside", "off the table".
         said: The words in the sentence that name the motion.
@@ -176,6 +178,7 @@ class Clause(Strict):
     negated: bool = False
     inherited: bool = False
     stays: bool = False
+    manner: Manner = ""
     pace: Literal["", "even", "sudden"] = ""
     elsewhere: bool = False
     said: Word = ""

@@ -10,7 +10,7 @@ range where it is declared. Schemas of what was measured (`Vector`, plain floats
 from __future__ import annotations
 
 import math
-from typing import Annotated
+from typing import Annotated, Any
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
@@ -30,6 +30,17 @@ class Strict(BaseModel):
     """Immutable, refuses unknown keys and numbers that are not finite."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+def read_numbers(value: Any, count: int) -> tuple | None:
+    """``value`` as that many finite numbers, or None."""
+    if not isinstance(value, (list, tuple)) or len(value) != count:
+        return None
+    try:
+        numbers = tuple(float(v) for v in value)
+    except (TypeError, ValueError, OverflowError):
+        return None
+    return numbers if all(math.isfinite(v) and abs(v) < 1e12 for v in numbers) else None
 
 
 def normalise_direction(value: Vector) -> Vector:

@@ -88,7 +88,7 @@ def _find_next_begin(entry: Action | VelocityConstraint, field: ForceField) -> f
 
 
 def _find_tilt_axis(entry: Action | VelocityConstraint, field: ForceField, rate: float) -> np.ndarray | None:
-    """Axis about which an entry finds the whole tilted, or tilts it, where a field does no more than that; or None.
+    """Axis about which an entry finds the whole tilted, or tilts it, where nothing else was done till then; or None.
 
     Args:
         entry: The entry.
@@ -96,7 +96,9 @@ def _find_tilt_axis(entry: Action | VelocityConstraint, field: ForceField, rate:
         rate: Turn per frame of a constraint with M = 1 [rad].
     """
     turns = [each for each in field.constraints if get_skill(each).is_axis and each.region is None]
-    if entry not in turns or len(turns) < len(field.constraints) + len(field.actions):
+    end = (entry.active_time or (0.0, np.inf))[1]
+    earlier = [e for e in (*field.constraints, *field.actions) if (e.active_time or (0.0,))[0] < end - 0.5]
+    if entry not in turns or any(each not in turns for each in earlier):
         return None
     turns.sort(key=lambda each: (each.active_time or (0.0,))[0])
     axes = [np.copysign(1.0, each.magnitude) * np.asarray(each.vector) for each in turns]

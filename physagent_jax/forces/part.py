@@ -13,6 +13,7 @@ from physagent_jax.forces.schema import CellsRegion
 
 _WORD = re.compile(r"[^\W\d_]+|\d+")
 _HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])")
+_PLURALS = frozenset("feet teeth antennae".split())
 _LETTERS = {"l": "left", "r": "right"}
 SIDES = frozenset("left right upper lower front back rear top bottom inner outer middle".split())
 """Words for a side, which a name begins with."""
@@ -162,6 +163,6 @@ def list_parts(parts: Sequence[Part]) -> str:
 
 
 def is_plural(text: str) -> bool:
-    """Return whether a part's word means several."""
-    word = text.split()[-1].lower() if text.split() else ""
-    return word.endswith("s") or word == "feet"
+    """Return whether a part's word means several: "both wings", but not "one of its wings"."""
+    words = text.lower().split() or [""]
+    return words[:2] != ["one", "of"] and (words[-1].endswith("s") or words[-1] in _PLURALS)

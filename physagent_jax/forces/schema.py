@@ -154,7 +154,7 @@ class Action(_Timed):
 
 
 class VelocityConstraint(_Timed):
-    """A prescribed velocity; `agents.rules.kinds` says when it takes a body force's place.
+    """A prescribed velocity; `motion.kinds` says when it takes a body force's place.
 
     Attributes:
         constraint_type: Which skill of those that prescribe velocities.

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from typing import Any
 
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import BoxRegion, CellsRegion, HalfSpaceRegion, Region
@@ -20,6 +21,16 @@ def make_end_region(normal: Vector, start: float) -> HalfSpaceRegion:
     reach = (start - 0.5) * sum(abs(c) for c in normal)
     x, y, z = (round(0.5 + reach * c, 6) for c in normal)
     return HalfSpaceRegion(point=(x, y, z), normal=normal)
+
+
+def mirror_entry(item: dict[str, Any]) -> dict[str, Any]:
+    """The same constraint, as data, on the opposite side of the object's middle, moving the other way."""
+    region, other = item["region"], {"low": "high", "high": "low"}
+    places = [key for key in ("point", "center", "low", "high") if key in region]
+    mirrored = region | {other.get(key, key): [1.0 - c for c in region[key]] for key in places}
+    if "normal" in region:
+        mirrored["normal"] = [-c for c in region["normal"]]
+    return {**item, "region": mirrored, "vector": [-c + 0.0 for c in item["vector"]]}
 
 
 def make_middle_region(up: Vector) -> BoxRegion | None:

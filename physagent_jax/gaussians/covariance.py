@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -40,6 +42,7 @@ def matrix_to_quat(matrices: np.ndarray | jax.Array) -> np.ndarray:
     return rotation.as_quat(canonical=True, scalar_first=True).reshape(*matrices.shape[:-2], 4)
 
 
+@partial(jax.jit, inline=True)  # on its own, one program and not twelve
 def quats_scales_to_covariances(quats: jax.Array, scales: jax.Array) -> jax.Array:
     """Covariances R diag(scales^2) R^T (3DGS, Kerbl et al. 2023, eq. 6).
 

@@ -1,19 +1,19 @@
-"""Hand-written CPU kernels: what chooses them, and the plumbing that they share.
+"""Hand-written kernels: what chooses them, and the plumbing that they share.
 
 The kernels themselves lie where their work is: a package that has some has a folder ``kernels``, and nothing here
-knows which do. "auto" takes them where the arrays lie on a CPU, or JAX puts them there, and Numba is installed,
-"reference" the pure JAX path, "cpu" insists. Both give the same numbers to round-off; forward-mode derivatives exist
-for the reference only.
+knows which do. "auto" takes those of the CPU where the arrays lie on one, or JAX puts them there, and Numba is
+installed, and those of CUDA likewise; "reference" is the pure JAX path, "cpu" and "cuda" insist. All give the same
+numbers to round-off; forward-mode derivatives exist for the reference only.
 
-Here: SIMD values (`lanes`), XLA's calling convention (`ffi`), the threads that run a kernel together (`team`) and the
-store of compiled code.
+Here: SIMD values (`lanes`), XLA's calling convention (`ffi`), the threads that run a kernel together (`team`), the
+store of compiled code, and CUDA's compiler and driver (`cuda`).
 """
 
 from __future__ import annotations
 
 import importlib
 import logging
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
 from contextvars import ContextVar
 from typing import Any, Literal
@@ -25,7 +25,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.once import once
 from physagent_jax.kernels.forks import refuse_fork
 
-Kernels = Literal["auto", "reference", "cpu"]
+Kernels = Literal["auto", "reference", "cpu", "cuda"]
 log = logging.getLogger(__name__)
 _chosen: ContextVar[Kernels] = ContextVar("kernels", default="auto")
 
@@ -70,12 +70,25 @@ def use_cpu(kernels: Kernels | None = None) -> bool:
     Raises:
         UserError: "cpu" is asked for, and not to be had.
     """
-    kernels = kernels or _chosen.get()
-    if kernels == "reference":
+    return _decide("cpu", kernels or _chosen.get(), _explain_missing)
+
+
+def use_cuda(kernels: Kernels | None = None) -> bool:
+    """Return whether the CUDA kernels are to be used; None = as `use_kernels` says.
+
+    Raises:
+        UserError: "cuda" is asked for, and not to be had.
+    """
+    return _decide("cuda", kernels or _chosen.get(), _explain_missing_cuda)
+
+
+def _decide(kind: Kernels, chosen: Kernels, explain: Callable[[], str]) -> bool:
+    """Return whether kernels of this kind are to be used, ``explain`` saying why they cannot be."""
+    if chosen not in ("auto", kind):
         return False
-    missing = _explain_missing()
-    if kernels == "cpu" and missing:
-        raise UserError(f'`kernels="cpu"` cannot be used: {missing}', do='Use "auto" or "reference"')
+    missing = explain()
+    if chosen == kind and missing:
+        raise UserError(f'`kernels="{kind}"` cannot be used: {missing}', do='Use "auto" or "reference"')
     return not missing
 
 
@@ -86,6 +99,8 @@ def import_kernels(module: str):
 
 def describe_kernels(kernels: Kernels) -> str:
     """Describe the kernels in use, for a run's manifest."""
+    if use_cuda(kernels):
+        return "cuda"
     if not use_cpu(kernels):
         return "reference"
     from physagent_jax.kernels.threads import thread_count
@@ -93,11 +108,23 @@ def describe_kernels(kernels: Kernels) -> str:
     return f"cpu ({thread_count()} threads)"
 
 
+def explain_reference() -> str:
+    """The reason why "auto" takes pure JAX; "" if it takes kernels."""
+    return _explain_missing_cuda() if find_platform() == "gpu" else _explain_missing()
+
+
 def _explain_missing() -> str:
     """The reason why there are no CPU kernels; "" if there are."""
     if find_platform() != "cpu":
         return f"JAX runs on {find_platform()}"
     return numba_missing()
+
+
+def _explain_missing_cuda() -> str:
+    """The reason why there are no CUDA kernels; "" if there are."""
+    if find_platform() != "gpu":
+        return f"JAX runs on {find_platform()}"
+    return numba_missing() or import_kernels("physagent_jax.kernels.cuda").explain_missing()
 
 
 @once

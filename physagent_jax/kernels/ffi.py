@@ -40,6 +40,7 @@ _SCALAR_VALUE = 1  # XLA_FFI_Scalar
 _BUFFER_DATA, _BUFFER_RANK, _BUFFER_EXTENTS = 3, 4, 5  # XLA_FFI_Buffer
 _EXTENSION_TYPE, _EXTENSION_METADATA, _METADATA = 1, 3, 1  # XLA_FFI_Metadata_Extension
 _VERSION_WORD = 3  # XLA_FFI_Api_Version.major_version and .minor_version, within XLA_FFI_Metadata
+_TRAITS_WORD = 4  # XLA_FFI_Metadata.traits: XLA_FFI_HANDLER_TRAITS_COMMAND_BUFFER_COMPATIBLE is 1
 _VERSION = 0 + (1 << 32)  # 0.1, the oldest that all supported versions of jaxlib accept
 
 
@@ -124,11 +125,39 @@ def get_attribute(typing, frame, index):
     """An attribute that is an int64; they are in the order of their names."""
 
     def generate(context, builder, signature, arguments):
-        attributes = load_word(builder, arguments[0], _FRAME_ATTRIBUTES)
-        scalar = load_word(builder, attributes, arguments[1])
-        return load_word(builder, load_word(builder, scalar, _SCALAR_VALUE), 0)
+        return load_attribute(builder, *arguments)
 
     return types.int64(types.int64, types.int64), generate
+
+
+def load_attribute(builder, frame, index):
+    """In LLVM's code: an attribute, as `get_attribute` has it."""
+    scalar = load_word(builder, load_word(builder, frame, _FRAME_ATTRIBUTES), index)
+    return load_word(builder, load_word(builder, scalar, _SCALAR_VALUE), 0)
+
+
+def list_buffers(builder, frame):
+    """In LLVM's code: an array of the addresses where the frame keeps those of all operands and results, in order."""
+    counts = load_word(builder, frame, _FRAME_OPERANDS - 2), load_word(builder, frame, _FRAME_RESULTS - 2)
+    made = builder.alloca(_WORD, size=builder.add(*counts))
+    first = _WORD(0)
+    for count, place in zip(counts, (_FRAME_OPERANDS, _FRAME_RESULTS)):
+        buffers = load_word(builder, frame, place)
+        with cgutils.for_range(builder, count) as loop:
+            data = find_word(builder, load_word(builder, buffers, loop.index), _BUFFER_DATA)
+            builder.store(builder.ptrtoint(data, _WORD), builder.gep(made, [builder.add(first, loop.index)]))
+        first = count
+    return made
+
+
+def call_api(builder, api, index: int, words: list):
+    """In LLVM's code: what a function of XLA_FFI_Api gives for a structure of these words, and the structure."""
+    structure = cgutils.alloca_once(builder, _WORD, size=len(words))
+    for place, word in enumerate(words):
+        builder.store(word, builder.gep(structure, [_WORD(place)]))
+    kind = ir.FunctionType(_WORD, [_WORD.as_pointer()])
+    function = builder.inttoptr(load_word(builder, api, index), kind.as_pointer())
+    return builder.call(function, [structure]), structure
 
 
 def _multiply_words(builder, address, count):
@@ -179,3 +208,9 @@ def answer_query(frame):
         return False
     write_word(read_word(extension, _EXTENSION_METADATA), _VERSION_WORD, _VERSION)
     return True
+
+
+@njit(**NO_WRAPPERS)
+def allow_recording(frame):
+    """Answer such a query further: each call launches the same, which a CUDA graph may record."""
+    write_word(read_word(read_word(frame, _FRAME_EXTENSION), _EXTENSION_METADATA), _TRAITS_WORD, 1)

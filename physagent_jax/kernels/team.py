@@ -221,22 +221,13 @@ def _schedule(typing, frame, team, number, kernel):
         api = ffi.load_word(builder, frame, ffi.FRAME_API)
         words = [_WORD(40), _WORD(0), ffi.load_word(builder, frame, ffi.FRAME_CONTEXT)]
         words += [builder.ptrtoint(function, _WORD), team]
-        error = _call_api(builder, api, ffi.SCHEDULE_TASK, words)
+        error, _ = ffi.call_api(builder, api, ffi.SCHEDULE_TASK, words)
         failed = builder.icmp_unsigned("!=", error, _WORD(0))
         with builder.if_then(failed, likely=False):
-            _call_api(builder, api, ffi.DESTROY_ERROR, [_WORD(24), _WORD(0), error])
+            ffi.call_api(builder, api, ffi.DESTROY_ERROR, [_WORD(24), _WORD(0), error])
         return builder.not_(failed)
 
     return types.boolean(frame, team, number, kernel), generate
-
-
-def _call_api(builder, api, index: int, words: list):
-    """Call a function of XLA_FFI_Api with a structure of these words."""
-    structure = cgutils.alloca_once(builder, _WORD, size=len(words))
-    for place, word in enumerate(words):
-        builder.store(word, builder.gep(structure, [_WORD(place)]))
-    kind = ir.FunctionType(_WORD, [_WORD.as_pointer()])
-    return builder.call(builder.inttoptr(ffi.load_word(builder, api, index), kind.as_pointer()), [structure])
 
 
 @intrinsic

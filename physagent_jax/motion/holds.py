@@ -1,9 +1,10 @@
 """Holds against motions: whether a hold gives way, stays, or makes a motion impossible.
 
-A hold that only the object's kind implies gives way to a motion that needs the object free: it falls, rises, turns as
-a whole, or leaves its place (`ExpectedMotion.leaves_place`). What is bent, swayed, stretched or twisted keeps it. So
-does a push of which neither a distance nor another place is told: it bends what is rooted. A hold that the sentence or
-the user asks for never gives way; a motion that it makes impossible is found before anything is simulated.
+A hold that only the object's kind or shape implies gives way to a motion that needs the object free: it falls, rises,
+turns as a whole, or leaves its place (`ExpectedMotion.leaves_place`). What is bent, swayed, stretched or twisted keeps
+it. So does a push of which neither a distance nor another place is told: it bends what is rooted. What only stands goes
+where it is pushed, unless it is then let go. A hold that the sentence or the user asks for never gives way; a motion
+that it makes impossible is found before anything is simulated.
 """
 
 from __future__ import annotations
@@ -18,7 +19,8 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.forces.skills import get_skill
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind
-from physagent_jax.motion.vectors import cosine
+from physagent_jax.motion.swaying import bends
+from physagent_jax.motion.vectors import cosine, scale
 
 _UPWARD = 0.5  # cosine to the vertical from which on a way leads up
 _LEVEL = 0.7  # cosine to the vertical below which an axis is level
@@ -37,6 +39,7 @@ class HoldOrigin(enum.Enum):
     """The source of a hold."""
 
     KIND = "kind"
+    SUPPORT = "support"
     SENTENCE = "sentence"
     OPTION = "option"
 
@@ -67,9 +70,31 @@ def list_motions(field: ForceField) -> tuple[ExpectedMotion, ...]:
     return tuple(motions)
 
 
-def find_leaving(plan: Sequence[ExpectedMotion], up: Vector) -> ExpectedMotion | None:
-    """The first planned motion that needs the object free, if gravity pulls against ``up``; None if a hold can stay."""
-    return next((each for each in _keep_whole(plan) if _needs_free(each, up)), None)
+def find_leaving(
+    plan: Sequence[ExpectedMotion], up: Vector, *, stands: bool = False
+) -> ExpectedMotion | None:
+    """The first planned motion that needs the object free; None if a hold can stay.
+
+    Args:
+        plan: The planned motions.
+        up: Unit vector against gravity.
+        stands: Whether the object is held only so that it stands (`HoldOrigin.SUPPORT`).
+    """
+    whole = _keep_whole(plan)
+    if stands:
+        whole = [each for each in whole if not _comes_back(each)]
+    return next((each for each in whole if _needs_free(each, up) or stands and _slides(each)), None)
+
+
+def _comes_back(motion: ExpectedMotion) -> bool:
+    """Return whether what only stands is bent over its feet, or tilted and then let go."""
+    return motion.kind is MotionKind.ROTATE and (motion.released or bends(motion))
+
+
+def _slides(motion: ExpectedMotion) -> bool:
+    """Return whether what only stands goes somewhere: a push, rather than a blow, a bend, or what is then let go."""
+    pushed = motion.kind is MotionKind.MOVE and motion.repeats == 1
+    return pushed and not (motion.sudden or motion.released or bends(motion))
 
 
 def find_impossible(hold: Hold, plan: Sequence[ExpectedMotion], up: Vector) -> ExpectedMotion | None:
@@ -117,10 +142,30 @@ def describe_yielding(hold: Hold, plan: Sequence[ExpectedMotion], up: Vector) ->
     return f"{_name(upright[0])}: {held}, so that it can only stretch, bend or twist and not leave its place"
 
 
-def describe_release(motion: ExpectedMotion, kind: str) -> str:
-    """The assumption that the hold of an object of this kind gives way to a motion, in a sentence."""
+def describe_release(motion: ExpectedMotion, hold: Hold, kind: str) -> str:
+    """The assumption that the implied hold of an object of this kind gives way to a motion, in a sentence."""
     free = f"it is not held, as an object of kind '{kind}' otherwise is"
+    if hold.origin is HoldOrigin.SUPPORT:
+        free = "its feet are let go, which are otherwise held so that it stands"
     return f"{_name(motion)} needs the object free: {free}."
+
+
+def needs_weight(motion: ExpectedMotion, up: Vector) -> bool:
+    """Return whether a viewer would miss the weight of what a motion lets go: it falls, tips over, or is flung."""
+    tips = motion.kind is MotionKind.ROTATE and abs(_find_height(motion, up)) < _LEVEL
+    return motion.kind is MotionKind.FALL or tips or motion.kind is MotionKind.MOVE and motion.sudden
+
+
+def find_blow(plan: Sequence[ExpectedMotion], up: Vector) -> Vector | None:
+    """The way of a blow that presses the object in, from above or at a side, if nothing else is planned."""
+    moves = [each for each in plan if each.kind is not MotionKind.STILL]
+    if not moves or not all(each.sudden and each.limb is None for each in moves):
+        return None
+    whole = len(_keep_whole(moves)) == len(moves)
+    if whole and all(each.kind is MotionKind.MOVE and _find_height(each, up) < -_LEVEL for each in moves):
+        return scale(up, -1.0)
+    dents = (each.kind is MotionKind.SQUEEZE and abs(_find_height(each, up)) < _LEVEL for each in moves)
+    return moves[0].direction if all(dents) else None
 
 
 def _name(motion: ExpectedMotion) -> str:

@@ -16,10 +16,10 @@ import operator
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import BLOW
 from physagent_jax.forces.driving import PartDriver
-from physagent_jax.forces.part import Part
+from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.schema import Bend, VelocityConstraint
 from physagent_jax.motion.limbs import SEATED, find_front
-from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.schema import Amount, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import (
     add,
     clamp,
@@ -42,6 +42,7 @@ _ALONG = 0.85  # cosine to the limb from which on a way leads along it
 _REACH = 0.3  # of its length, by which a plain word moves a limb along itself
 _DENTED = 0.6  # the same of a region that is pressed into what it is one skin with
 _DRAWN = 0.08  # [body lengths] that such a region is drawn at least, or by its length, as its border hardly goes along
+_LIMIT = 0.6  # of its length, by which a short limb is drawn at most, so that it is seen
 _PRESSED, _DEEPEST = (
     0.5,
     0.6,
@@ -62,6 +63,8 @@ _SHORT = 0.6  # of its length, at most
 _STRAIN = 0.85  # [1] of the skin on the outside of a bend, at most
 _STEEPEST = 1.5  # slope of u^2 (3 - 2 u) in its middle
 _BORDER = 3.0  # standard deviations of the neck, within which the rest borders on the part
+_SPUN = 180.0  # [degrees] that a plain word turns what stands on the rest about the upright
+_NECKED = frozenset(("head", "face", "neck"))  # words for what does not turn so far
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them
 _TIME = 1.0  # [s] in which a limb gets where it goes, at most
 Window = tuple[float, float]
@@ -115,9 +118,9 @@ class Turning:
 
     @property
     def swing(self) -> Vector:
-        """The way across a limb that it swings to and fro: a tail levelly, others in the plane of the picture."""
+        """The way across a limb that it swings to and fro: a tail and a head levelly, others across the sight."""
         table = self.brief.directions
-        level = "tail" in self.part.roles[:1]
+        level = not {"tail", "head"}.isdisjoint(self.part.roles[:1])
         way = normalise(cross(table.up if level else table.toward, self.arm)) or table.right
         return scale(way, -1.0) if dot(way, self.out if self.hangs else table.up) < 0 else way
 
@@ -139,11 +142,14 @@ class Turning:
         """
         if motion.kind is MotionKind.SWAY:
             return self._drive_swings(motion)
+        axis = motion.direction
+        if motion.kind is MotionKind.ROTATE and axis is not None and self._spins(motion, axis):
+            motion = motion.model_copy(update=dict(amount=Amount(value=_SPUN, unit="degrees")))
+            return [self.turn(axis, _SPUN, (motion.window[0], min(motion.window[1], until)), None)], motion
         window = self._find_window(motion, until)
         let_go = motion.released or motion.sudden and not motion.stays
         stop = None if let_go or until <= window[1] else until
-        if motion.kind is MotionKind.ROTATE and motion.direction is not None:
-            axis = motion.direction
+        if motion.kind is MotionKind.ROTATE and axis is not None:
             return [self.turn(axis, self.find_angle(motion, axis), window, stop)], motion
         way = motion.direction or self.swing
         place = self.part.origin == "place"  # it has no joint
@@ -152,6 +158,12 @@ class Turning:
         return [self.bring(way, motion, angle, window, stop)], motion.model_copy(
             update=dict(direction=course)
         )
+
+    def _spins(self, motion: ExpectedMotion, axis: Vector) -> bool:
+        """Return whether it turns about the upright on what bears it, as a dish does: then by half a turn."""
+        plain = motion.amount is None and not motion.sudden and _NECKED.isdisjoint(split_name(motion.words))
+        upright = abs(dot(axis, self.brief.directions.up)) > _ALONG
+        return plain and upright and not SEATED.isdisjoint(self.part.roles[:1])
 
     def _drive_swings(self, motion: ExpectedMotion) -> tuple[list[VelocityConstraint], ExpectedMotion]:
         """As `drive`, to and fro: each stroke takes as long as its angle needs."""
@@ -252,7 +264,7 @@ class Turning:
 
         What hangs swings out and back, and not into the body. An arm that goes up and down is raised first: it waves.
         """
-        up, way = self.brief.directions.up, motion.direction or self.swing
+        up, way = self.brief.directions.up, self._nod(motion) or motion.direction or self.swing
         waves = "arm" in self.part.roles[:1] and (self.hangs or abs(dot(way, up)) > _ALONG)
         if not waves and not (self.hangs and abs(cosine(way, self.out)) > -_INWARD):
             angle = _SWAYS * self.find_angle(motion, self.find_axis(way))
@@ -264,6 +276,15 @@ class Turning:
         most = self.find_angle(raised, self.find_axis(up), up)
         angle = min(2 * _SWAYS * self.find_angle(motion, None), 0.6 * most)
         return up, [most, *[-angle, angle] * count]
+
+    def _nod(self, motion: ExpectedMotion) -> Vector | None:
+        """The way of a head that nods: down where it looks aside, forward where it is upright and that is known."""
+        if "head" not in self.part.roles or not any(
+            each.startswith("nod") for each in split_name(motion.words)
+        ):
+            return None
+        level = abs(dot(self.arm, self.brief.directions.up)) < _HANGS
+        return self.brief.directions.down if level else find_front(self.brief.parts)
 
     def bring(
         self, way: Vector, motion: ExpectedMotion, angle: float, window: Window, stop: float | None
@@ -288,7 +309,8 @@ class Turning:
             size = self.brief.size if told.unit == "metres" else 1.0
             return self.driver.shift(way, told.value / size, window, stop)
         place, pressed = self.part.origin == "place", dot(self.arm, way) < -_ALONG
-        reach = _LIFTED if "lid" in self.part.roles[:1] else _REACH
+        drawn = clamp(_DRAWN / max(norm(self.part.arm), 1e-9), _REACH, _LIMIT)
+        reach = _LIFTED if "lid" in self.part.roles[:1] else drawn
         if place:
             reach = _DENTED if pressed else max(1.0, _DRAWN / max(norm(self.part.arm), 1e-9))
         made = self.driver.shift(way, reach * norm(self.part.arm) * angle / _PLAIN, window, stop)

@@ -7,12 +7,15 @@ import math
 from collections.abc import Sequence
 
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.part import Part
+from physagent_jax.forces.part import Part, split_name
 from physagent_jax.motion.schema import SceneBrief
 from physagent_jax.motion.vectors import add, cosine, cross, norm, normalise, scale
 
+_WORLD_AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _LEVEL = 0.5  # cosine to the vertical below which a line is level
+_ALIKE = 0.7  # share of the object over the largest's, from which on a part is as likely as that
 _THERE = 0.2  # cosine to a side from which on a limb is on it
+_OWN_SIDES = frozenset(("left", "right"))
 PLACES = ("top", "bottom", "side")
 """Roles that tell a part's place alone: a word for another part takes it where it is the only one there."""
 SEATED = frozenset(("crown", "lid", "knob", "top"))
@@ -22,7 +25,12 @@ LOOSE = frozenset((*PLACES, "lid", "knob", "crown"))
 
 
 def choose_parts(
-    parts: Sequence[Part], roles: Sequence[str], side: Vector | None, plural: bool
+    parts: Sequence[Part],
+    roles: Sequence[str],
+    side: Vector | None,
+    plural: bool,
+    adjective: str = "",
+    toward: Vector = (0.0, 0.0, 0.0),
 ) -> tuple[int, ...]:
     """Places of the parts that a word means.
 
@@ -31,6 +39,9 @@ def choose_parts(
         roles: Roles that the word may mean, likeliest first: the first that the object has is meant.
         side: Where the part is (world vector); None = not told. One part is chosen then.
         plural: Whether all of them are meant.
+        adjective: The sentence's word for its side: where the file has a left and a right one, left is as the file
+            has it.
+        toward: The viewer's direction: of parts that are alike, the one that is seen best is likeliest.
 
     Returns:
         Places in ``parts``, likeliest first; empty if there is none, or several of which only the place is known.
@@ -38,9 +49,17 @@ def choose_parts(
     for role in roles:
         fitting = [index for index, each in enumerate(parts) if role in each.roles]
         fitting = [index for index in fitting if parts[index].name] or fitting  # what is named goes first
+        sided = [index for index in fitting if adjective in _OWN_SIDES & {*split_name(parts[index].name)}]
+        if sided:
+            return tuple(sided if plural else sided[:1])
         nearness = {index: _find_nearness(parts[index], side) for index in fitting}
         fitting = [index for index in fitting if nearness[index] > _THERE]
-        fitting.sort(key=lambda index: (-nearness[index], -parts[index].share))
+        least = _ALIKE * max((parts[index].share for index in fitting), default=0.0)
+        seen = {
+            index: (cosine(parts[index].side, toward) if parts[index].share >= least else -1.0)
+            for index in fitting
+        }
+        fitting.sort(key=lambda index: (-nearness[index], -round(seen[index], 1), -parts[index].share))
         if role in PLACES and len(fitting) > 1 and not plural:
             continue
         if fitting:
@@ -86,3 +105,17 @@ def find_level_line(brief: SceneBrief) -> Vector:
     across = max(pairs, default=(0.0, (0.0, 0.0, 0.0)))[1]
     beside = normalise(cross(brief.directions.up, across))
     return find_front(brief.parts) or (beside if abs(across[2]) < _LEVEL else None) or brief.directions.toward
+
+
+def sum_directions(names: Sequence[str], brief: SceneBrief) -> Vector:
+    """Sum of directions by their names, those of the viewer, of the world and of the object (not normalised).
+
+    Args:
+        names: Such as "left", "x", "long" (its long axis), "own" (its level line) and "beside" (across that).
+        brief: The scene.
+    """
+    table, long, own = brief.directions, brief.long_axis, find_level_line(brief)
+    lines = {"long": long or table.up, "lengthwise": long or table.right, "own": own}
+    lines["beside"] = normalise(cross(own, table.up)) or table.left
+    known = _WORLD_AXES | lines
+    return add(known.get(name) or getattr(table, name) for name in names)

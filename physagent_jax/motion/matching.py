@@ -176,7 +176,7 @@ def find_causes(expectation: ExpectedMotion, force_field: ForceField) -> list[Ca
     """Entries of a fitting type that act in the window: those along the expected line, else all of them."""
     acting = [c for c in list_causes(force_field) if overlaps(c, expectation.window)]
     if turning := [c for c in acting if _turns_what_is_meant(c, expectation)]:
-        return turning
+        return turning + (_list_swings(turning[-1], force_field) if expectation.released else [])
     fitting = [c for c in acting if expectation.kind in c.skill.causes]
     if expectation.kind in AXIAL:  # a translation of something else than an end does neither
         fitting = [c for c in fitting if c.group == "actions" or _moves_ends(c) is not None]
@@ -184,6 +184,16 @@ def find_causes(expectation: ExpectedMotion, force_field: ForceField) -> list[Ca
         return fitting
     aligned = [c for c in fitting if abs(cosine(c.item.vector, expectation.direction)) >= _ALIGNED]
     return aligned or fitting
+
+
+def _list_swings(bent: Cause, force_field: ForceField) -> list[Cause]:
+    """The turns by which what was bent springs back: each begins where the one before lets go."""
+    swings: list[Cause] = []
+    for cause in list_causes(force_field):
+        begin = (cause.item.active_time or (0.0,))[0]
+        follows = abs(begin - (swings[-1] if swings else bent).lets_go) < 1.0 and cause.name != bent.name
+        swings += [cause] if cause.bends_over and follows else []
+    return swings
 
 
 def _turns_what_is_meant(cause: Cause, expectation: ExpectedMotion) -> bool:

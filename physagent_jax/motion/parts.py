@@ -88,17 +88,21 @@ def explain_missing(text: str, parts: Sequence[Part]) -> str:
     return f"Where '{text}' is, is not known: {told}; `--part` names others (`physagent inspect` shows them all)."
 
 
-def explain_guess(text: str, parts: Sequence[Part], chosen: Sequence[int], *, plural: bool) -> str | None:
+def explain_guess(
+    text: str, parts: Sequence[Part], chosen: Sequence[int], *, plural: bool, roles: Sequence[str] = ()
+) -> str | None:
     """The doubt about parts that a word may mean, and nothing tells for certain; None if there is none.
 
     What a person or the file names is certain. A shape tells a role; not so its place alone, a role of which it says
     that it may as well be another one, one of a pair where all are meant, or one of several where there is but one.
+    A place is certain where the word is for what is there ("the dish"), or the part alone may have the word's role.
 
     Args:
         text: The word in the sentence.
         parts: The object's parts.
         chosen: Places of those that it is taken to mean.
         plural: Whether it means several.
+        roles: The roles that the word may mean, likeliest first.
     """
     guessed = [index for index in chosen if not parts[index].name or parts[index].origin == "place"]
     if not guessed:
@@ -107,7 +111,9 @@ def explain_guess(text: str, parts: Sequence[Part], chosen: Sequence[int], *, pl
     rivals = [each for each in parts if each.roles[:1] == part.roles[:1] and not each.name]
     several = bool(set(part.roles[:1]) & set(_SINGLE)) and len(rivals) > 1 and not plural
     faint = any(parts[index].unsure for index in guessed)
-    said = [each for each in parts if _get_noun(text) in each.roles] == [part]  # "the crown" on top of a stem
+    meant = next((role for role in roles if role in part.roles), _get_noun(text))
+    own = meant not in PLACES or meant == roles[0]
+    said = own and [index for index, each in enumerate(parts) if meant in each.roles] == sorted(guessed)
     clear = (said or set(part.roles[:1]).isdisjoint(PLACES)) and not faint
     if clear and not several and not (plural and len(chosen) == 1 and part.roles):
         return None

@@ -16,6 +16,10 @@ from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, find_
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import CellsRegion
 
+Manner = Literal["", "bend", "rock", "wobble", "shake", "fly", "fold", "crumple"]
+"""The manner of a motion: it bends over its foot, which stays; it tilts over the edges of its foot as a whole; its foot
+stays and its own stiffness does the rest; it goes to and fro, foot and all; it leaves the ground; one half
+goes over the other; it is pressed from one side after another; or any ("")."""
 _Frame = Annotated[float, Field(ge=0, le=1e5)]
 
 
@@ -184,6 +188,7 @@ class ExpectedMotion(Strict):
         even: True if it is to go at one speed ("evenly", "at a constant speed").
         leaves_place: True if a move takes the object as a whole from its place: it is thrown, it jumps, it slides or
             is carried, or it goes a told distance. False for what may as well bend an object whose foot is held.
+        manner: How it goes on.
         amount: A quantity that the sentence names; None = none.
     """
 
@@ -201,6 +206,7 @@ class ExpectedMotion(Strict):
     stays: bool = False
     even: bool = False
     leaves_place: bool = False
+    manner: Manner = ""
     amount: Amount | None = None
     words: str = ""
 

@@ -8,7 +8,6 @@ rocks does not bend: it is tilted over the edges of its foot, to either side.
 from __future__ import annotations
 
 import itertools
-import re
 from collections.abc import Sequence
 
 from physagent_jax.core.strict import Vector
@@ -28,25 +27,23 @@ _MOST = 120.0  # [degrees] that a quantity may tell
 _TIME, _SWING = 1.0, 0.28  # [s] in which it is bent, at most, and of each swing as it springs back
 # Swings as it springs back, in parts of the angle: each goes 0.39 as far as the one before.
 _BACK = (-1.4, 0.55, -0.21, 0.06)
-_TILT = 9.0  # [degrees] that it rocks by to either side with a strength of 1
+_TILT = 11.0  # [degrees] that it rocks by to either side with a strength of 1
 _SETTLED = 0.2  # [s] for which it is kept upright where it has stopped rocking
-_ROCKS = frozenset(("rock", "teeter", "totter", "seesaw"))
 _REACH = 2.0  # [body lengths]: all of its foot borders on the rest
 _LEVEL = 0.7  # cosine to the vertical below which a way leads aside
-_BENDS = re.compile(r"\b(bend|bent|bow|lean|droop|sway|rock|wobbl|jiggl|teeter|totter)")
+_FOLDED, _UPRIGHT_FOLD = (
+    172.0,
+    150.0,
+)  # [degrees] that one half turns by onto the other: of what lies, and stands
+_CREASE = 0.15  # [body lengths] over which it is bent there
 HALF = "one half"  # the name of what bends about its middle
 FOOT = CellsRegion(inside=_LOW, outside=_HIGH, label="its foot")
 
 
 def bends(motion: ExpectedMotion) -> bool:
-    """Return whether a motion of the whole is one over its foot, by its verb: what is shaken may slide as well."""
+    """Return whether a motion of the whole is one over its foot, by its manner: what is shaken may slide as well."""
     kinds = (MotionKind.MOVE, MotionKind.SWAY)
-    return motion.kind in kinds and _BENDS.search(motion.words.lower()) is not None
-
-
-def rocks(verb: str) -> bool:
-    """Return whether what does it tilts over its foot as a whole."""
-    return verb in _ROCKS
+    return motion.kind in kinds and motion.manner in ("bend", "rock", "wobble")
 
 
 def leads_aside(way: Vector | None, brief: SceneBrief) -> bool:
@@ -59,6 +56,8 @@ def sway(
 ) -> list[VelocityConstraint]:
     """The turns of what stands over its foot, to either side and back to where it was.
 
+    It is kept there for a moment: let go with the speed of its last stroke, what is soft would be flung over.
+
     Args:
         brief: The scene.
         way: Where its top goes first (unit world vector), level.
@@ -66,11 +65,13 @@ def sway(
         count: How often it goes to and fro.
         window: First and last frame.
     """
-    strokes = [1.0, *[-2.0, 2.0] * (count - 1), -2.0, 1.0]
+    strokes, rest = [1.0, *[-2.0, 2.0] * (count - 1), -2.0, 1.0], _SETTLED / brief.frame_dt
+    end = max(min(window[1], brief.last - rest), 0.5 * (window[0] + window[1]))
+    stops = [*[None] * (len(strokes) - 1), min(end + rest, float(brief.last))]
     return [
         turn
-        for stroke, span in zip(strokes, _divide(window, strokes))
-        for turn in _turn(brief, [_make_upper(brief)], way, stroke * strength * _ANGLE, span, None, _DEPTH)
+        for stroke, span, stop in zip(strokes, _divide((window[0], end), strokes), stops)
+        for turn in _turn(brief, [_make_upper(brief)], way, stroke * strength * _ANGLE, span, stop, _DEPTH)
     ]
 
 
@@ -104,8 +105,42 @@ def bend(
     return [
         turn
         for share, span, stop in swings
-        for turn in _turn(brief, bodies, way, share * angle, span, stop if stop > span[1] else None, _CURVED)
+        for turn in _turn(
+            brief,
+            bodies,
+            way,
+            share * angle,
+            span,
+            stop if stop > span[1] else None,
+            _CURVED,
+            not lies(brief),
+        )
     ]
+
+
+def find_fold(brief: SceneBrief) -> Part:
+    """The half of something that is laid onto the other: the far end of what lies, the upper half of what stands.
+
+    It turns about the face that comes to lie inside.
+    """
+    long, table = brief.long_axis, brief.directions
+    if long is not None and abs(dot(long, table.up)) > _LEVEL:
+        half, inside = _make_half(brief, 1.0 if dot(long, table.up) > 0 else -1.0), scale(table.toward, 0.3)
+    else:
+        level = table.right if long is None else long
+        flat = brief.model_copy(update=dict(long_axis=level))
+        half, inside = _make_half(flat, 1.0 if dot(level, table.right) > 0 else -1.0), scale(table.up, 0.5)
+    return half.model_copy(update=dict(joint=add((half.joint, inside))))
+
+
+def fold(brief: SceneBrief, window: Window) -> tuple[list[VelocityConstraint], Vector]:
+    """The turn of one half onto the other, where it is held, and the way in which its end goes (unit vector)."""
+    half, table = find_fold(brief), brief.directions
+    stands = abs(dot(half.arm, table.up)) > _LEVEL
+    way, angle = (table.toward, _UPRIGHT_FOLD) if stands else (table.up, _FOLDED)
+    end = min(window[1], window[0] + max(1.5 * _TIME / brief.frame_dt, 2.0))
+    turns = _turn(brief, [half], way, angle, (window[0], end), float(brief.last), _CREASE)
+    return turns, scale(half.arm, -1.0)
 
 
 def lies(brief: SceneBrief) -> bool:
@@ -175,13 +210,13 @@ def _turn(
     window: Window,
     stop: float | None,
     depth: float,
+    held: bool = True,
 ) -> list[VelocityConstraint]:
-    """Bodies turned so that their tips go a way, by an angle [degrees], bending over ``depth``."""
+    """Bodies turned so that their tips go a way, by an angle [degrees], bending over ``depth``; ``held`` as it is."""
     made = []
     for body in bodies:
         axis = normalise(cross(body.arm, way))
         assert axis is not None  # the way leads across
-        held = body.rest.label != HALF  # what lies is free
         driver = PartDriver(body, brief.frame_dt, brief.frame_count, held=held)
         turn = driver.turn(axis, angle, window, stop)
         place = Bend(joint=body.joint, rest=body.rest, reach=_REACH, depth=depth)

@@ -12,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.kernels import find_platform
 from physagent_jax.mpm import reductions
 from physagent_jax.mpm.diagnosis import MAX_SUBSTEPS, Breach, Fault, explain_failure, find_breach, is_hopeless
 from physagent_jax.mpm.health import Health
@@ -19,10 +20,12 @@ from physagent_jax.mpm.ledger import Exchange, balance, measure_exchange
 from physagent_jax.mpm.plan import Timetable
 from physagent_jax.mpm.sorting import permute_particles, unpermute_particles, update_order
 from physagent_jax.mpm.state import Grid, Model, State
-from physagent_jax.mpm.step import kirchhoff_stress, substep
+from physagent_jax.mpm.step import kirchhoff_stress, makes_stress, substep
 from physagent_jax.mpm.timestep import divide_frame, kinematic_dt, stable_dt
 from physagent_jax.mpm.window import fit_window
 
+CHUNK = 10
+"""Substeps that a GPU runs before the host looks whether to go on, which costs as much as a small substep."""
 _WIDER = 2.5  # times the room that a window had which particles have left
 
 
@@ -99,7 +102,8 @@ def next_frame(
     plan = plan_frame(model, before, pace, bound)
     breaches: list[Breach] = []
     while True:
-        after, health, total = attempt_frame(plan, timetable, before.state, ledger)
+        after, seen, total = attempt_frame(plan, timetable, before.state, ledger)
+        health = jax.device_get(seen)  # at once: each number by itself would be a wait
         bound = math.inf if pace.fixed else float(stable_dt(plan.model, after))
         breach = find_breach(plan.model, health, bound)
         if breach is None:
@@ -205,11 +209,16 @@ def count_substeps(model: Model, state: State, pace: Pace, bound: float | None =
 
 def _fit(plan: FramePlan, state: State) -> FramePlan:
     """``plan`` with its model's step, and the window that the particles need during the frame."""
-    model, x = plan.model, np.asarray(state.x)
-    speed = float(np.linalg.norm(np.asarray(state.v), axis=-1).max())
-    reach = plan.margin * (speed * plan.frame_dt + 2 * model.grid.dx)
-    grid = fit_window(model.grid, x.min(0), x.max(0), reach)
+    model, (low, high, speed) = plan.model, jax.device_get(measure_extent(state.x, state.v))
+    reach = plan.margin * (float(speed) * plan.frame_dt + 2 * model.grid.dx)
+    grid = fit_window(model.grid, low, high, reach)
     return dataclasses.replace(plan, model=model.replace(grid=grid, dt=np.asarray(plan.dt, state.x.dtype)))
+
+
+@jax.jit
+def measure_extent(x: jax.Array, v: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array]:
+    """Smallest and largest coordinates of particles [m], shape (3,) each, and the largest speed [m/s]."""
+    return x.min(0), x.max(0), jnp.sqrt((v**2).sum(-1).max())
 
 
 # Attempt
@@ -236,20 +245,27 @@ def advance(
     what was exchanged is summed too; without, it is not computed.
     """
 
-    def going(carry):
+    def going(carry, count=1):
         done, _, _, health, _ = carry
-        return (done < substeps) & health.is_good(model)
+        return (done + count <= substeps) & health.is_good(model)
 
     def body(carry):
         done, state, tau, health, total = carry
-        after, tau, trace = substep(model, state, tau)
+        after, later, trace = substep(model, state, tau)
         if total is not None:
             total = total + measure_exchange(model, state, trace, after)
-        return done + 1, after, tau, health + trace.health, total
+        return done + 1, after, None if tau is None else later, health + trace.health, total
+
+    def several(carry):
+        return jax.lax.fori_loop(0, CHUNK, lambda _, each: body(each), carry)
 
     dtype = state.x.dtype
-    tau, total = kirchhoff_stress(model, state), Exchange.zeros(dtype) if ledger else None
+    # XLA would carry what nobody reads through two loops.
+    tau = None if makes_stress(model) else kirchhoff_stress(model, state)
+    total = Exchange.zeros(dtype) if ledger else None
     start = (jnp.zeros_like(substeps), state, tau, Health.initial(dtype), total)
+    if find_platform() != "cpu":
+        start = jax.lax.while_loop(lambda carry: going(carry, CHUNK), several, start)
     _, after, _, health, total = jax.lax.while_loop(going, body, start)
     finite = reductions.all_devices(jnp.isfinite(after.F).all(), model.axis)  # the return mapping included
     health = dataclasses.replace(health, finite=health.finite & finite)

@@ -43,7 +43,7 @@ def cell_order(x: np.ndarray, dx: float, group: np.ndarray | None = None) -> np.
 def update_order(order: np.ndarray | None, model: Model, state: State) -> np.ndarray | None:
     """The order in which particles had better lie for the coming frame: ``order`` until they have mixed.
 
-    Only the CPU kernels gain by it. A model with constraints, which name their particles, or with forces of its own
+    Only the kernels gain by it. A model with constraints, which name their particles, or with forces of its own
     numbers per particle keeps its order.
 
     Args:
@@ -52,7 +52,7 @@ def update_order(order: np.ndarray | None, model: Model, state: State) -> np.nda
         state: The state of the same particles.
     """
     if (
-        not kernels.use_cpu(model.kernels)
+        not (kernels.use_cpu(model.kernels) or kernels.use_cuda(model.kernels))
         or model.constraints
         or _has_particle_fields(model.forces, len(state.x))
     ):

@@ -19,7 +19,9 @@ from physagent_jax.mpm.inertia import Lumped, Sharpened
 from physagent_jax.mpm.materials.base import History, Material
 
 _STATIC = dict(static=True)
-_KNOWN = dict(transfer=("apic", "pic"), stress_form=("mls", "gradient"), kernels=("auto", "reference", "cpu"))
+_KNOWN = dict(
+    transfer=("apic", "pic"), stress_form=("mls", "gradient"), kernels=("auto", "reference", "cpu", "cuda")
+)
 
 
 @register_dataclass
@@ -93,8 +95,8 @@ class Model:
         damping_rate: Global damping of grid velocities [1/s], scalar; None = none (skipped).
         wall: Cells from the domain's faces at which particles are stopped, static. One: matter rests up to 1.5 cells
             deep in the walls of `boundaries.DomainBox`, and its stencil needs half a cell.
-        kernels: "auto", "reference" or "cpu" (see `physagent_jax.kernels`), static; forward-mode derivatives need
-            "reference".
+        kernels: "auto", "reference", "cpu" or "cuda" (see `physagent_jax.kernels`), static; forward-mode derivatives
+            need "reference".
         axis: Mesh axis along which the particles are split over devices (`mpm.sharding` sets it), static; None = all
             particles are here (skipped).
     """
@@ -115,7 +117,7 @@ class Model:
     rpic_damping: float = dataclasses.field(default=0.0, metadata=_STATIC)
     damping_rate: jax.Array | float | None = None
     wall: int = dataclasses.field(default=1, metadata=_STATIC)
-    kernels: Literal["auto", "reference", "cpu"] = dataclasses.field(default="auto", metadata=_STATIC)
+    kernels: Literal["auto", "reference", "cpu", "cuda"] = dataclasses.field(default="auto", metadata=_STATIC)
     axis: str | None = dataclasses.field(default=None, metadata=_STATIC)
 
     def __post_init__(self):

@@ -140,11 +140,11 @@ def scatter(
     if not model.forces and not model.constraints:  # gravity alone need not go through memory
         v, dv = state.v, model.dt * body_acceleration(model, state)
     form, grid, inputs = model.stress_form, model.grid, (model.mass, model.volume, dv, model.dt)
-    eta, law = model.viscosity, model.materials[0]
-    use_cpu = kernels.use_cpu(model.kernels)
+    eta = model.viscosity
+    use_cpu, use_cuda = kernels.use_cpu(model.kernels), kernels.use_cuda(model.kernels)
     lame = None
-    if use_cpu and type(law) is NeoHookean and len(model.materials) == 1:  # a subclass may differ
-        # The kernel makes this stress on the way, and ``tau`` is never computed: XLA sees that nobody reads it.
+    if makes_stress(model):
+        law: Any = model.materials[0]
         lame = tuple(jnp.broadcast_to(parameter, model.mass.shape) for parameter in (law.mu, law.lam))
     if push is not None:
         v = v - push if model.forces else v
@@ -159,6 +159,9 @@ def scatter(
             p2g = kernels.load_cpu_kernels().p2g_apart
             return p2g(form, grid, x, v, C, total, lame, viscous, *inputs), state
         return transfer.p2g_apart(form, grid, x, v, C, total, *inputs), state
+    if lame is not None and use_cuda:
+        particles = constrained.x, v, constrained.C, constrained.F, *lame
+        return kernels.load_cuda_kernels().p2g_neo_hookean(form, grid, *particles, *inputs), state
     if lame is not None:
         cpu = kernels.load_cpu_kernels()
         particles = constrained.x, v, constrained.C, constrained.F, *lame
@@ -167,13 +170,29 @@ def scatter(
             return nodes, state if model.constraints else dataclasses.replace(state, x=x, F=F)
         return cpu.p2g_kelvin_voigt(form, grid, *particles, eta, state.C, *inputs), state
     total = tau if eta is None else tau + viscous_stress(eta, state.C, state.F)
-    p2g = kernels.load_cpu_kernels().p2g if use_cpu else transfer.p2g
+    p2g = choose_transfer(model).p2g
     return p2g(form, grid, constrained.x, v, constrained.C, total, *inputs), state
+
+
+def makes_stress(model: Model) -> bool:
+    """Return whether P2G makes the stress on the way: nobody reads the ``tau`` of `substep`, nor is it computed."""
+    if [type(material) for material in model.materials] != [NeoHookean]:  # a subclass may differ
+        return False
+    if kernels.use_cuda(model.kernels):
+        return isinstance(model.inertia, Lumped) and model.viscosity is None
+    return kernels.use_cpu(model.kernels)
+
+
+def choose_transfer(model: Model) -> Any:
+    """The module whose ``p2g`` and ``g2p`` the model takes."""
+    if kernels.use_cpu(model.kernels):
+        return kernels.load_cpu_kernels()
+    return kernels.load_cuda_kernels() if kernels.use_cuda(model.kernels) else transfer
 
 
 def gather(model: Model, state: State, velocity: jax.Array) -> transfer.Moved:
     """Particles moved and deformed with the node velocities."""
-    g2p = kernels.load_cpu_kernels().g2p if kernels.use_cpu(model.kernels) else transfer.g2p
+    g2p = choose_transfer(model).g2p
     options = model.stress_form, model.wall, model.grid
     return g2p(*options, state.x, state.v, state.C, state.F, velocity, model.dt)
 

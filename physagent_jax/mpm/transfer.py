@@ -15,6 +15,7 @@ from jax import lax
 from jax.ad_checkpoint import checkpoint_name
 
 from physagent_jax.core.pytree import register_dataclass
+from physagent_jax.kernels import find_platform
 from physagent_jax.mpm.health import Health, measure_health
 from physagent_jax.mpm.linalg import matmul
 from physagent_jax.mpm.state import Grid
@@ -195,6 +196,8 @@ def stop(
         stopped = jnp.where(x < low, jnp.maximum(v, 0), jnp.where(x > high, jnp.minimum(v, 0), v))
         return jnp.clip(x, low, high), stopped
 
+    if find_platform() != "cpu":  # where a branch costs more than the work
+        return clip(x, v)
     return jax.lax.cond(beyond > 0, clip, lambda x, v: (x, v), x, v)
 
 

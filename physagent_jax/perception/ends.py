@@ -2,7 +2,8 @@
 
 An end is the third of the surface seen in frame 0 that lies farthest along a world axis. Its points are fitted apart
 from the rest's, link by link as the whole object's are (`follow`): a link's new points belong to the end whose earlier
-points lie beside them.
+points lie beside them. Where parts are asked for, ends are those of the rest: else a large shade on a slim pole would
+be its own other end.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ class PartPrompt:
 
 @dataclasses.dataclass
 class Ends:
-    """The poses of the six ends, and of parts that are asked for.
+    """The poses of the six ends of the rest, and of parts that are asked for.
 
     Attributes:
         prompts: The parts.
@@ -74,9 +75,12 @@ class Ends:
             prompts: Parts to follow as well; those that are not seen are left out.
         """
         along = surface @ DIRECTIONS.T
-        limits = np.quantile(along, 1 - SHARE, axis=0)
         prompts = tuple(each for each in prompts if each.holds(surface).any())
-        seen = [*(along >= limits).T, *(each.holds(surface) for each in prompts)]
+        held = [each.holds(surface) for each in prompts]
+        rest = ~np.any([np.zeros(len(surface), bool), *held], axis=0)
+        rest |= rest.sum() < FEWEST  # the parts are all that is seen
+        limits = np.quantile(along[rest], 1 - SHARE, axis=0)
+        seen = [*((along >= limits).T & rest), *held]
         centers = np.stack([surface[one].mean(0) for one in seen])
         return cls(prompts, centers, limits, [[None] * len(seen) for _ in range(frame_count)])
 
@@ -100,9 +104,12 @@ class Ends:
         known = np.isfinite(points[:, 0])
         belongs = np.zeros((len(points), len(self.centers)), bool)
         if frame == 0:
-            belongs[known, : len(DIRECTIONS)] = points[known] @ DIRECTIONS.T >= self.limits
             for k, prompt in enumerate(self.prompts, len(DIRECTIONS)):
                 belongs[known, k] = prompt.holds(points[known])
+            rest = ~belongs[known].any(1)
+            rest |= rest.sum() < FEWEST
+            ends = points[known] @ DIRECTIONS.T >= self.limits
+            belongs[known, : len(DIRECTIONS)] = ends & rest[:, None]
         elif self._last is not None and known.any():
             places, whose = self._last
             belongs[known] = whose[KDTree(places).query(points[known])[1]]

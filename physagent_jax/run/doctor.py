@@ -82,7 +82,7 @@ class Compute:
     Attributes:
         platform: JAX's default platform ("cpu", "gpu").
         devices: All devices of JAX.
-        kernels: "cpu (n threads)", or "reference" for pure JAX.
+        kernels: "cpu (n threads)", "cuda", or "reference" for pure JAX.
         reason: The reason for the reference; None = the kernels are used.
     """
 
@@ -192,12 +192,9 @@ def _attempt(part: Callable[[], Any], problems: list[Problem]) -> Any:
 def _examine_compute() -> Compute:
     import jax
 
-    from physagent_jax.kernels import describe_kernels, find_platform, numba_missing, use_cpu
+    from physagent_jax.kernels import describe_kernels, explain_reference
 
-    reason = None
-    if not use_cpu():
-        found = find_platform()
-        reason = numba_missing() if found == "cpu" else f"JAX computes on {found}"
+    reason = explain_reference() or None
     names = tuple(f"{each.platform}:{each.id} {each.device_kind}" for each in jax.devices())
     return Compute(jax.default_backend(), names, describe_kernels("auto"), reason)
 

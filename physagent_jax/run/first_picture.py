@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import jax.numpy as jnp
 import numpy as np
 
+from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.cloud import Splats
 from physagent_jax.gaussians.covariance import quats_scales_to_covariances
@@ -50,9 +50,7 @@ def draw_first_picture(config: SceneConfig, body: Body) -> RenderedImage:
         covariances=quats_scales_to_covariances(cloud.quats, cloud.scales),
         opacities=cloud.opacities,
         sh=cloud.sh,
-        rotations=jnp.broadcast_to(
-            jnp.asarray(body.placement.rotation, cloud.means.dtype), (cloud.count, 3, 3)
-        ),
+        rotations=to_device(np.broadcast_to(body.placement.rotation, (cloud.count, 3, 3)), cloud.means.dtype),
     )
     camera = make_reference_camera(config.camera, config.rendering, config.domain)
     return render(splats, camera, background=config.rendering.background)

@@ -10,8 +10,8 @@ from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.agents.trace import Reply
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.motion.holds import HoldOrigin, describe_release, find_leaving
-from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, SceneBrief
+from physagent_jax.motion.holds import Hold, HoldOrigin, describe_release, find_leaving, needs_weight
+from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, SceneBrief, WorldRequest
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.holding import UP
 from physagent_jax.run.resolve import LET_GO, ResolvedRun
@@ -39,11 +39,22 @@ def read_for_scene(run: ResolvedRun, body: Body, ask: Ask) -> Reply[SemanticRepl
         )
         return brief.model_copy(update=dict(may_be_held=run.spec.anchor.kind == "auto"))
 
-    context = AgentContext(run.spec.prompt, describe(), describe_skills())
+    held, free = describe(), describe(LET_GO)
+    supported = held.anchored is not None and run.template.anchor.kind == "none"
+    context = AgentContext(run.spec.prompt, free if supported else held, describe_skills())
     reading = ask(context)
-    motion = find_release(run, reading.value)
-    if motion is not None:
-        reading = read_let_go(reading, motion, dataclasses.replace(context, brief=describe(LET_GO)), ask)
+    release = find_release(run, body, reading.value)
+    if supported and release and not _let_go(release).world.gravity:  # read as it then is
+        reading, release = Reply(_mark_free(reading.value, release, free), reading.trace), None
+    elif not release and reading.value.anchor.kind is None:
+        held = describe(reading.value)  # of the sentence's material it may bear less of its weight
+        if held.anchored != context.brief.anchored:
+            again = ask(dataclasses.replace(context, brief=held))
+            reading = Reply(again.value, reading.trace.followed_by(again.trace))
+            release = find_release(run, body, reading.value)
+    if release:
+        context = dataclasses.replace(context, brief=describe(_let_go(release)))
+        reading = read_let_go(reading, release, context, ask)
     told = tell_material(run.spec.prompt, context.brief, run.spec.material, reading.value)
     return Reply(told, reading.trace)
 
@@ -51,43 +62,67 @@ def read_for_scene(run: ResolvedRun, body: Body, ask: Ask) -> Reply[SemanticRepl
 def place_for_field(run: ResolvedRun, body: Body, field: ForceField) -> tuple[SceneTemplate, tuple[str, ...]]:
     """The scene for a force field without a sentence, as `ResolvedRun.place` gives it, free if the field needs that.
 
-    A hold that somebody has chosen stays, whatever the field: it may be one of many that are tried.
+    A hold that somebody has chosen stays, whatever the field: it may be one of many that are tried. Feet that are held
+    only so that the object stands are let go: no sentence says that it stays.
 
     Args:
         run: The run.
         body: Its object at rest.
         field: What acts.
     """
-    motion = find_release(run, SemanticReply(force_field=field))
-    if motion is None:
+    reply = SemanticReply(force_field=field)
+    hold = run.find_hold(reply, body)
+    if hold is not None and hold.origin is HoldOrigin.SUPPORT:
+        return run.place(body, LET_GO)
+    if (release := find_release(run, body, reply)) is None:
         return run.place(body)
-    template, notes = run.place(body, LET_GO)
-    return template, (describe_release(motion, template.source.kind), *notes)
+    template, notes = run.place(body, _let_go(release))
+    return template, (describe_release(*release, template.source.kind), *notes)
 
 
-def find_release(run: ResolvedRun, reply: SemanticReply) -> ExpectedMotion | None:
-    """The motion that the hold of the object's kind gives way to; None if there is no such hold, or it stays."""
-    hold = run.find_hold(reply)
-    implied = hold is not None and hold.origin is HoldOrigin.KIND
-    return find_leaving(reply.plan, UP) if implied else None
+def find_release(run: ResolvedRun, body: Body, reply: SemanticReply) -> tuple[ExpectedMotion, Hold] | None:
+    """The motion that an implied hold of the object gives way to, and the hold; None if there is none, or it stays."""
+    hold = run.find_hold(reply, body)
+    if hold is None or hold.origin not in (HoldOrigin.KIND, HoldOrigin.SUPPORT):
+        return None
+    motion = find_leaving(reply.plan, UP, stands=hold.origin is HoldOrigin.SUPPORT)
+    return None if motion is None else (motion, hold)
+
+
+def _let_go(release: tuple[ExpectedMotion, Hold]) -> SemanticReply:
+    """A reply that lets the object go, with its weight where it would be missed of what cannot stand."""
+    weighs = release[1].origin is HoldOrigin.SUPPORT and needs_weight(release[0], UP)
+    return LET_GO.model_copy(update=dict(world=WorldRequest(gravity="down"))) if weighs else LET_GO
 
 
 def read_let_go(
-    reading: Reply[SemanticReply], motion: ExpectedMotion, context: AgentContext, ask: Ask
+    reading: Reply[SemanticReply],
+    release: tuple[ExpectedMotion, Hold],
+    context: AgentContext,
+    ask: Ask,
 ) -> Reply[SemanticReply]:
     """The second reading, which knows that nothing holds the object, and says why.
 
     Args:
         reading: The first one.
-        motion: What of it needs the object free.
+        release: What of it needs the object free, and the hold that gives way.
         context: The sentence and the scene in which nothing is held.
         ask: Calls the semantic agent.
     """
     again = ask(context)
-    note = describe_release(motion, context.brief.object_kind)
-    free = AnchorRequest(kind="none", words=motion.words)
-    evidence = tuple(each for each in again.value.evidence if each.field != "anchor")
-    value = again.value.model_copy(
-        update=dict(anchor=free, evidence=evidence, notes=(note, *again.value.notes))
-    )
+    value = _mark_free(again.value, release, context.brief)
     return Reply(value, reading.trace.followed_by(again.trace))
+
+
+def _mark_free(
+    reply: SemanticReply, release: tuple[ExpectedMotion, Hold], brief: SceneBrief
+) -> SemanticReply:
+    """The reply that lets the object go, and says why."""
+    note, world = describe_release(*release, brief.object_kind), reply.world
+    free = AnchorRequest(kind="none", words=release[0].words)
+    evidence = tuple(each for each in reply.evidence if each.field != "anchor")
+    if world.gravity is None:
+        world = world.model_copy(update=dict(gravity=_let_go(release).world.gravity))
+    return reply.model_copy(
+        update=dict(anchor=free, world=world, evidence=evidence, notes=(note, *reply.notes))
+    )

@@ -14,10 +14,10 @@ from physagent_jax.core.reading import check_regular, format_validation_error
 from physagent_jax.forces.calibration import FRICTION
 from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.motion.holds import Hold
-from physagent_jax.motion.schema import AnchorRequest, WorldRequest
+from physagent_jax.motion.holds import Hold, HoldOrigin, find_blow
+from physagent_jax.motion.schema import AnchorRequest, MotionKind, WorldRequest
 from physagent_jax.run.brief import make_brief
-from physagent_jax.run.holding import check_hold, find_hold
+from physagent_jax.run.holding import UP, check_hold, find_hold
 from physagent_jax.run.material import resolve_material
 from physagent_jax.run.models import warn_of_licences
 from physagent_jax.run.photo import make_photo
@@ -37,6 +37,7 @@ from physagent_jax.scene.config import Anchor, CameraConfig, Domain, Material, P
 from physagent_jax.scene.config.material import MODEL_PARAMETERS
 from physagent_jax.scene.config.photo import ELEVATION
 from physagent_jax.scene.load import hash_file, is_photo
+from physagent_jax.scene.part_view import find_part_motion, turn_to_parts
 from physagent_jax.scene.parts import Frame, find_places
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import (
@@ -47,12 +48,16 @@ from physagent_jax.scene.priors import (
     find_kind,
     guess_kind,
 )
-from physagent_jax.scene.standing import explain_tilt, hold_in_the_air, level, make_stand
+from physagent_jax.scene.standing import explain_tilt, hold_upright, level, make_stand
 from physagent_jax.scene.template import SceneTemplate
 from physagent_jax.scene.world import WORLDS, Obstacle, World
 
 LET_GO = SemanticReply(force_field=ForceField(), anchor=AnchorRequest(kind="none"))
 """A reply that asks for nothing but that the object be free."""
+VIEW_NOTE = (
+    "the camera stands at azimuth {:.0f}, where the part's motion is seen; left and right are told from where it stood "
+    "before; `--azimuth` keeps it elsewhere"
+)
 _PRESET_PARTS = ("domain", "filling", "timing", "transfer", "rendering")
 
 
@@ -92,24 +97,23 @@ class ResolvedRun:
         """
         table = find_viewer_directions(self.template.camera)
         viewer = Frame(toward=np.asarray(table["toward"]), right=np.asarray(table["right"]))
-        points, words = np.asarray(body.particles.x, np.float64), split_name(self.spec.prompt or "")
-        return (*body.parts, *find_places(points, body.parts, words, self.template.source.name, viewer))
+        words = split_name(self.spec.prompt or "")
+        return (*body.parts, *find_places(body.shape, body.parts, words, self.template.source.name, viewer))
 
     def place_for_agents(self, body: Body, reply: SemanticReply | None = None) -> SceneTemplate:
-        """The scene as `place` has it but for the stiffness, which agents are not told and which takes longest.
+        """The scene as `place` has it but for the stiffness, which agents are not told.
 
         Args:
             body: The object at rest.
             reply: What the sentence says of the scene; None = it is not read yet.
         """
         template = self.template if reply is None else self.with_reply(reply)
-        keeps_weight = reply is not None and reply.world.gravity is not None
-        return template if keeps_weight else hold_in_the_air(template, body)[0]
+        return hold_upright(template, body, **self._choose_support(reply))[0]
 
     def place(self, body: Body, reply: SemanticReply | None = None) -> tuple[SceneTemplate, tuple[str, ...]]:
         """The scene in which the object stays as it was captured, and in words what had to be changed for that.
 
-        An object that cannot stand is made stiffer, or its weight is left out unless the sentence wants gravity.
+        An object that cannot stand is made stiffer, held at its feet, or relieved of weight that nobody needs.
 
         Args:
             body: The object at rest.
@@ -119,28 +123,53 @@ class ResolvedRun:
             UserError: The reply is about a part that is not known, or what is held cannot make a motion that it plans.
         """
         if reply is None:
-            return make_stand(self.template, body, keep_material=self.spec.material.says_stiffness)
+            return make_stand(self.template, body, **self._choose_support(None))
         if reply.unknown_parts:
             brief = make_brief(self.template, parts=self.list_parts(body))
             raise UnknownPartError(
                 reply.unknown_parts, brief, f"`physagent inspect {self.spec.object.path}` draws them"
             )
         template, told = self._apply(reply)
-        hold = self.find_hold(reply)
+        before, template = template.camera, self._look_at_parts(template, body, reply)
+        viewed = () if template.camera == before else (VIEW_NOTE.format(template.camera.azimuth_degrees),)
+        options = self._choose_support(reply)
+        template, support = hold_upright(template, body, **options)
+        hold = self.find_hold(reply, body)
         held = () if hold is None else check_hold(hold, template.anchor, body, reply, self.base_dir)
         said = self.find_material(reply).preset
         keeps = hold is None and keeps_shape(reply)
         if keeps and is_hard(self.spec.material, template.source.kind, said):
             template, told = make_rigid(template), (RIGID_NOTE,)  # a softer stand-in's looks are not seen
-        options = dict(
-            keep_material=self.spec.material.says_stiffness, keep_weight=reply.world.gravity is not None
-        )
         standing, notes = make_stand(template, body, **options)
         bearing = standing.bearing
         if keeps and bearing is not None and is_stiffened(self.spec.material, said, bearing):
             told = (*told, STIFF_NOTE.format(bearing.most))
             standing, notes = make_stand(make_rigid(template), body, **options)
-        return standing, (*told, *held, *notes)
+        return standing, (*told, *held, *support, *notes, *viewed)
+
+    def _choose_support(self, reply: SemanticReply | None) -> dict[str, Any]:
+        """The options of `make_stand`: what the user and the sentence leave to it."""
+        return dict(
+            keep_material=self.spec.material.says_stiffness,
+            keep_weight=reply is not None and reply.world.gravity is not None,
+            let_go="none" in (self.spec.anchor.kind, reply and reply.anchor.kind),
+            struck=None if reply is None else find_blow(reply.plan, UP),
+        )
+
+    def _look_at_parts(self, template: SceneTemplate, body: Body, reply: SemanticReply) -> SceneTemplate:
+        """The template with a camera that sees the parts move, where the whole stays in its place."""
+        asked = [each for each in reply.expectations if each.kind is not MotionKind.STILL]
+        if not template.camera.turn or not asked or any(each.limb is None for each in asked):
+            return template
+        parts = self.list_parts(body)
+        motions = [
+            find_part_motion(
+                parts[each.limb], body.shape, each.direction, turns=each.kind is MotionKind.ROTATE
+            )
+            for each in asked
+            if each.limb is not None and each.direction is not None
+        ]
+        return dataclasses.replace(template, camera=turn_to_parts(template.camera, body.shape, motions))
 
     def find_material(self, reply: SemanticReply) -> SaidMaterial:
         """The material that the sentence chooses, given its ``reply``."""
@@ -149,9 +178,11 @@ class ResolvedRun:
         brief = make_brief(self.template, frames_fixed=self.frames_fixed)
         return choose_said_material(self.spec.prompt, brief, self.spec.material, reply.materials)
 
-    def find_hold(self, reply: SemanticReply) -> Hold | None:
+    def find_hold(self, reply: SemanticReply, body: Body) -> Hold | None:
         """The hold of the object, given the sentence's ``reply``; None if nothing holds it."""
-        return find_hold(self.spec.anchor, self.template.source.kind, reply.anchor)
+        hold = find_hold(self.spec.anchor, self.template.source.kind, reply.anchor)
+        place = "none" if hold is not None else self.place_for_agents(body, reply).anchor.kind
+        return hold if place == "none" else Hold(place, HoldOrigin.SUPPORT)
 
     def with_reply(self, reply: SemanticReply) -> SceneTemplate:
         """The template with what the sentence says about material, holding, the world and the clip's length."""

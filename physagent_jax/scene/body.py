@@ -30,6 +30,10 @@ from physagent_jax.scene.pieces import LoosePiece, explain_loose, join_pieces
 from physagent_jax.scene.placement import Placement, place
 
 FEWEST_PER_CELL = 3
+SHAPE_CELLS, SHAPE_POINTS = (
+    48,
+    20_000,
+)  # along the longest side, and in all, of the cloud that shows the parts
 
 
 @dataclasses.dataclass(frozen=True)
@@ -83,8 +87,17 @@ class Body:
             UserError: What a person names is no part of it.
         """
         points = np.asarray(self.particles.x, np.float64)
-        found = join_parts(points, self.named, find_parts(points))
+        found = join_parts(points, self.named, find_parts(self.shape))
         return choose_parts(points, found, self.choices, self.placement)
+
+    @functools.cached_property
+    def shape(self) -> np.ndarray:
+        """Points that show its shape, surface and inside, however few particles a run has [m], shape (n, 3)."""
+        dx = 2 * self.extent / SHAPE_CELLS
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # they are heeded when its particles are made
+            filled = fill(self.cloud, Filling(cells=SHAPE_CELLS, max_particles=SHAPE_POINTS), dx=dx)
+        return np.asarray(join_pieces(filled, dx)[0].x, np.float64)
 
 
 def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | Path) -> Body:
@@ -131,8 +144,10 @@ def _find_named(
     discs = np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=1)
     index = np.asarray(particles.gaussian_index)
     normals = np.where(index[:, None] >= 0, discs[index], 0.0)
-    groups = find_groups(np.concatenate([points, means]), np.concatenate([normals, discs]), placed)
     count = len(points)
+    groups = find_groups(np.concatenate([points, means]), np.concatenate([normals, discs]), placed)
+    # Few particles may leave a small part none, or no rest that it could hang on.
+    groups = [each for each in groups if 0 < each.mask[:count].sum() < count]
     named = make_parts(points, [dataclasses.replace(each, mask=each.mask[:count]) for each in groups])
     pieces = find_pieces(points, named, [each.mask[count:] for each in groups])
     return named, bind_pieces(means, points, pieces[1], pieces[0])

@@ -66,7 +66,7 @@ def _measure_cached(source: str, domain: str) -> tuple[float, Vector | None]:
     front = None
     if way is not None and abs(way[2]) < _STEEP:
         front = float(np.degrees(np.arctan2(way[0], -way[1])))
-    colours = np.asarray(cloud.sh[:, 0], np.float64)
+    colours = np.asarray(cloud.sh, np.float64)[:, 0]
     return find_broad_azimuth(points, colours, front), _find_long_axis(points)
 
 
@@ -127,18 +127,18 @@ def find_broad_azimuth(points: np.ndarray, colours: np.ndarray, front: float | N
     cells = int(np.clip(np.sqrt(len(points)) / 4, FEWEST_CELLS, MOST_CELLS))
     cell = max(float(np.ptp(points, axis=0).max()), 1e-9) / cells
     tried = sorted(range(STEP - 90, 91, STEP), key=lambda azimuth: (abs(azimuth), -azimuth))
-    areas = [len(_find_seen(points, (front or 0.0) + azimuth, cell)) for azimuth in tried]
+    areas = [len(find_seen(points, (front or 0.0) + azimuth, cell)) for azimuth in tried]
     found = 0
     if max(areas) > GAIN * areas[0]:
         found = next(azimuth for azimuth, area in zip(tried, areas) if area >= AS_GOOD * max(areas))
     if front is not None:
         return 180 - (180 - front - found) % 360
     behind = found + 180 if found <= 0 else found - 180
-    here, there = (_measure_variety(colours[_find_seen(points, each, cell)]) for each in (found, behind))
+    here, there = (_measure_variety(colours[find_seen(points, each, cell)]) for each in (found, behind))
     return float(behind if there > RICHER * here else found)
 
 
-def _find_seen(points: np.ndarray, azimuth: float, cell: float) -> np.ndarray:
+def find_seen(points: np.ndarray, azimuth: float, cell: float) -> np.ndarray:
     """Indices of the points that are in front in the cells of a picture taken horizontally from ``azimuth``."""
     angle = np.radians(azimuth)
     across = points[:, 0] * np.cos(angle) + points[:, 1] * np.sin(angle)

@@ -4,7 +4,8 @@ A captured object stood when it was captured. Whether it does in a scene is deci
 feet) and by the stiffness that its kind implies, which was chosen for visible motion and not for thin legs or stems:
 what they carry strains them, or makes them buckle (`scene.burden`). Those parts are made stiffer, as far as that can be
 simulated, and the others stay as they are. Where it is not enough, or somebody has chosen the stiffness, less weight
-acts. What would fall over floats where it is.
+acts. What would fall over, or is left hardly any weight, is held at its feet, as if it were fixed to a plate. Where it
+is to leave its place it is free, and what would fall over has no weight then, unless it is to fall.
 
 Lean, stiffness, support and damping are decided here, and nowhere else.
 """
@@ -18,6 +19,8 @@ from pathlib import Path
 
 import numpy as np
 
+from physagent_jax.core.strict import Vector
+from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.burden import Burden, find_burden, find_firmness
 from physagent_jax.scene.config import Anchor, Bearing, Domain, Material, MaterialModel, Source
@@ -34,12 +37,18 @@ from physagent_jax.scene.materials.cost import find_affordable_modulus
 from physagent_jax.scene.placement import place
 from physagent_jax.scene.priors import explain_damping_ratio
 from physagent_jax.scene.template import SceneTemplate
-from physagent_jax.scene.world import World, find_ground_height, find_overhang
+from physagent_jax.scene.world import World, find_foot, find_ground_height, find_overhang
 
 FLOWS = (MaterialModel.FLUID, MaterialModel.DRUCKER_PRAGER, MaterialModel.SNOW)
 CAN_STAND = (MaterialModel.NEO_HOOKEAN, MaterialModel.FIXED_COROTATED, MaterialModel.HENCKY)
 SEEN_SAG = 1e-3  # [L] by which an object's weight bends it, below which it is as straight as without
 TOPPLES = 0.0  # [L] of overhang from which on an object does not stand
+UNSTEADY = 3.0  # [degrees] of tilt that a touch gives: what falls over by less does not stand by itself
+HOPS_OVER = 30.0  # [degrees] of the same: what is steadier lands on its feet where it is hit from above
+BEHIND = 0.5  # of its extent along a blow on a side, beyond which it is held
+LIGHT = 0.5  # share of its weight, with less of which nothing keeps an object on the ground
+_LEVEL = 0.7  # component along the vertical below which a way is level
+HELD_FOOT = 0.1  # of its height, that is held of what would fall over: its feet
 
 
 def level(source: Source, domain: Domain, anchor: Anchor, world: World) -> Source:
@@ -75,7 +84,13 @@ def explain_tilt(source: Source) -> tuple[str, ...]:
 
 
 def make_stand(
-    template: SceneTemplate, body: Body, *, keep_material: bool = False, keep_weight: bool = False
+    template: SceneTemplate,
+    body: Body,
+    *,
+    keep_material: bool = False,
+    keep_weight: bool = False,
+    let_go: bool = False,
+    struck: Vector | None = None,
 ) -> tuple[SceneTemplate, tuple[str, ...]]:
     """The template in which the object stays as it was captured, and in words what had to be changed for it.
 
@@ -84,11 +99,73 @@ def make_stand(
         body: Its object.
         keep_material: Leave the stiffness as it is: somebody has chosen it.
         keep_weight: Leave gravity as it is: the sentence needs it. What cannot bear its weight then collapses.
+        let_go: Leave it free: the sentence or the user says so.
+        struck: Way of a blow that presses it in, unit vector.
     """
+    template, support = hold_upright(
+        template, body, keep_material=keep_material, keep_weight=keep_weight, let_go=let_go, struck=struck
+    )
+    template, bearing = _bear(template, body, keep_material, keep_weight)
+    return template, (*support, *bearing)
+
+
+def hold_upright(
+    template: SceneTemplate,
+    body: Body,
+    *,
+    keep_material: bool = False,
+    keep_weight: bool = False,
+    let_go: bool = False,
+    struck: Vector | None = None,
+) -> tuple[SceneTemplate, tuple[str, ...]]:
+    """The template with the feet held of what its weight does not keep upright, and why in words.
+
+    What would fall over is without weight where it is let go. Arguments as for `make_stand`.
+    """
+    world, flows = template.world, template.material.model in FLOWS
+    if world.gravity != "down" or not world.ground or template.anchor.kind != "none" or flows:
+        return template, ()
+    overhang = find_overhang(body)
+    if overhang > TOPPLES:
+        why = f"the object's mass centre is {overhang:.2f} of its length beyond what it stands on"
+        result = "it would fall over at once"
+    elif let_go:
+        return template, ()
+    elif (angle := find_tipping_angle(body, overhang)) < UNSTEADY:
+        why = f"the object falls over once it is tilted by {angle:.2g} degrees"
+        result = "a touch would knock it over"
+    elif struck and abs(struck[2]) < _LEVEL:
+        why = "the object is pressed in from a side: the half behind is held, or it would slide away"
+        held = Anchor(kind="region", region=make_end_region(struck, BEHIND), reason=why)
+        return dataclasses.replace(template, anchor=held), (why,)
+    elif struck and angle < HOPS_OVER:
+        why, result = "the object is hit from above", "it would hop and fall over"
+    elif (weight := _bear(template, body, keep_material, keep_weight)[0].world.weight) < LIGHT:
+        why = f"the object can bear {100 * weight:.2g} % of its weight"
+        result = "a touch would carry it away"
+    else:
+        return template, ()
+    if let_go and keep_weight:
+        return template, ()
+    if let_go:
+        note = f"{why}: {result}, so it is without weight while it leaves its place"
+        return _change_world(template, gravity="none", ground=False), (note,)
+    why = f"{why}: its feet are held, or {result}"
+    held = Anchor(kind="base", fraction=HELD_FOOT, reason=why)
+    return dataclasses.replace(template, anchor=held), (why,)
+
+
+def find_tipping_angle(body: Body, overhang: float) -> float:
+    """The angle by which an object can be tilted before it falls over [degrees], given its `find_overhang` [L]."""
+    height = np.average(body.particles.x[:, 2], weights=body.particles.volume) - find_foot(body)
+    return math.degrees(math.atan2(-overhang * body.extent, max(float(height), 1e-9)))
+
+
+def _bear(
+    template: SceneTemplate, body: Body, keep_material: bool, keep_weight: bool
+) -> tuple[SceneTemplate, tuple[str, ...]]:
+    """The template in which elastic matter bears the weight, or as much of it as it can, and what was changed."""
     material = template.material
-    template, why_floats = (template, ()) if keep_weight else hold_in_the_air(template, body)
-    if why_floats:
-        return template, why_floats
     if not is_borne(template) or find_own_burden(template, body).share <= 1:
         return template, ()
     borne = template if keep_material else _stiffen(template, body, 1.0)
@@ -104,12 +181,6 @@ def make_stand(
     why = _explain_collapse(carrying, chosen=keep_material, weight=weight)
     template = _change_world(template, weight=weight)
     return (template if keep_material else _stiffen(template, body, share)), (why,)
-
-
-def hold_in_the_air(template: SceneTemplate, body: Body) -> tuple[SceneTemplate, tuple[str, ...]]:
-    """The template without weight and ground if the object would fall over, and why in words."""
-    why = _explain_toppling(template, body)
-    return (template, ()) if why is None else (_change_world(template, gravity="none", ground=False), (why,))
 
 
 def find_bearing_modulus(template: SceneTemplate, body: Body) -> float:
@@ -160,20 +231,6 @@ def _round_down(value: float) -> float:
     """The largest number of two digits that is no larger."""
     digits = 10.0 ** (math.floor(math.log10(abs(value))) - 1)
     return math.floor(value / digits + 1e-9) * digits
-
-
-def _explain_toppling(template: SceneTemplate, body: Body) -> str | None:
-    """Explain why the object would fall over as it stands; None if it stands, is held, or flows anyway."""
-    world, flows = template.world, template.material.model in FLOWS
-    if world.gravity != "down" or not world.ground or template.anchor.kind != "none" or flows:
-        return None
-    overhang = find_overhang(body)
-    if overhang <= TOPPLES:
-        return None
-    return (
-        f"the object's mass centre is {overhang:.2f} of its length beyond what it stands on: it would fall over at "
-        "once, so it is held in the air as it was captured, without gravity, until something drops it"
-    )
 
 
 def _explain_collapse(needed: float, *, chosen: bool, weight: float) -> str:

@@ -151,7 +151,7 @@ def find_opposition(
 
     A spin over the ground is slowed by mu g r / R^2, with r the feet's mean distance from the axis through the mass
     centre and R the radius of gyration; an object stands upright with g b / R^2, b how far inside its foot the mass
-    centre is. What rolls does not.
+    centre is, or from the far edge of its feet where it would fall over by itself. What rolls does not.
     """
     if world.gravity != "down" or anchor.kind != "none":
         return None
@@ -165,7 +165,12 @@ def find_opposition(
         feet = find_footprint(body) - np.average(x[:, :2], axis=0, weights=volume)
         slowing = friction * g
         rolling = rolls(body)
-        inside = 0.0 if rolling else max(0.0, -find_overhang(body)) * body.extent
+        overhang = find_overhang(body)
+        inside = 0.0 if rolling else -overhang * body.extent
+        if (
+            overhang > 0
+        ):  # it may be tipped the other way than it falls by itself: over the far edge of its feet
+            inside = float(np.linalg.norm(feet, axis=1).max())
         values |= dict(
             friction=slowing,
             turning=slowing * np.linalg.norm(feet, axis=1).mean() / max(about_vertical, 1e-12),

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 
 from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent
 from physagent_jax.agents.schema import SemanticReply
-from physagent_jax.forces.schema import ActionType, ConstraintType
+from physagent_jax.forces.schema import ActionType, CellsRegion, ConstraintType
+from physagent_jax.motion.holds import find_blow
 from physagent_jax.motion.schema import MotionKind
 from tests.agents.scenes import asked, brief
 
@@ -51,6 +53,52 @@ def test_a_dent_is_made_at_once_and_stays():
     assert motion.sudden and motion.stays and not motion.released
     assert plate.active_time is not None and plate.held_until == ON_THE_GROUND.last
     assert (plate.active_time[1] - plate.active_time[0]) * ON_THE_GROUND.frame_dt <= BLOW
+
+
+@pytest.mark.parametrize(
+    ("prompt", "way"),
+    [
+        ("dent the left side of the statue", "right"),
+        ("the statue gets a dent in its right side", "left"),
+        ("dent the front of the statue", "away"),
+        ("dent the side of the statue", "right"),
+        ("dent the statue in the side", "right"),
+    ],
+)
+def test_a_side_is_dented_from_there(prompt, way):
+    """It was pressed from above, whichever side was named."""
+    reply = compile_whole(prompt)
+    (hand,), (motion,) = reply.force_field.constraints, reply.expectations
+    assert hand.constraint_type is ConstraintType.PARTICLE_TRANSLATION and isinstance(
+        hand.region, CellsRegion
+    )
+    assert hand.vector == pytest.approx(getattr(ON_THE_GROUND.directions, way))
+    assert np.dot(np.subtract(hand.region.inside[0], 0.5), hand.vector) == pytest.approx(-0.5)
+    assert hand.held_until == ON_THE_GROUND.last and motion.kind is MotionKind.SQUEEZE and motion.stays
+
+
+@pytest.mark.parametrize(
+    ("prompt", "where"),
+    [
+        ("hit the statue from above", "down"),
+        ("dent the left side of the statue", "right"),
+        ("hit the statue from the left", None),
+        ("hit the head of the statue from above", None),
+        ("hit the statue from above, then push it to the left", None),
+        ("dent the statue", None),
+    ],
+)
+def test_blows_that_would_make_it_hop_or_slide_are_told(prompt, where):
+    table = ON_THE_GROUND.directions
+    way = find_blow(compile_whole(prompt).expectations, table.up)
+    assert way == (where and pytest.approx(getattr(table, where)))
+
+
+def test_what_is_held_at_its_feet_is_pressed_as_well():
+    (plate,) = compile_whole(
+        "hit the statue from above", anchored="its feet are held"
+    ).force_field.constraints
+    assert plate.constraint_type is PLATE
 
 
 def test_what_is_raised_at_one_side_is_tilted_over_its_foot_and_let_go_to_drop():

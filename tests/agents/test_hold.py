@@ -243,7 +243,7 @@ def settle_all() -> list[tuple[Sentence, SemanticReply, Hold | None]]:
         motion = find_leaving(reply.plan, UP)
         if hold and hold.origin is HoldOrigin.KIND and motion:
             free = asked(sentence.text, scene.model_copy(update={"anchored": None}))
-            reply = read_let_go(Reply(reply), motion, free, _read).value
+            reply = read_let_go(Reply(reply), (motion, hold), free, _read).value
             hold = find_hold(AnchorChoice(), kind, reply.anchor)
         settled.append((sentence, reply, hold))
     return settled

@@ -6,9 +6,9 @@ import pytest
 
 from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent
 from physagent_jax.agents.hard_rules import apply_hard_rules
-from physagent_jax.agents.rules.kinds import choose_kinds
 from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL, TURN
 from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField
+from physagent_jax.motion.kinds import choose_kinds
 from physagent_jax.motion.matching import find_causes
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind
 from tests.agents.scenes import asked, brief, read

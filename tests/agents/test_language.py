@@ -5,10 +5,10 @@ import math
 import pytest
 
 from physagent_jax.agents.compiler.schedule import LONGEST, STEP
-from physagent_jax.agents.rules.kinds import choose_kinds
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces import calibration
 from physagent_jax.forces.schema import ConstraintType
+from physagent_jax.motion.kinds import choose_kinds
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import cosine
 from tests.agents.scenes import read

@@ -364,3 +364,72 @@ def test_a_blow_on_the_front_drives_the_whole_away():
     belly = MUZZLE.model_copy(update=dict(name="belly"))
     assert read("hit the robot in the belly", HEAD, belly).anchor.kind is None
     assert read("push the robot's belly to the left", HEAD, belly).anchor.kind == "rest"
+
+
+@pytest.mark.parametrize(
+    ("sentence", "limbs"),
+    [
+        ("one of the robot's arms is bent inwards", [0]),
+        ("bend both arms of the robot inwards", [0, 1]),
+        ("bend one of its arms", [0]),
+        ("it lifts an arm", [0]),
+        ("a hand lifts the robot", [None]),
+    ],
+)
+def test_one_of_several_is_one_and_both_are_all(sentence, limbs):
+    assert sorted((each.limb for each in read(sentence).expectations), key=str) == limbs
+
+
+@pytest.mark.parametrize(("word", "sign"), [("inwards", -1), ("outwards", 1)])
+def test_parts_go_to_the_middle_or_away_from_it_each_by_itself(word, sign):
+    parts = [make_part("leg", (0, 0, -0.3), (x, 0, -0.6)) for x in (-0.8, 0.8)]
+    reply = read(f"bend the legs {word}", *parts)
+    assert not reply.unsure and len(reply.expectations) == 2
+    for each, constraint in zip(reply.expectations, reply.force_field.constraints):
+        part = parts[each.limb]
+        assert sign * find_way(constraint, part)[0] * part.side[0] > 0
+
+
+@pytest.mark.parametrize(
+    ("sentence", "parts", "certain"),
+    [
+        ("bend the antennae back", [make_part("ear", (0, 0, 0.2), (x, 0, 0.9)) for x in (-0.3, 0.3)], True),
+        ("turn the dish around", [make_part("top", (0, 0, 0.2), (0, 0, 1)), TAIL], True),
+        ("lift the wings", [LEFT_ARM.model_copy(update=dict(roles=("side", "wing"))), HEAD], False),
+        ("pull the cap up", [make_part("top", (0, 0, 0.2), (0, 0, 1)), TAIL], False),
+    ],
+)  # fmt: skip
+def test_a_word_for_a_place_or_for_what_a_part_alone_may_be_is_certain(sentence, parts, certain):
+    reply = read(sentence, *parts)
+    assert reply.expectations[0].limb is not None and (reply.unsure == ()) is certain
+
+
+def test_left_is_as_the_file_has_it_where_it_names_sides():
+    """A figure that looks at the viewer has its left arm on the viewer's right."""
+    parts = [
+        each.model_copy(update=dict(name=name, origin="file"))
+        for each, name in ((LEFT_ARM, "right arm"), (RIGHT_ARM, "left arm"))
+    ]
+    assert [each.limb for each in read("it lifts its left hand", *parts, HEAD).expectations] == [1]
+
+
+@pytest.mark.parametrize("words", ["the dish turns around", "the head turns around"])
+def test_what_stands_on_the_rest_turns_by_half_a_turn_and_a_head_less(words):
+    top = make_part("top", (0, 0, 0.2), (0, 0, 1))
+    turned, other = (
+        abs(made.magnitude) * made.gain * (made.active_time[1] - made.active_time[0])
+        for text in (words, f"{words} by 45 degrees")
+        for made in read(text, top, TAIL).force_field.constraints
+    )
+    assert turned / other == pytest.approx(4.0 if "dish" in words else 1.0, rel=0.3)
+
+
+def test_a_head_that_looks_aside_nods_down_and_shakes_levelly():
+    head = make_part("head", (-0.3, 0, 0.05), (-0.9, 0, 0.4))
+    nod, shake = (read(f"it {verb} its head", head, TAIL).expectations[0] for verb in ("nods", "shakes"))
+    assert abs(nod.direction[2]) > 0.8 > 0.3 > abs(shake.direction[2])
+
+
+def test_of_parts_that_are_alike_the_one_in_front_is_meant():
+    legs = [make_part("leg", (0, 0, -0.3), (x, y, -0.6)) for x, y in ((0.1, 0.8), (-0.1, -0.8))]
+    assert [each.limb for each in read("bend one of its legs to the left", *legs).expectations] == [1]

@@ -6,7 +6,7 @@ import pytest
 from physagent_jax.agents.grammar.semantic import read_sentence
 from physagent_jax.motion.parts import explain_guess
 from physagent_jax.motion.schema import Verdict
-from physagent_jax.perception.schema import PartMotion
+from physagent_jax.perception.schema import Box, PartMotion
 from physagent_jax.scene.priors import list_nouns
 from tests.agents.scenes import IDENTITY, brief, judge, make_report, read
 from tests.agents.test_limbs import HEAD, LEFT_ARM, RIGHT_ARM
@@ -171,3 +171,43 @@ def test_one_map_does_not_fit_what_is_twisted(strain, passed):
         "twist the robot", 0 * RAMP, stretches=[((1 + strain, 0, 0), (0, 1, 0), (0, 0, 1))] * FRAMES
     )
     assert passed == ("does its shape change although nobody asked for it?" not in list_failed(judgement))
+
+
+@pytest.mark.parametrize("sentence", ["fold the robot in half", "crumple the robot"])
+@pytest.mark.parametrize(("left", "verdict"), [(1.0, "FAIL"), (0.9, "FAIL"), (0.55, "SUCCESS")])
+def test_a_fold_or_a_crumpling_is_seen_by_the_outline(sentence, left, verdict):
+    """The half that comes to lie on top shows its other side: no track tells its place."""
+    scene = brief(world="ground", may_be_held=True)
+    reading = read(sentence, scene)
+    seen = make_report([(0.0, 0.0, 0.0)] * FRAMES, windows=[(0, round(reading.expectations[0].window[1]))])
+    boxes = [Box(low=(-0.5, -0.5, 0.0), high=(1.0 * s - 0.5, 0.5, 0.2)) for s in 1.0 - (1.0 - left) * RAMP]
+    lost = tuple(part.model_copy(update={"centroid": (None,) * FRAMES}) for part in seen.parts)
+    seen = seen.model_copy(update={"box": tuple(boxes), "parts": lost})
+    assert judge(sentence, reading, seen, scene).judgement.verdict is Verdict(verdict)
+
+
+@pytest.mark.parametrize(("rise", "verdict"), [(0.55, "SUCCESS"), (1.2, "FAIL")])
+def test_the_middle_of_what_gets_twice_as_tall_rises(rise, verdict):
+    taller = [((1, 0, 0), (0, 1, 0), (0, 0, 1.0 + float(s))) for s in RAMP]
+    judgement = tell("make the robot twice as tall", 0 * RAMP, lift=rise * RAMP, stretches=taller)
+    assert judgement.verdict is Verdict(verdict), judgement.suggestion
+
+
+def test_what_topples_after_it_rolled_falls_its_own_way():
+    """It goes over towards us where it came to rest, and no way was told."""
+    scene = brief(world="ground", frames_fixed=False)
+    sentence = "the robot rolls to the right and falls flat"
+    reading = read(sentence, scene)
+    count, begin = reading.frame_count, round(reading.expectations[-1].window[0])
+    roll = np.minimum(np.arange(count) / begin, 1.0)
+    fall = np.clip((np.arange(count) - begin) / (count - begin - 9), 0.0, 1.0)
+    axes = [
+        np.asarray(e.direction or (1.0, 0.0, 0.0)) for e in reading.expectations if e.kind.value == "rotate"
+    ]
+    seen = make_report(
+        [(float(0.6 * r), float(-0.35 * f), float(-0.2 * f)) for r, f in zip(roll, fall)],
+        [tuple(80.0 * r * axes[0] + 85.0 * f * axes[1]) for r, f in zip(roll, fall)],
+        windows=[(round(e.window[0]), round(e.window[1])) for e in reading.expectations],
+    )
+    failed = list_failed(judge(sentence, reading, seen, scene).judgement)
+    assert "which way does it fall?" not in failed

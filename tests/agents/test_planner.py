@@ -193,8 +193,8 @@ def test_what_a_wall_throws_back_was_thrown_there():
         (KINDS.MOVE, LEFT, brief(), (0.15, 0.6, 1.8)),
         (KINDS.MOVE, LEFT, HELD, (0.04, 0.15, 0.4)),
         (KINDS.ROTATE, UP, brief(), (12, 80, 400)),
-        (KINDS.STRETCH, RIGHT, brief(), (0.08, 0.25, 0.9)),
-        (KINDS.SQUEEZE, RIGHT, brief(), (0.07, 0.2, 0.5)),
+        (KINDS.STRETCH, RIGHT, brief(), (0.13, 0.25, 0.9)),
+        (KINDS.SQUEEZE, RIGHT, brief(), (0.12, 0.2, 0.5)),
     ],
 )
 def test_slight_plain_and_violent_accept_different_motion(kind, direction, scene, values):

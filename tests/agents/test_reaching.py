@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from physagent_jax.agents.rules.kinds import choose_kinds
 from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY, PRESCRIBED_TRAVEL, TURN
 from physagent_jax.forces.schema import ActionType, ConstraintType
+from physagent_jax.motion.kinds import choose_kinds
 from tests.agents.scenes import brief, read
 from tests.agents.tellings import ground
 

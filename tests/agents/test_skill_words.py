@@ -3,7 +3,7 @@
 import pytest
 
 from physagent_jax.agents.hard_rules import apply_hard_rules
-from physagent_jax.agents.rules.kinds import choose_kinds
+from physagent_jax.motion.kinds import choose_kinds
 from physagent_jax.motion.matching import find_causes
 from physagent_jax.motion.schema import MotionKind
 from tests.agents.scenes import brief, read

@@ -309,18 +309,17 @@ def test_the_page_has_success_cost_and_pairs():
     }
     rows = [make_row("rules", False, True), make_row("adam", True, False)]
     page = write_page({"methods": {"runs": [run], "complete": True, "rows": rows}})
-    assert "| method | published as | drop | all | share | refused | error |" in page
-    assert "| adam (oracle) |  | 0/1 | 0/1 | 0% (0–79) |  | 0.50 (0.50–0.50) |" in page
+    assert "| method | published as | drop | all | share | refused | error | clean |" in page
+    assert "| adam (oracle) |  | 0/1 | 0/1 | 0% (0–79) |  | 0.50 (0.50–0.50) |  |" in page
     assert "| rules | PhysAgent: there agents are a language model | 1/1 |" in page
     assert (
         "| rules | 1 | 0 | 1 | 1 | 1 | 1 | 1 | 10 | 9 | 2 |" in page
         and "(`rules`) are rules of English" in page
     )
-    assert (
-        "Not measured yet: ablation, iterations, distillation, materials, neighbourhood, gradients, clipsim, verify"
-        in page
-        and "| adam | 1 | 10 | 0 | 1 | 1 | 1 | none |" in page
+    absent = (
+        "ablation, iterations, distillation, materials, neighbourhood, gradients, clipsim, fidelity, verify"
     )
+    assert f"Not measured yet: {absent}" in page and "| adam | 1 | 10 | 0 | 1 | 1 | 1 | none |" in page
     assert "tasks by run" not in page
     rows += [make_row("adam", True, True) | {"seed": 1}]
     page = write_page({"methods": {"runs": [run], "complete": True, "rows": rows}})

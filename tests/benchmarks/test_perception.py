@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.perception import scenes
-from benchmarks.perception.markdown import FIGURES, summarize
+from benchmarks.perception.markdown import FIGURES, condense, summarize, write_tables
 from benchmarks.perception.motions import LOOK, MOTIONS
 from physagent_jax.core.rotations import polar
 
@@ -52,3 +52,36 @@ def test_what_is_not_observed_is_counted_apart():
     counted = summarize(rows, FIGURES[0])
     assert counted["unobservable"] == 0.25
     assert counted["within"] == counted["covered"] == pytest.approx(2 / 3)
+
+
+def make_row(**other):
+    names = {
+        f"{name}_stated"
+        for name in ("displacement", "across", "along", "rotation", "axis", "stretch", "outline")
+    }
+    names |= {
+        "displacement",
+        "direction",
+        "across",
+        "along",
+        "rotation",
+        "angle",
+        "axis",
+        "stretch",
+        "outline",
+    }
+    row = dict.fromkeys(names, 0.012345678) | {"motion": "nothing", "object": "loaf", "distance": "near"}
+    row |= {"background": "plain", "noise": "none", "pieces": 1, "still": True, "false_swing": False}
+    row |= dict.fromkeys(("has_direction", "in_plane", "turns", "swings"), False)
+    return row | {"job": "loaf: nothing", "run": 0, "notes": ["long"], "text": "longer"} | other
+
+
+def test_a_summary_has_what_tables_need():
+    rows = [make_row(displacement=0.09), make_row(displacement=None, depth=0.5, depth_stated=1.0)]
+    run = {"machine": "M", "load_average": [1.0], "git_revision": "r", "quick": False, "seconds": 1.0}
+    summary = condense({"rgb": {"runs": [run], "complete": True, "rows": rows}})
+    assert "longer" not in str(summary) and "0.01235" in str(summary)
+    tables = write_tables(summary)
+    assert "| rgb | displacement | 3% | 2 | 0% | 50% |" in tables["all"]
+    assert "| rgb | 0.09 | 0.0123 | 0.0123 |" in tables["worst"]
+    assert "| rgb | 2 | 1.0 |" in tables["runs"]

@@ -118,14 +118,15 @@ def test_what_is_tilted_by_a_constraint_turns_about_the_edge_of_its_foot():
     assert over[0].center is None  # it is turned over about its middle
 
 
-def test_what_rocks_turns_about_the_edge_that_it_stands_on():
-    """There and back over one edge of its foot, then over the other."""
+@pytest.mark.parametrize("more", [(), (dict(action_type="torque", vector=(0, 1, 0), active_time=(32, 50)),)])
+def test_what_rocks_turns_about_the_edge_that_it_stands_on(more):
+    """There and back over one edge of its foot, then over the other, whatever comes after it."""
     turn = dict(constraint_type="enforce_particle_rotation", magnitude=0.42)
     rocked = [
         turn | dict(vector=(0, side, 0), active_time=(8 * i, 8 * i + 8))
         for i, side in enumerate((1, -1, -1, 1))
     ]
-    motions = compile_entries(constraints=rocked)[1]
+    motions = compile_entries(*more, constraints=rocked)[1]
     edges = [np.asarray(each.center)[[0, 2]] for each in motions]
     half = 0.5 * WIDTH
     np.testing.assert_allclose(edges, [[half, 0], [half, 0], [-half, 0], [-half, 0]], atol=1e-6)

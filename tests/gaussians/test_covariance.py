@@ -17,6 +17,13 @@ from physagent_jax.gaussians import (
     quats_scales_to_covariances,
     transform_covariances,
 )
+from physagent_jax.kernels import programs
+
+
+def test_covariances_of_another_number_of_gaussians_are_one_more_program():
+    before = programs.compiled_count
+    quats_scales_to_covariances(*jax.device_put((np.ones((173, 4)), np.ones((173, 3)))))
+    assert programs.compiled_count == before + 1
 
 
 @pytest.fixture

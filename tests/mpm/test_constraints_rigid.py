@@ -63,7 +63,7 @@ def noisy(state, seed=0):
 def test_the_rigid_field_has_the_momenta_of_the_matter_it_replaces(x64):
     model, state = rigid_block()
     state, about = noisy(state), jnp.array([0.1, 0.7, 0.2])
-    rigid = before_p2g(model, state)
+    rigid = jax.jit(before_p2g)(model, state)
     np.testing.assert_allclose(momentum(model, rigid), momentum(model, state), rtol=1e-12)
     np.testing.assert_allclose(
         angular_momentum(model, rigid, about), angular_momentum(model, state, about), rtol=1e-12
@@ -77,7 +77,7 @@ def test_the_rigid_field_has_the_momenta_of_the_matter_it_replaces(x64):
 
 def test_the_grid_gets_those_momenta_too(x64):
     model, state = rigid_block()
-    rigid = before_p2g(model, noisy(state))
+    rigid = jax.jit(before_p2g)(model, noisy(state))
     grid, m = model.grid, model.mass
     nodes = scatter_momentum(
         stencil(rigid.x, grid), grid, m, m[:, None] * rigid.v, m[:, None, None] * rigid.C

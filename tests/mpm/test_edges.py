@@ -15,6 +15,7 @@ from tests.mpm.blocks import block
 START, END, STEPS, DT = 0.31, 0.74, 37, 1 / 37
 
 
+@jax.jit
 def shares(start, end, edge):
     """Of all substeps of a second, shape (STEPS,)."""
     times = jnp.arange(STEPS) * DT
@@ -28,15 +29,13 @@ def arrays(*values):
 @pytest.mark.parametrize("edge", [1e-9, 0.02, 0.2, 0.5])
 def test_the_share_is_the_mean_of_the_smooth_window(edge, x64):
     """Also of edges that meet, and that are cut where the clip begins; over all substeps it is the window's length."""
-    start, end, width = arrays(START, END, edge)
+    value, (start, end, width) = jax.jit(window_value), arrays(START, END, edge)
     got = shares(start, end, width)
     np.testing.assert_allclose(got.sum() * DT, END - START, rtol=1e-12)
     for index in (3, 11, 12, 20, 27):
         begin, stop = index * DT, (index + 1) * DT
         bounds = [each for each in (START, END) if begin < each < stop]
-        mean = quad(
-            lambda t: float(window_value(jnp.asarray(t), start, end, width)), begin, stop, points=bounds
-        )
+        mean = quad(lambda t: float(value(jnp.asarray(t), start, end, width)), begin, stop, points=bounds)
         np.testing.assert_allclose(got[index], mean[0] / DT, atol=1e-7)
 
 

@@ -210,7 +210,7 @@ def make_case(
     law: str, walls: tuple[str, ...], constraint: str, terms: tuple[str, ...]
 ) -> tuple[Model, State]:
     """A block in motion, turning, with undeformed, evenly compressed and doubly stretched particles, in contact."""
-    model, state = block((3, 3, 3), low=(LOW,) * 3, dtype=np.float64, dt=DT)
+    model, state = block((3, 3, 3), low=(LOW,) * 3, dtype=np.float64, dt=DT, size=16 * DX, grid_cells=16)
     count, rng = len(state.x), np.random.default_rng(4)
     made = material(law, count)
     model = model.replace(
@@ -368,8 +368,11 @@ def test_the_height_after_a_bounce_by_the_height_of_the_drop(x64):
     the time, are those of the simulated motion, which has no closed form.
     """
     gravity, height, frame_dt = 9.8, 0.2, 0.01
-    model, state = block((2, 2, 2), low=(0.45, 0.45, 0.2), youngs_modulus=4e5, dtype=np.float64, dt=5e-4)
-    floor = HalfSpace(**arrays(point=[0.5, 0.5, 0.2], normal=[0, 0, 1], friction=0.0, **ALWAYS))
+    domain = dict(size=14 * DX, grid_cells=14)
+    model, state = block(
+        (2,) * 3, low=(0.3, 0.3, 0.2), youngs_modulus=4e5, dtype=np.float64, dt=5e-4, **domain
+    )
+    floor = HalfSpace(**arrays(point=[0.3, 0.3, 0.2], normal=[0, 0, 1], friction=0.0, **ALWAYS))
     model = model.replace(gravity=jnp.array([0, 0, -gravity]), boundaries=(floor,), kernels="reference")
 
     def compute_heights(height):

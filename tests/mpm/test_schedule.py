@@ -10,7 +10,7 @@ import pytest
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.terms import UniformAcceleration
 from physagent_jax.mpm import Schedule, find_smallest_window, replay, rollout, simulate
-from tests.mpm.blocks import block
+from tests.mpm.blocks import block, sums_in_order
 
 pytestmark = pytest.mark.usefixtures(
     "least_optimised"
@@ -49,6 +49,7 @@ def thrown():
         return model, state, frames, Schedule.of(model, frames)
 
 
+@sums_in_order
 def test_it_is_the_motion_that_was_simulated(thrown, x64):
     """A window that grows, sorted particles, a part that does not act in every frame, contact with the floor."""
     model, state, frames, schedule = thrown
@@ -131,6 +132,7 @@ def test_what_is_stopped_at_a_wall_has_the_derivative_of_differences(x64):
     np.testing.assert_allclose(slope, differences, rtol=1e-6, atol=1e-7)
 
 
+@sums_in_order
 def test_a_horizon_is_the_beginning_of_the_whole(thrown, x64):
     model, state, _, schedule = thrown
     (first,) = replay(model, state, schedule, horizon=1)
@@ -141,6 +143,7 @@ def test_a_horizon_is_the_beginning_of_the_whole(thrown, x64):
             replay(model, state, schedule, horizon=horizon)
 
 
+@sums_in_order
 def test_a_truncated_gradient_takes_the_state_at_each_cut_as_given(thrown, x64):
     """Cut after every frame it is the sum of the frames' own gradients, each from the state that it begins with."""
     model, state, _, schedule = thrown

@@ -14,6 +14,7 @@ from physagent_jax.mpm.transfer import (
     stencil,
     velocity_gradient,
 )
+from tests.mpm.blocks import sums_in_order
 
 GRID = Grid.whole(1.0, 10)
 
@@ -67,6 +68,7 @@ def test_g2p_reproduces_linear_velocity_fields_exactly(particles):
     np.testing.assert_allclose(C, np.broadcast_to(gradient, (40, 3, 3)), atol=1e-11)
 
 
+@sums_in_order
 def test_a_shifted_window_sees_the_same_nodes(particles):
     x, mass, momentum, affine = map(jnp.asarray, particles)
     part = Grid(jnp.array([1, 1, 1], jnp.int32), (9, 9, 9), 0.1, 10)

@@ -35,3 +35,20 @@ def test_a_part_that_nobody_sees_is_left_out():
     surface, on_arm = make_surface()
     ends = Ends.split(surface[~on_arm], 2, (PartPrompt(4, ARM, BODY),))
     assert len(ends.describe(1.0)) == len(DIRECTIONS)
+
+
+def test_ends_are_those_of_the_rest():
+    """A part of most of the surface is not its own other end: a shade beside the slim pole that bears it."""
+    chance = np.random.default_rng(0)
+    shade = chance.uniform((-0.2, -0.2, 0.3), (0.2, 0.2, 0.6), (300, 3))
+    pole = chance.uniform((-0.02, -0.02, -0.6), (0.02, 0.02, 0.3), (60, 3))
+    surface, on_shade = np.concatenate([shade, pole]), np.arange(360) < 300
+    ends = Ends.split(surface, 2, (PartPrompt(1, shade[::9], pole),))
+    ends.start_link(0, surface)
+    turn, joint = Rotation.from_rotvec((0, 0.6, 0)), np.array([0.0, 0, 0.3])
+    after = np.where(on_shade[:, None], joint + turn.apply(surface - joint), surface)
+    ends.fit(1, surface, after, np.ones(360), np.ones(360, bool))
+    *six, part = ends.describe(1.0)
+    assert np.linalg.norm(part.centroid[1]) > 0.05
+    for end in six:
+        assert end.centroid[1] is None or np.linalg.norm(end.centroid[1]) < 0.02

@@ -247,6 +247,13 @@ def test_a_part_that_few_particles_leave_none_is_left_out():
     assert [each.name for each in join_parts(points, [part, gone], [])] == ["half"]
 
 
+def test_a_named_part_that_no_particle_is_in_is_left_out(tmp_path):
+    """Its surface has splats, and few particles are spread over the object."""
+    path = write_obj(tmp_path / "figure.obj", FIGURE | {"knob": ((0, 0, 1.33), (0.02, 0.02, 0.02))})
+    names = list(find(path, max_particles=300)[2])
+    assert "left arm" in names and "knob" not in names
+
+
 def test_where_the_file_names_all_a_shape_across_its_parts_is_none():
     points = np.stack(np.meshgrid(*[np.linspace(0, 1, 9)] * 3), -1).reshape(-1, 3)
 
@@ -258,3 +265,14 @@ def test_where_the_file_names_all_a_shape_across_its_parts_is_none():
     across, within = cut(0.3, 0.7, roles=("lid",)), cut(0.9, 1.1, roles=("knob",))
     found = join_parts(points, named, [across, within])
     assert [each.name or each.roles[0] for each in found] == ["body", "head", "knob"]
+
+
+def test_parts_do_not_depend_on_how_many_particles_a_run_has(tmp_path):
+    """A head on a neck is found with a thousand particles as with many, and whatever the grid's cells."""
+    radii = {0.0: 0.35, 0.38: 0.08, 0.55: 0.17}  # by the height of each ball
+    balls = [trimesh.creation.icosphere(3, r).apply_translation((0, 0, z)) for z, r in radii.items()]
+    path = tmp_path / "figure.obj"
+    trimesh.util.concatenate(balls).export(path)
+    few, many = (find(path, up="+z", max_particles=n, cells=c)[0] for n, c in ((1000, 24), (4000, 96)))
+    assert few.particles.count < 1100 < many.particles.count
+    assert few.parts == many.parts != ()

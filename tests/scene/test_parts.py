@@ -188,3 +188,17 @@ def test_a_surface_with_holes_encloses_the_same():
     whole, holed = make_lattice(ball), make_lattice(thinned)
     volumes = [len(each.places) * each.spacing**3 for each in (whole, holed)]
     assert volumes[0] > 3.5 and volumes[1] > 0.8 * volumes[0]
+
+
+LANDER = [
+    ("box", (0, 0, 0), (0.3, 0.3, 0.25)),
+    *LEGS,
+    ("tube", (0, 0, 0.3), (0.04, 0.04, 0.08)),
+    ("ball", (0, 0, 0.45), (0.13, 0.13, 0.08)),
+]
+
+
+def test_what_stands_on_legs_has_other_parts_too():
+    """A lander has a dish; alone on top, it may be a head as well."""
+    roles = sorted(part.roles for part in find_parts(fill_evenly(LANDER)))
+    assert roles == [("leg",)] * 4 + [("top", "head")]

@@ -149,3 +149,20 @@ def test_ears_that_do_not_stick_out_are_at_the_top_of_the_head():
     points = make(bald)
     _, ears = find({"bald": (points, find_parts(points))}, "bald", "ears")
     assert [each.name for each in ears] == ["left ear", "right ear"]
+
+
+def test_the_crust_of_a_disc_is_two_flaps_at_its_edge():
+    points = make([((0, 0, 0), (0.5, 0.5, 0.03))])
+    left, right = find_places(points, (), ("crust",), "pizza", VIEWER)
+    inside = make_region_mask(left.moved, points)
+    assert (left.name, right.name) == ("left crust", "right crust")
+    away = np.hypot(*points[inside, :2].T)
+    assert points[inside, 0].max() < 0 and np.quantile(away, 0.1) > 0.3
+    assert left.arm[0] < -0.03 and not left.seated  # it is lifted about its inner edge
+
+
+def test_the_head_of_a_tall_statue_is_its_top_and_nods_about_its_lower_end():
+    points = make([((0, 0, 0), (0.15, 0.12, 0.5))])
+    (head,) = find_places(points, (), ("head",), "statue", VIEWER)
+    assert points[make_region_mask(head.moved, points), 2].min() > 0.15 and head.arm[2] > 0.05
+    assert find_places(make([((0, 0, 0), (0.5, 0.3, 0.3))]), (), ("head",), "statue", VIEWER) == ()

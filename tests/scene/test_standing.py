@@ -11,11 +11,18 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.run.resolve import resolve
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene import burden
+from physagent_jax.scene.anchor import select_anchored
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.burden import measure_burden
 from physagent_jax.scene.fuse import fuse
 from physagent_jax.scene.materials.cost import AFFORDABLE_RATE, count_substeps
-from physagent_jax.scene.standing import find_bearing_modulus, find_own_burden, find_own_firmness, make_stand
+from physagent_jax.scene.standing import (
+    find_bearing_modulus,
+    find_own_burden,
+    find_own_firmness,
+    hold_upright,
+    make_stand,
+)
 from tests.scene.quiet_objects import export
 from tests.scene.test_equilibrium import farthest, scene_of
 
@@ -135,12 +142,61 @@ def test_what_no_affordable_stiffness_carries_bears_as_much_of_its_weight_as_it_
     template, body, _ = template_of(tmp_path, object=export("lamp", tmp_path))
     standing, notes = make_stand(template, body)
     assert standing.world.gravity == "down" and 0 < standing.world.weight < 1
-    assert len(notes) == 1 and "slowly" in notes[0] and "% of its weight acts" in notes[0]
+    assert len(notes) == 2 and "slowly" in notes[1] and "% of its weight acts" in notes[1]
+    assert standing.anchor.kind == "base" and "feet are held" in notes[0]  # else it would float off
+    assert make_stand(template, body, let_go=True)[0].anchor.kind == "none"
     dx, E = template.preset.domain.dx, template.material.youngs_modulus * standing.bearing.most
     stiffest = template.material.changed(youngs_modulus=E)
     assert count_substeps(stiffest, dx, 10.0) == pytest.approx(10 * AFFORDABLE_RATE, rel=0.1)
     assert fuse(standing, body, ForceField()).gravity[2] == -GRAVITY * standing.world.weight
     assert fuse(standing, body, ForceField(default_drop=True)).gravity[2] == -GRAVITY
+
+
+COARSE = {"overrides": {"max_particles": 1500, "cells": 48}}
+
+
+def export_leaning(path, lean):
+    """A slab on a foot, its mass centre ``lean`` beyond the middle of the foot."""
+    foot = trimesh.creation.box((0.3, 0.3, 0.6)).apply_translation((0, 0, 0.3))
+    slab = trimesh.creation.box((0.5, 0.4, 0.4)).apply_translation((lean, 0, 0.8))
+    trimesh.util.concatenate([foot, slab]).export(path)
+    return path
+
+
+def test_feet_are_held_only_of_what_would_fall_over(tmp_path):
+    template, body, _ = template_of(export_leaning(tmp_path / "thing.obj", 0.05), **COARSE)
+    assert hold_upright(template, body) == (template, ())
+    template, body, _ = template_of(export_leaning(tmp_path / "other.obj", 0.35), **COARSE)
+    standing, notes = make_stand(template, body)
+    assert standing.anchor.kind == "base" and standing.world.ground and standing.world.gravity == "down"
+    assert "feet are held" in notes[0] and standing.anchor.reason == notes[0]
+    free, notes = make_stand(template, body, let_go=True)
+    assert free.anchor.kind == "none" and free.world.gravity == "none" and "without weight" in notes[0]
+    falling = make_stand(template, body, let_go=True, keep_weight=True)[0]
+    assert falling.anchor.kind == "none" and falling.world == template.world
+    opposition = fuse(falling, body, ForceField()).scaling.opposition
+    assert opposition.tipping > 1.0  # [1/s^2], which a tip to the other side overcomes
+
+
+@pytest.mark.parametrize(
+    ("width", "struck", "held"), [(0.04, None, True), (0.3, None, False), (0.3, (0.0, 0.0, -1.0), True)]
+)
+def test_feet_are_held_of_what_a_touch_or_the_blow_would_topple(width, struck, held, tmp_path):
+    """A pole that stands on so little, and a pillar only where it is hit from above."""
+    trimesh.creation.box((width, width, 1.0)).export(tmp_path / "thing.obj")
+    template, body, _ = template_of(tmp_path / "thing.obj", **COARSE)
+    assert (hold_upright(template, body, struck=struck)[0].anchor.kind == "base") is held
+    assert hold_upright(template, body, struck=struck, let_go=True) == (template, ())
+
+
+def test_the_half_behind_is_held_of_what_is_dented(tmp_path):
+    """Held at its feet alone, a truck was torn off its wheels."""
+    trimesh.creation.box((1.0, 0.5, 0.5)).export(tmp_path / "thing.obj")
+    template, body, _ = template_of(tmp_path / "thing.obj", **COARSE)
+    anchor = hold_upright(template, body, struck=(1.0, 0.0, 0.0))[0].anchor
+    held = select_anchored(anchor, body.particles.x, body.particles.gaussian_index, ".")
+    x = body.particles.x[:, 0]
+    assert held.any() and (held == (x > x.mean())).mean() > 0.95
 
 
 @pytest.mark.parametrize("parts", [{"world": "free"}, {"material": {"name": "sand"}}])

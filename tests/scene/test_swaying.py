@@ -105,6 +105,14 @@ def test_what_is_rooted_shakes_quickly_and_ends_where_it_began(sentence):
     assert not reply.force_field.actions and len(turns) == 9 and abs(sum(ways)) < 0.01 * max(ways)
 
 
+@pytest.mark.parametrize("sentence", ["shake the robot", "the robot sways"])
+def test_what_was_shaken_is_kept_upright_at_the_end(sentence):
+    """Let go with the speed of its last stroke, a soft pole was flung over."""
+    scene = brief(**STANDING, anchored="its feet are held")
+    last = read(sentence, scene).force_field.constraints[-1]
+    assert last.held_until == scene.last and last.active_time[1] < scene.last
+
+
 def test_jelly_jiggles_by_its_own_stiffness():
     """It is held at its base and pushed: a prescribed turn would hide that it is soft."""
     reply = read("the robot jiggles", brief(**STANDING, object_kind="jelly"))

@@ -19,6 +19,7 @@ from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import CameraConfig
 from physagent_jax.scene.presentation import place_cameras, turn_aside
 from physagent_jax.scene.surfels import make_surfels
+from physagent_jax.simulation import ending
 from physagent_jax.simulation.ending import LONGEST, simulate_ending
 from physagent_jax.simulation.notes import Notes
 from physagent_jax.simulation.presentation import draw_presentation
@@ -108,8 +109,14 @@ def test_a_clip_goes_on_until_rest_and_no_longer(dropped):
     )
 
 
+@pytest.fixture
+def brief_endings(monkeypatch):
+    """Endings of one frame, where a test asks whether there is one."""
+    monkeypatch.setattr(ending, "LONGEST", 0.01)
+
+
 @pytest.mark.parametrize("group", ["actions", "constraints"])
-def test_what_is_carried_to_the_end_is_seen_there(dropped, group):
+def test_what_is_carried_to_the_end_is_seen_there(dropped, group, brief_endings):
     """Not how it falls when it is let go: nobody asked for that."""
     kind = dict(action_type="translation", constraint_type="enforce_particle_translation")
     name = group.removesuffix("s") + "_type"
@@ -126,7 +133,7 @@ def test_what_is_carried_to_the_end_is_seen_there(dropped, group):
     assert not ends_with_the_plan(vector=(1, 0, 0.1)) and not ends_with_the_plan(region=upper)
 
 
-def test_what_is_swung_over_the_ground_is_seen_standing(dropped):
+def test_what_is_swung_over_the_ground_is_seen_standing(dropped, brief_endings):
     """The pushes hold it upright; what stands on small feet would fall over after them."""
 
     def ends_with_the_plan(windows, anchor="none", **more):

@@ -143,7 +143,7 @@ LEFT, RISE = act("translation", 0, 5, 1.4), (0.0, 0.0, 1.0)
 
 
 def template_and_body(robot_path):
-    spec = small(robot_path, "push it", frames=FRAMES, resolution=64, ledger=True)
+    spec = small(robot_path, "push it", frames=FRAMES, resolution=64)
     template = resolve(
         spec.model_copy(update=dict(overrides=spec.overrides.model_copy(update=COARSE)))
     ).template
@@ -156,18 +156,20 @@ def robot(robot_path):
     return template_and_body(robot_path)
 
 
-def compiled(robot, *items, material=None):
+def compiled(robot, *items, material=None, ledger=False):
+    """With a ledger, each program takes four times as long to compile."""
     template, body = robot
     config = fuse(template, body, field(*items))
     camera = fuse(template, body, field(LEFT)).camera  # the loop keeps its first one too
-    config = config.model_copy(update=dict(camera=camera, material=material or config.material))
+    changes = dict(camera=camera, material=material or config.material, ledger=ledger)
+    config = config.model_copy(update=changes)
     return compile_scene(config, body)
 
 
 @pytest.fixture(scope="module")
 def weaker(robot):
-    """The first round of those whose blow becomes stronger."""
-    return simulate_scene(compiled(robot, *BEFORE))
+    """The first round of those whose blow becomes stronger, with a ledger."""
+    return simulate_scene(compiled(robot, *BEFORE, ledger=True))
 
 
 def assert_equal(resumed, full, exactly=False):
@@ -206,8 +208,9 @@ LATER = {
 
 @pytest.mark.parametrize("case", LATER)
 def test_a_resumed_rollout_equals_one_from_the_start(case, robot, weaker):
-    before, after = (compiled(robot, LEFT, item) for item in LATER[case])
-    first = weaker if LATER[case][0] is WEAKER else simulate_scene(before)
+    ledger = LATER[case][0] is WEAKER  # the ledger's sums go on too
+    before, after = (compiled(robot, LEFT, item, ledger=ledger) for item in LATER[case])
+    first = weaker if ledger else simulate_scene(before)
     resumed, full = simulate_scene(after, restart_cache=first.restart_cache), simulate_scene(after)
     assert (resumed.reused_frames, full.reused_frames) == (8, 0)
     assert_equal(resumed, full)
@@ -226,7 +229,7 @@ def test_plastic_memory_and_a_grown_window_are_taken_over(robot):
 
 
 def test_shared_frames_are_neither_simulated_nor_rendered_again(robot, monkeypatch):
-    before, after = (compiled(robot, LEFT, item) for item in LATER["stronger blow"])
+    before, after = (compiled(robot, LEFT, item, ledger=True) for item in LATER["stronger blow"])
     calls = []
     frame = importlib.import_module("physagent_jax.mpm.frame")
     renderer = importlib.import_module("physagent_jax.render.renderer")
@@ -257,7 +260,7 @@ def counted(monkeypatch, calls, module, name):
 
 
 def test_only_states_that_memory_allows_are_kept(robot, weaker, monkeypatch):
-    both, kept = compiled(robot, *BEFORE), weaker.restart_cache
+    both, kept = compiled(robot, *BEFORE, ledger=True), weaker.restart_cache
     assert list(kept.restarts) == [4, 7, 8] and len(kept.outputs) == 9
     size = kept.outputs[0].nbytes * 8 + 2 * sum(
         leaf.nbytes for leaf in jax.tree.leaves(kept.restarts[4].state)
@@ -272,7 +275,7 @@ def test_only_states_that_memory_allows_are_kept(robot, weaker, monkeypatch):
 
 def test_another_body_shares_nothing(robot, weaker, robot_path):
     own = template_and_body(robot_path)
-    one, other = compiled(robot, *BEFORE), compiled(own, *BEFORE)
+    one, other = (compiled(each, *BEFORE, ledger=True) for each in (robot, own))
     cache = weaker.restart_cache
     assert find_shared_restart(one, cache).index == 8
     assert find_shared_restart(other, cache) is None

@@ -58,7 +58,11 @@ def find_target(quantity: Quantity, motion: Motion, before: Amount | None) -> Ta
     if unit != "share" or quantity.dimension in ("far", "volume"):
         return Target()
     becomes = quantity.relation in ("to", "is")  # "pull it to twice its length", "until it is half as tall"
-    if effect in _TRAVELS and quantity.dimension and not becomes:
+    if (
+        effect in _TRAVELS
+        and quantity.dimension
+        and (motion.direction == "up" and quantity.relation == "to" or not becomes)
+    ):
         return Target(Amount(value=value, unit="lengths"))
     return _find_scale(quantity, motion) if effect in _SCALES else Target()
 

@@ -17,11 +17,11 @@ from physagent_jax.agents.compiler.words import look_up, suggest_motions
 from physagent_jax.agents.intent import Intent
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.materials import SOFT, find_meaning
-from physagent_jax.agents.rules.kinds import choose_kinds
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_entry
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.kinds import choose_kinds
 from physagent_jax.motion.matching import find_new_places
 from physagent_jax.motion.parts import explain_missing, list_names
 from physagent_jax.motion.schema import MotionKind, SceneBrief, WorldRequest

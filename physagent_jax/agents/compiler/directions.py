@@ -14,16 +14,16 @@ from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueS
 from physagent_jax.agents.lexicon import Effect, Names, read_lexicon
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion.axes import find_lean_axis, find_turn_towards
-from physagent_jax.motion.limbs import find_level_line
+from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.schema import SceneBrief
-from physagent_jax.motion.vectors import add, cross, dot, normalise, scale
+from physagent_jax.motion.swaying import lies
+from physagent_jax.motion.vectors import add, dot, normalise, scale
 
 ASSUMED = "left"
 TOWARDS = (Effect.PUSH, Effect.STRIKE, Effect.SCALE, Effect.LEAN, Effect.ROLL, Effect.JUMP, Effect.TOPPLE)
 """Effects that go a way."""
 _NO_WAY = (Effect.FALL, Effect.HOLD, Effect.RELEASE, Effect.STILL, Effect.SWELL, Effect.BURST)
 _LEVEL = 0.5  # cosine to the vertical below which a way is level
-_WORLD_AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _NORMALS: dict[Names, Names] = {("right",): ("up",), ("up",): ("right",)}
 """Turning horizontally is about the vertical."""
 
@@ -34,17 +34,6 @@ class Heading(NamedTuple):
     vector: Vector | None
     words: str
     why: str
-
-
-def sum_directions(names: Names, brief: SceneBrief) -> Vector:
-    """Sum of named directions (not normalised)."""
-    table = brief.directions
-    long = brief.long_axis
-    own = find_level_line(brief)  # "own" is along it, "beside" across
-    lines = {"long": long or table.up, "lengthwise": long or table.right, "own": own}
-    lines["beside"] = normalise(cross(own, table.up)) or table.left
-    known = _WORLD_AXES | lines
-    return add(known.get(name) or getattr(table, name) for name in names)
 
 
 def take_heading(event: Event, brief: SceneBrief) -> None:
@@ -128,8 +117,9 @@ def _find_line(event: Event, brief: SceneBrief) -> Heading | None:
 
 
 def _find_swing(event: Event, brief: SceneBrief) -> Heading | None:
-    """The first swing of "left and right"."""
-    total = normalise(sum_directions(event.repeat.names, brief))
+    """The first swing of "left and right"; what lies rocks about its line, whichever way that points."""
+    rolls = event.motion.manner == "rock" and event.repeat.names and lies(brief)
+    total = normalise(sum_directions(("beside",) if rolls else event.repeat.names, brief))
     if total is None:
         return None
     if event.effect is Effect.TURN:
@@ -151,7 +141,8 @@ def _find_obstacle(event: Event, brief: SceneBrief) -> Heading | None:
 
 def _find_blow(event: Event, brief: SceneBrief) -> Heading | None:
     """A blow on a side drives away from it."""
-    if not event.parts or event.effect is not Effect.STRIKE:
+    dents = event.motion.quick and event.motion.sign < 0
+    if not event.parts or not (dents or event.effect is Effect.STRIKE):
         return None
     part = event.parts[0]
     if part.phrase in read_lexicon().fronts:
@@ -167,7 +158,9 @@ def _assume(event: Event, brief: SceneBrief) -> Heading:
     if motion.effect in _NO_WAY:
         return Heading(None, event.words, "needs no direction")
     sides = any("side" in way.phrase and way.names == ("both",) for way in event.pick(WayKind.SIDES))
-    name = "right" if sides and motion.effect is Effect.SCALE else motion.direction or ASSUMED
+    falls = (motion.manner == "rock" or motion.effect is Effect.TOPPLE) and lies(brief)
+    usual = motion.direction or ("beside" if falls else ASSUMED)
+    name = "right" if sides and motion.effect is Effect.SCALE else usual
     missing = "no axis given: it points" if motion.effect is Effect.TURN else "no direction given:"
     event.notes += [] if motion.direction else [f"'{event.words}': no direction given, assumed {name}."]
     vector = normalise(sum_directions((name,), brief))

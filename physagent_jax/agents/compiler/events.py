@@ -85,6 +85,7 @@ class Event:
         part: The end that is named (unit vector towards it); None = none, or a part that is no end.
         excludes_part: Whether ``part`` is the one that is not meant.
         limbs: Places in the brief's parts of those that are meant.
+        radial: 1 = parts go out from the middle, -1 = inwards; 0 = as ``direction`` tells.
         amount: A quantity that the sentence names.
         obstacles: Solids that it meets.
         sources: Where each value comes from.
@@ -112,6 +113,7 @@ class Event:
     part: Vector | None = None
     excludes_part: bool = False
     limbs: tuple[int, ...] = ()
+    radial: int = 0
     amount: Amount | None = None
     obstacles: list[ObstacleRequest] = field(default_factory=list)
     sources: dict[str, ValueSource] = field(default_factory=dict)

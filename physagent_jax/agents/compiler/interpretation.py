@@ -7,16 +7,16 @@ from dataclasses import replace
 
 from physagent_jax.agents import intent
 from physagent_jax.agents.compiler.amounts import MOST, find_target
-from physagent_jax.agents.compiler.directions import TOWARDS, sum_directions, take_heading
+from physagent_jax.agents.compiler.directions import TOWARDS, take_heading
 from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueSource, WayKind
-from physagent_jax.agents.compiler.limbs import find_limbs, sticks_out
+from physagent_jax.agents.compiler.limbs import find_limbs, find_roles, sticks_out
 from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.part import is_plural
 from physagent_jax.forces.slabs import make_end_region, make_middle_region
 from physagent_jax.motion.joints import Turning
-from physagent_jax.motion.limbs import stands_on_legs
+from physagent_jax.motion.limbs import stands_on_legs, sum_directions
 from physagent_jax.motion.parts import explain_guess, explain_missing
 from physagent_jax.motion.schema import Amount, ObstacleRequest, SceneBrief
 from physagent_jax.motion.vectors import clamp, cosine, normalise, scale
@@ -154,15 +154,20 @@ def _sum_repeats(event: Event) -> Repeat:
 def _act_from_sides(event: Event, brief: SceneBrief) -> None:
     """Motions whose kind depends on where they act: from both sides, outward, from one side."""
     sides, told = event.pick(WayKind.SIDES), event.pick(*WAYS)
+    limbs = event.parts and find_limbs(event.parts[0], brief)
     if event.effect is Effect.BURST and told:
         event.motion = replace(event.motion, effect=Effect.STRIKE)
+    elif limbs and sides and sides[0].names == ("all",) and event.effect in (Effect.PUSH, Effect.LEAN):
+        event.radial = -1 if sides[0].phrase.startswith("in") else 1
+        event.ways.remove(sides[0])
+        _turn(event, event.direction, "from or to the middle of the object")
     elif sides:
         beside = told and sides[0].phrase == "either side"  # "away, by less than a tenth to either side"
         if event.effect in (Effect.PUSH, Effect.STRIKE) and not beside:
             outward = event.motion.pulls or sides[0].phrase in ("outward", "outwards", "apart")
             sign = 1 if outward else -1  # of all sides at once, whatever acts there
             event.motion = replace(event.motion, effect=Effect.SCALE, sign=sign, skill=None)
-        if event.effect is Effect.SCALE and sides[0].names == ("all",):
+        if event.effect is Effect.SCALE and all(each.names == ("all",) for each in sides):
             event.motion = replace(event.motion, effect=Effect.SWELL)
     if event.effect is Effect.SWELL:
         event.direction = None
@@ -268,7 +273,8 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
     if event.parts and not (event.effect is Effect.STRIKE and named[0].phrase in read_lexicon().fronts):
         event.limbs = find_limbs(named[0], brief)  # a blow on the belly drives all of it away
     if event.limbs:
-        doubt = explain_guess(named[0].text, brief.parts, event.limbs, plural=is_plural(named[0].text))
+        text, roles = named[0].text, find_roles(named[0].phrase)
+        doubt = explain_guess(text, brief.parts, event.limbs, plural=is_plural(text), roles=roles)
         event.doubts += filter(None, [doubt])
         part = brief.parts[event.limbs[0]]
         event.region, event.part = part.moved, part.side

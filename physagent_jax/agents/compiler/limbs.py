@@ -10,17 +10,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from physagent_jax.agents.compiler.directions import sum_directions
 from physagent_jax.agents.compiler.events import Event, KnownPart
 from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.forces.part import is_plural, split_name
 from physagent_jax.forces.schema import ConstraintType, VelocityConstraint
 from physagent_jax.motion.joints import Turning
-from physagent_jax.motion.limbs import LOOSE, PLACES, choose_parts, find_front
+from physagent_jax.motion.limbs import LOOSE, PLACES, choose_parts, find_front, sum_directions
 from physagent_jax.motion.parts import find_named, join_rest
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.motion.swaying import FOOT, leads_aside, lies, rocks
+from physagent_jax.motion.swaying import FOOT, find_fold, leads_aside, lies
 from physagent_jax.motion.vectors import add, scale
 
 _DONE = {
@@ -46,7 +45,7 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     known = [
         each.model_copy(update=dict(roles=(*find_roles(each.name)[:1], *each.roles))) for each in brief.parts
     ]
-    return choose_parts(known, roles, side, is_plural(part.text))
+    return choose_parts(known, roles, side, is_plural(part.text), adjective, brief.directions.toward)
 
 
 def find_support(clauses: Sequence[Event], brief: SceneBrief, soft: bool = False) -> AnchorRequest:
@@ -54,9 +53,11 @@ def find_support(clauses: Sequence[Event], brief: SceneBrief, soft: bool = False
     acting = [each for each in clauses if each.effect not in (Effect.STILL, Effect.HOLD, Effect.RELEASE)]
     if not brief.may_be_held or brief.world != "ground" or brief.anchored is not None or not acting:
         return AnchorRequest()
-    feet = (e.motion.planted and not e.parts and leads_aside(e.direction, brief) for e in acting)
-    if all(feet) and not any(rocks(e.phrase) or e.phrase == "bend" and lies(brief) for e in acting):
+    feet = (e.motion.manner == "bend" and not e.parts and leads_aside(e.direction, brief) for e in acting)
+    if all(feet) and not any(e.effect in (Effect.LEAN, Effect.TURN) and lies(brief) for e in acting):
         return AnchorRequest(kind="rest", words=acting[0].words, region=FOOT)
+    if all(each.motion.manner == "fold" and not each.parts for each in acting):
+        return AnchorRequest(kind="rest", words=acting[0].words, region=find_fold(brief).rest)
     if not soft or not all(each.motion.wobbles for each in acting):
         return AnchorRequest()
     for each in (event for event in acting if event.motion.taps):

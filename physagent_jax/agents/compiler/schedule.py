@@ -13,6 +13,7 @@ from physagent_jax.agents.compiler.amounts import find_effort, find_word_effort
 from physagent_jax.agents.compiler.events import Event, WayKind
 from physagent_jax.agents.intent import Duration
 from physagent_jax.agents.lexicon import Effect
+from physagent_jax.agents.lexicon.types import is_end
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion.efforts import find_span
 from physagent_jax.motion.schema import SceneBrief
@@ -25,6 +26,7 @@ _SMALLEST_SHARE = 0.1  # of a run of events, kept for those without a told lengt
 STEP = 1.5  # [s] that a step of a sequence takes, and settling
 _LEVEL = 0.7  # cosine to the vertical below which an axis is level
 _STROKE = 0.75  # [s] that each of several strokes or swings takes at least
+_SWAYS = {"bend": 0.5, "rock": 0.7}  # [s] that a swing over its foot takes at least, by manner
 _SWING = 4.0  # [s] in which what is held swings until it is still: 1 Hz with a damping ratio of 0.2
 _BEFORE = 0.4  # [s] before what is sudden, in which nothing happens yet
 _REST = 0.5  # [s] after a motion by a quantity, in which it is seen to be reached
@@ -98,9 +100,17 @@ def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, la
         seconds = 0.0
         for event in slot.events:
             usual = STEP if len(slots) > 1 or event.stays else min(clip, 2.0)
-            if event.effect is Effect.STILL and len(slots) > 1 and (anchored or grounded):
+            if (
+                event.effect is Effect.STILL
+                and event.phrase != "wait"
+                and len(slots) > 1
+                and (anchored or grounded)
+            ):
                 usual = _SWING
-            seconds = max(seconds, usual, _STROKE * event.count)
+            swings = _SWAYS.get(event.motion.manner, 0.0) * (event.repeat.count or event.motion.cycles)
+            seconds = max(
+                seconds, usual, _STROKE * event.count, swings if event.effect is Effect.SWAY else 0.0
+            )
             effort = find_effort(event.amount, event.effect, brief)
             after = following.events if following else []
             stops = has_to_stop(event, after, brief.directions.up, grounded)
@@ -109,7 +119,7 @@ def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, la
             line = event.direction if event.effect is Effect.TURN else None
             led = (
                 line is not None and abs(dot(line, brief.directions.up)) < _LEVEL
-            )  # `rules.kinds` leads it over
+            )  # `motion.kinds` leads it over
             if effort is not None and not anchored:
                 pace = (
                     event.strength if event.amount and event.strengths else 1.0
@@ -128,7 +138,8 @@ def _find_end(slots: list[Slot], brief: SceneBrief) -> float:
         return at
     last, leading = slots[-1], slots[-1].events[0]
     blow = leading.effect is Effect.STRIKE and last.start is not None and last.length is not None
-    rest = STEP if leading.stays or blow else _REST if leading.amount else 0.0
+    topples = leading.effect is Effect.TOPPLE and len(slots) > 1  # it takes its time, and then lies
+    rest = STEP if leading.stays or blow or topples else _REST if leading.amount else 0.0
     return at + rest / brief.frame_dt
 
 
@@ -209,6 +220,7 @@ def _carries_on(before: Event, event: Event) -> bool:
 _SUCCESSIONS = (
     (Effect.FALL, Effect.SWAY),  # "drops and jiggles"
     (Effect.STRIKE, Effect.FALL),
+    (Effect.TOPPLE, Effect.ROLL),
     (Effect.JUMP, Effect.FALL),  # "jumps and lands"
     (Effect.JUMP, Effect.TOPPLE),  # "jumps and lands on its back"
 )
@@ -217,7 +229,7 @@ _SUCCESSIONS = (
 def _contrary(before: Event, event: Event) -> bool:
     """Return whether two events joined by "and" would cancel if they happened together ("squeezed and stretched")."""
     if before.effect is not event.effect:
-        return (before.effect, event.effect) in _SUCCESSIONS
+        return (before.effect, event.effect) in _SUCCESSIONS or is_end(before.motion, event.motion)
     if event.effect in (Effect.SCALE, Effect.SWELL):
         whole = before.direction is None or event.direction is None
         return before.motion.sign != event.motion.sign and (whole or abs(_cosine(before, event)) >= 0.5)

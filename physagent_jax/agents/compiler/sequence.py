@@ -5,17 +5,19 @@ from __future__ import annotations
 from dataclasses import replace
 
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
-from physagent_jax.agents.compiler.events import WAYS, Event, WayKind
+from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueSource, WayKind
 from physagent_jax.agents.compiler.interpretation import interpret, resolve_obstacles
 from physagent_jax.agents.compiler.schedule import follows
 from physagent_jax.agents.intent import Held, Timing
 from physagent_jax.agents.lexicon import Effect, read_lexicon
-from physagent_jax.agents.lexicon.types import HOLDABLE
+from physagent_jax.agents.lexicon.types import HOLDABLE, is_end
+from physagent_jax.core.strict import Vector
 from physagent_jax.motion.schema import AnchorRequest
 from physagent_jax.motion.vectors import dot
 
 _AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
 _LEVEL = 0.5  # cosine to the vertical below which what stands falls aside
+_ALOFT = (Effect.FALL, Effect.JUMP)  # or thrown, or lifted
 _RESTING = (Effect.STILL, Effect.RELEASE)
 _RISING = (Effect.PUSH, Effect.STRIKE, Effect.JUMP)
 
@@ -44,9 +46,12 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     _measure_return(event, events)
     event = _put_under_gravity(event, builder.gravity)
     level = event.direction is not None and abs(dot(event.direction, builder.brief.directions.up)) < _LEVEL
-    airborne = _is_lifted(events, builder) or any(each.effect is Effect.FALL for each in events)
-    if event.phrase == "fall" and level and builder.grounded and not airborne:  # it stands
-        event = replace(event, motion=read_lexicon().motions["fall over"], phrase="fall over")
+    aloft = (e.effect in _ALOFT or e.motion.gravity or _is_lifted([e], builder) for e in events)
+    ends = bool(events) and is_end(events[-1].motion, event.motion) and event.clause.order != "together"
+    if event.motion.topples and (level or ends) and builder.grounded and not any(aloft):  # it stands
+        way = event.direction if level else _find_level_way(events, builder)
+        event = replace(event, motion=read_lexicon().motions["fall over"], phrase="fall over", direction=way)
+        event.sources |= {} if level else {"vector": ValueSource(event.words, BY_DEFAULT)}
     thrown = bool(events) and (events[-1].motion.gravity or events[-1].effect is Effect.JUMP)
     if thrown and event.phrase in ("come back down", "go back down"):
         event = _make_another(event, "land")  # "toss it up and let it come back down"
@@ -62,6 +67,13 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     if event.effect is Effect.FALL and builder.gravity is None and event.is_upwards:
         builder.gravity = "up"  # "it falls upwards"
     events.append(event)
+
+
+def _find_level_way(events: list[Event], builder: ForceFieldBuilder) -> Vector:
+    """The level way of the last event that has one; else the left."""
+    table = builder.brief.directions
+    ways = [e.direction for e in events if e.direction and e.effect is not Effect.TURN]
+    return next((way for way in reversed(ways) if abs(dot(way, table.up)) < _LEVEL), table.left)
 
 
 def _is_only_posture(event: Event, events: list[Event]) -> bool:
@@ -171,6 +183,8 @@ def apply_holding(clauses: list[Event], held: Held | None) -> list[Event]:
         last = result[-1] if result else None
         after = next((each for each in clauses[index + 1 :] if not each.clause.negated), None)
         hovers = last is not None and event.motion.floats and last.motion.direction == "up"
+        if hovers and after is not None and not event.ways:
+            event, hovers = _wait(event), False  # "it rises, hovers, then drops"
         if last is not None and (event.stays or hovers) and event.is_bare and event.effect is last.effect:
             last.stays = True  # "compress it and keep it compressed", "it takes off and hovers"
             continue

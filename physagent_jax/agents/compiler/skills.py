@@ -16,7 +16,7 @@ from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_strain_magnitude, find_swing_magnitude
 from physagent_jax.motion.schema import MotionKind
-from physagent_jax.motion.swaying import bend, find_bend, leads_aside, lies, rock, rocks, sway
+from physagent_jax.motion.swaying import bend, find_bend, fold, leads_aside, lies, rock, sway
 from physagent_jax.motion.vectors import dot, scale
 from physagent_jax.motion.windows import Window, divide, divide_swings
 
@@ -85,14 +85,17 @@ def _compile_sway(task: Task) -> None:
     event, builder, brief, up = task.event, task.builder, task.brief, task.brief.directions.up
     count, held = task.limit_count(event.repeat.count or event.motion.cycles), builder.anchored
     magnitude, leads = event.strength, builder.rooted and leads_aside(task.direction, brief)
+    bends = event.motion.manner in ("bend", "rock") and "feet" in (
+        brief.anchored or "feet"
+    )  # a plant bends by itself
     if event.amount is not None:
         magnitude = find_swing_magnitude(event.amount, held, brief) or magnitude
     if builder.grounded and not held and abs(dot(task.direction, up)) > _UPRIGHT:
         for part in divide(task.window, [1.0] * count):
             task.act(ActionType.IMPULSE, up, 2 * SWING * magnitude, make_impulse_window(part[0]))
-    elif rocks(event.phrase) and builder.grounded and not held:
+    elif event.motion.manner in ("rock", brief.may_be_held and "bend") and builder.grounded and not held:
         builder.constraints += rock(brief, task.direction, magnitude, count, task.window)
-    elif leads and (count > 3 if brief.anchored else event.motion.planted):
+    elif leads and (brief.anchored and count > 3 or bends):
         builder.constraints += sway(brief, task.direction, magnitude, count, task.window)
     else:
         _alternate(task, ActionType.TRANSLATION, magnitude, divide_swings(task.window, count, held))
@@ -109,11 +112,21 @@ def _alternate(task: Task, kind: ActionType, magnitude: float, windows: list[Win
 def _compile_lean(task: Task) -> None:
     """Parts, anchored things and things in the wind are pushed over; a free thing is turned."""
     event, brief = task.event, task.brief
+    if event.motion.manner == "fold" and (event.region or event.limbs or brief.anchored):
+        event = replace(
+            event, motion=replace(event.motion, manner="bend")
+        )  # a part goes over, or what is rooted
+        task = replace(task, event=event)
     vertical = abs(dot(task.direction, brief.directions.up)) >= 0.9
-    bends = event.phrase == "bend" and not (event.region or event.is_in_wind)
+    bends = event.motion.manner == "bend" and not (event.region or event.is_in_wind)
     way, lying, let_go = find_bend(task.direction, brief, task.builder.rooted), lies(brief), task.is_released
     if event.repeat.alternate or event.count > 1:
         _compile_sway(task)
+    elif event.motion.manner == "fold" and task.window[1] > task.window[0]:
+        turns, way = fold(brief, task.window)
+        task.builder.constraints += turns
+        end = dict(part=scale(way, -1.0), partial=True, strength=MAGNITUDE_MAX)
+        task.expect(MotionKind.MOVE, way, task.window, **end)
     elif bends and way:
         task.builder.constraints += bend(brief, way, event.strength, event.amount, task.window, let_go)
         end = dict(part=brief.long_axis if lying else event.part, partial=lying)

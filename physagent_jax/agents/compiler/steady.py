@@ -21,7 +21,7 @@ from physagent_jax.forces.description import describe_entry
 from physagent_jax.forces.schema import Action, ActionType
 from physagent_jax.motion.efforts import find_held_magnitude
 from physagent_jax.motion.schema import Amount, MotionKind, SceneBrief
-from physagent_jax.motion.vectors import clamp, scale
+from physagent_jax.motion.vectors import clamp, normalise, scale
 from physagent_jax.motion.windows import Window, halve
 
 SHORTEST_STROKE, _SHORTEST_SWING = 2.0, 4.0  # frames; faster ones alias in the pictures
@@ -88,15 +88,16 @@ class Task:
             "part": event.part,
             "excludes_part": event.excludes_part,
             "stays": event.stays,
+            "manner": event.motion.manner,
             "even": (event.clause.pace == "even" or event.motion.floats or event.is_quick)
             and kind in (MotionKind.MOVE, MotionKind.ROTATE),
             "amount": event.amount or self._find_duration(),
         }
         for limb in event.limbs or (None,):
             part = event.part if limb is None else builder.brief.parts[limb].side
-            builder.expect(
-                kind, direction, window, event.text, **(values | dict(limb=limb, part=part) | more)
-            )
+            away = event.radial and part and normalise(scale((part[0], part[1], 0.0), event.radial))
+            told = values | dict(limb=limb, part=part) | more
+            builder.expect(kind, away or direction, window, event.text, **told)
 
     def _find_duration(self) -> Amount | None:
         """The cause's duration, if the sentence says so in seconds or frames."""

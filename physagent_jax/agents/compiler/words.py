@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import difflib
 import re
+from dataclasses import replace
 
 from physagent_jax.agents import intent
 from physagent_jax.agents.compiler.events import Event, KnownPart, KnownWay, WayKind
@@ -71,6 +72,8 @@ def _look_up_motion(found: Event) -> None:
         if not (noun or found.verb or found.cause_phrase):
             found.doubts.append(f"The cause '{clause.cause}' is not understood.")
     found.cause = causes.get(found.cause_phrase)
+    if found.verb and clause.manner:
+        found.verb = replace(found.verb, manner=clause.manner)
     found.motion = found.verb or found.cause or found.motion
 
 

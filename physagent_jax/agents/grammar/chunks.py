@@ -140,6 +140,8 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         assert isinstance(value, Place)
         possessive = at > 0 and reader.tokens[at - 1].possessive and before not in get_set("persons")
         owned = before in get_set("owners_of_parts") or possessive
+        # "Lifts a leg".
+        owned |= any(m.kind is MentionKind.VERB and m.first == at - 2 for m in reader.mentions)
         if value.names == ("down",) and _is_standing(reader, at):
             return True  # "wobble it on its base"
         another = before in ("a", "an") and not set(words) & LEXICON.one_of_many

@@ -247,7 +247,7 @@ def _names_a_part(spot: _Spot) -> bool:
     owner, own = spot.mentions[max(at, 0)], spot.names | get_set("objects")
     named = owner.phrase in spot.names and owner.words.endswith(("'s", "\u2019s", "s'"))
     owned = named or owner.phrase in get_set("pronouns_of_owners")
-    owned |= spot.get(1) in ("of", "on") and not own.isdisjoint((spot.get(2), spot.get(3)))
+    owned |= spot.get(1) in ("of", "on") and not own.isdisjoint(map(spot.get, range(2, 6)))
     part = spot.word in LEXICON.unplaced or spot.word.removesuffix("s") in LEXICON.part_nouns
     if after and after[0].kind is MentionKind.UNKNOWN or not (owned or part and owner.phrase == "the"):
         return False

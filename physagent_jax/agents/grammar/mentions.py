@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 from physagent_jax.agents.grammar.measures import Words
 from physagent_jax.agents.grammar.tables import get_set
@@ -47,6 +48,7 @@ class MentionKind(enum.Enum):
 
 MOTIONS = (MentionKind.VERB, MentionKind.CAUSE)
 WAYS = (MentionKind.DIRECTION, MentionKind.FROM)
+_NEAR = 6  # words from "one of" to the part
 LOOSE = (MentionKind.UNKNOWN, MentionKind.IGNORED, MentionKind.INTENSITY, MentionKind.DEGREE)
 
 
@@ -119,6 +121,9 @@ class Reader:
         """The mention of the tokens ``used``, which belong to it from now on."""
         self.used.update(used)
         words = self.sentence[self.tokens[used[0]].start : self.tokens[used[-1]].end]
+        before = [self.get_text(at) for at in range(max(used[0] - _NEAR, 0), used[0])]
+        if kind is MentionKind.PLACE and ("one", "of") in pairwise(before):  # "one of the robot's legs"
+            words = f"one of its {words}"
         return Mention(kind, value, words, phrase, used[0], self.tokens[used[0]].text)
 
     def make_span(self, kind: MentionKind, value: object, phrase: str, at: int, behind: int) -> Mention:

@@ -19,6 +19,7 @@ from physagent_jax.agents.grammar.tables import LEXICON
 from physagent_jax.agents.grammar.tokens import is_participle
 from physagent_jax.agents.intent import Quantity
 from physagent_jax.agents.lexicon import Effect, Join, Motion, Repeat
+from physagent_jax.agents.lexicon.types import is_end
 
 _MOVING = (
     *WAYS,
@@ -128,7 +129,7 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
         elif _is_saying_size_again(before, clause):
             _absorb(before, clause)
         elif _is_falling_over(before, clause):
-            _absorb(before, clause)
+            _absorb(before, clause, clause.has(Effect.FALL))
         elif (
             clause.join is Join.RESULT or _is_carried_off(before, clause) or _is_moved_by_wind(before, clause)
         ):
@@ -206,8 +207,9 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
             )
         _absorb(cause, effect)
         return []
-    if second.effect in _SEPARATE or another:
-        effect.join = Join.THEN if second.effect in (Effect.STILL, Effect.RELEASE) else Join.WHILE
+    if second.effect in _SEPARATE or another or is_end(first, second):
+        ends = second.effect in (Effect.STILL, Effect.RELEASE) or is_end(first, second)
+        effect.join = Join.THEN if ends else Join.WHILE
         return [effect]
     driven = first.effect in DRIVING and first.direction is None
     sized = driven and second.effect in (Effect.SCALE, Effect.SWELL)  # "pull it until it is longer"
@@ -254,7 +256,10 @@ def _is_falling_over(topple: Clause, clause: Clause) -> bool:
     """Return whether a fall ends a toppling: "it tips over to the right and falls"."""
     ways = [m for m in clause.select(*WAYS) if m.value != ("down",)]
     told = bool(topple.select(*WHERE))
-    return topple.has(Effect.TOPPLE) and clause.has(Effect.FALL) and not (ways and told)
+    onto = clause.join is Join.RESULT and clause.has(
+        Effect.TOPPLE
+    )  # "knock it over so that it falls on its side"
+    return topple.has(Effect.TOPPLE) and (onto or clause.has(Effect.FALL)) and not (ways and told)
 
 
 def _sort_clauses(clauses: list[Clause]) -> list[Clause]:

@@ -6,6 +6,8 @@ import enum
 from dataclasses import dataclass
 from typing import Literal
 
+from physagent_jax.motion.schema import Manner
+
 Names = tuple[str, ...]
 """Names of directions (`motion.schema.DirectionTable`); several are added as vectors."""
 
@@ -67,8 +69,9 @@ class Motion:
         bounces: Whether it comes up again.
         coasts: Whether it goes on by itself unless a way is told.
         droops: Whether only what is limp does it.
+        topples: Whether what stands falls over if it does so.
         lets_go: Whether what was held falls, if nothing else was done to it.
-        planted: Whether what stands on the ground keeps its feet there: it sways, and is not shaken.
+        manner: The manner in which it goes on (`motion.schema.Manner`).
         alone: The motion that it is where nothing was done before; empty = none.
         quick: Whether it is over in an instant.
         taps: Whether it is a blow to what is soft.
@@ -98,8 +101,9 @@ class Motion:
     bounces: bool = False
     coasts: bool = False
     droops: bool = False
+    topples: bool = False
     lets_go: bool = False
-    planted: bool = False
+    manner: Manner = ""
     alone: str = ""
     quick: bool = False
     taps: bool = False
@@ -110,6 +114,15 @@ class Motion:
         """Return whether what is soft only wobbles: it is tapped or shaken."""
         light = self.effect is Effect.STRIKE and self.strength < 1.0 and not self.gravity
         return self.effect is Effect.SWAY or self.taps or light
+
+
+def is_end(before: Motion, after: Motion) -> bool:
+    """Return whether the second motion is how the first one ends: it shakes until it topples, it swells and bursts."""
+    falls = after.effect is Effect.TOPPLE or after.topples
+    turns = before.effect in (Effect.SWAY, Effect.TURN, Effect.ROLL)
+    tips = before.effect is Effect.SWAY and after.effect is Effect.TURN and after.angle > 0
+    bursts = after.effect is Effect.BURST and before.effect in (Effect.SWELL, Effect.SCALE)
+    return falls and turns or tips or bursts
 
 
 class Join(enum.Enum):

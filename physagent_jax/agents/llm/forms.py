@@ -18,6 +18,7 @@ from physagent_jax.agents.llm.splitting import Order
 from physagent_jax.core.reading import read_packaged_yaml, shorten
 from physagent_jax.core.strict import Strict
 from physagent_jax.forces.skills import list_skills
+from physagent_jax.motion.schema import Manner
 
 NOTHING, RELEASE = "nothing", "let go"  # a release follows what it ends, whatever joins them
 _WORDS = read_packaged_yaml("physagent_jax.agents.llm", "forms.yaml")
@@ -68,6 +69,7 @@ class ClauseForm(Strict):
         to_and_fro: Whether it goes there and back.
         negated: Whether the words say that it does not happen.
         stays: Whether the result is held.
+        manner: How it goes on, if the words tell it.
         wall: Where a wall or block stands that is named.
         setting: What is said about gravity or about holding the object.
     """
@@ -87,6 +89,7 @@ class ClauseForm(Strict):
     to_and_fro: bool = False
     negated: bool = False
     stays: bool = False
+    manner: Manner = ""
     wall: Direction | None = None
     setting: Setting | None = None
 
@@ -199,5 +202,6 @@ def _describe_clause(form: OrderedClauseForm) -> dict[str, Any]:
         "solids": [] if form.wall is None else [{"sides": (form.wall,), **text}],
         "negated": form.negated,
         "stays": form.stays,
+        "manner": form.manner,
         **text,
     }

@@ -16,10 +16,11 @@ from physagent_jax.forces.calibration import (
 )
 from physagent_jax.forces.schema import Action, ForceField
 from physagent_jax.motion.matching import AXIAL, Cause, find_action_type, make_part_region, redirect
-from physagent_jax.motion.schema import Check, ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.schema import Check, MotionKind
 from physagent_jax.motion.tolerances import round_window
 from physagent_jax.motion.vectors import add, clamp, cosine, dot, norm, normalise, reject, scale
 from physagent_jax.motion.windows import divide_swings
+from physagent_jax.motion.wishes import Wish, replace_items
 from physagent_jax.perception.schema import MotionReport, WindowMotion
 
 _BRIEF = 0.15  # of the clip: "briefly", as the lexicon has it
@@ -45,48 +46,6 @@ class Change:
         """The same with more entries of some groups."""
         more = {group: (*getattr(self.force_field, group), *new) for group, new in entries.items()}
         return replace(self, force_field=self.force_field.model_copy(update=more))
-
-
-@dataclass(frozen=True)
-class Wish:
-    """One expected motion and the force field that is to bring it about.
-
-    Attributes:
-        force_field: The force field so far.
-        expectation: The motion.
-        expectations: All motions of the sentence.
-        brief: The scene.
-    """
-
-    force_field: ForceField
-    expectation: ExpectedMotion
-    expectations: Sequence[ExpectedMotion]
-    brief: SceneBrief
-
-    @property
-    def reference(self) -> float:
-        """T of the skills, in frames."""
-        return self.brief.reference_seconds / self.brief.frame_dt
-
-    @property
-    def window(self) -> tuple[float, float] | None:
-        """The motion's window in whole frames; None if it has no length."""
-        first, last = round_window(self.expectation, self.brief.frame_count)
-        return (float(first), float(last)) if last > first else None
-
-    def get_span(self, causes: Sequence[Cause]) -> tuple[float, float]:
-        """First and last frame in which any of some causes acts."""
-        spans = [cause.item.active_time or (0.0, self.brief.last) for cause in causes]
-        return min(first for first, _ in spans), max(end for _, end in spans)
-
-    def list_other_begins(self) -> list[float]:
-        """Frames at which the other motions begin."""
-        others = [e for e in self.expectations if e is not self.expectation]
-        return [e.window[0] for e in others if e.kind is not MotionKind.STILL]
-
-    def about(self, expectation: ExpectedMotion) -> Wish:
-        """The same with another motion."""
-        return replace(self, expectation=expectation)
 
 
 @dataclass(frozen=True)
@@ -127,14 +86,6 @@ class Case(Wish):
     def failed(self, aspect: str) -> Check | None:
         """The failed check of one aspect."""
         return next((check for check in self.checks if check.aspect == aspect), None)
-
-
-def replace_items(field: ForceField, causes: Sequence[Cause], items: Sequence) -> ForceField:
-    """``field`` with each cause's entry replaced; None removes it."""
-    groups = {"actions": list(field.actions), "constraints": list(field.constraints)}
-    for cause, item in zip(causes, items):
-        groups[cause.group][cause.index] = item
-    return field.model_copy(update={k: tuple(i for i in v if i is not None) for k, v in groups.items()})
 
 
 def change_items(
@@ -178,7 +129,9 @@ def scale_magnitudes(case: Case, causes: Sequence[Cause], factor: float) -> Chan
 
     What has a prescribed velocity moves for longer or shorter before its k is changed.
     """
-    updates = [_scale(cause, factor, case.next_begin) for cause in causes]
+    begins = [cause.item.active_time[0] for cause in causes if cause.item.active_time]  # of swings back
+    ends = [min([case.next_begin, *(b for b in begins if b > case.get_span([c])[0])]) for c in causes]
+    updates = [_scale(cause, factor, end) for cause, end in zip(causes, ends)]
     sizes = ", ".join(f"{new['magnitude']:g}" for new in updates)
     why = f": the magnitude becomes {sizes} (asked for: x {factor:.2g})"
     gains = [new["gain"] for new in updates if "gain" in new]

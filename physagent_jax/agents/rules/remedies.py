@@ -9,10 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from physagent_jax.agents.rules import edits, kinds
+from physagent_jax.agents.rules import edits
 from physagent_jax.agents.rules.edits import Case, Change
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, TRAVEL
 from physagent_jax.forces.schema import Action, ForceField
+from physagent_jax.motion import kinds
 from physagent_jax.motion.matching import (
     AXIAL,
     POINTED,
@@ -29,6 +30,7 @@ from physagent_jax.motion.matching import (
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.tolerances import round_window
 from physagent_jax.motion.vectors import clamp, cosine, norm, scale
+from physagent_jax.motion.wishes import replace_items
 
 _PUSH_BACK = 1.6  # how much harder to try if the motion is contrary although the force is right
 _GENTLER = 0.6  # the factor where too much came of it and nothing says by how much
@@ -235,7 +237,7 @@ def _weaken(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Change
 
 def _replace(case: Case, causes: Sequence[Cause], new: Sequence[Action]) -> ForceField:
     """The first new action in place of the first cause, and the others after all that is left."""
-    field = edits.replace_items(case.force_field, causes, [*new[:1], *[None] * (len(causes) - 1)])
+    field = replace_items(case.force_field, causes, [*new[:1], *[None] * (len(causes) - 1)])
     return field.model_copy(update={"actions": (*field.actions, *new[1:])})
 
 

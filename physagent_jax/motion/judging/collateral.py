@@ -105,9 +105,10 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     longest = max(norm(p) for _, p in course)
     reach = max((abs(dot(p, line)) for _, p in course for line in lines), default=0.0)
     limit = max(_ASIDE, _BESIDE * reach)
-    strains = [e.strength for e in asked if e.kind in AXIAL]
-    if strains and (view.anchored or view.grounded):
-        limit += 0.3 * max(strains)  # held at one end, or standing: the centre follows
+    strained = [e for e in asked if e.kind in AXIAL]
+    if strained and (view.anchored or view.grounded):  # held at one end, or standing: the centre follows
+        told = (e.amount.value for e in strained if e.amount and e.amount.unit == "factor")
+        limit += max([0.3 * e.strength for e in strained] + [0.5 * abs(each - 1.0) for each in told])
     if view.grounded and any(e.kind is MotionKind.ROTATE for e in asked):
         limit += 0.35  # it rolls on what it touches
     for way in view.find_topples():  # the centre goes along with the top
@@ -187,7 +188,7 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     """Principal strains where none was asked for; the volume, if a stretch or squeeze was."""
     tensors = _list_tensors(view)
     axial = [e for e in asked if e.kind in AXIAL]
-    if not tensors or any(e.direction is None for e in axial):
+    if not tensors or any(e.direction is None for e in axial) or any(e.manner == "fold" for e in asked):
         return []
     sigma = view.sigma("stretch")
     if axial:

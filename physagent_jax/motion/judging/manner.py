@@ -1,12 +1,12 @@
-"""The manner that a verb tells beside the kind of motion: what bends keeps its foot, what is thrown flies."""
+"""The manner that is told beside the kind of motion: what bends keeps its foot, what is thrown flies."""
 
 from __future__ import annotations
 
-import re
+import math
 
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion.judging.asked import Asked
-from physagent_jax.motion.judging.comparing import check_limit
+from physagent_jax.motion.judging.comparing import check_limit, make_unseen_check
 from physagent_jax.motion.schema import Check, MotionKind
 from physagent_jax.motion.swaying import bends, leads_aside
 from physagent_jax.motion.vectors import norm, reject, scale, subtract
@@ -14,8 +14,8 @@ from physagent_jax.perception.schema import Box
 
 _FOOT = 0.6  # of the top's way that the foot may go: of what tips about its middle it goes as far
 _FLIGHT = 0.04  # [body lengths] between what flies and the ground
+_LESS = 0.75  # of its outline at first that what was folded or crumpled may have
 _LASTING = 3  # frames that a flight takes
-_THROWN = re.compile(r"\b(throw|threw|toss|fling|flung|hurl|lob|chuck|catapult)")
 
 
 def check_manner(asked: Asked) -> list[Check]:
@@ -26,8 +26,23 @@ def check_manner(asked: Asked) -> list[Check]:
         return []
     if bends(motion):
         return _check_foot(asked, up)
-    thrown = motion.kind is MotionKind.MOVE and _THROWN.search(motion.words.lower())
+    thrown = motion.kind is MotionKind.MOVE and motion.manner == "fly"
     return _check_flight(asked, up) if thrown else []
+
+
+def check_outline(asked: Asked) -> list[Check]:
+    """The outline of what is folded or crumpled over that at first: of what is turned over no track tells the place.
+
+    What is folded gets shorter along its line; what is crumpled takes less room in the picture.
+    """
+    boxes = [box for box in asked.view.report.box[asked.span[0] : asked.until + 1] if box is not None]
+    table, name = asked.view.brief.directions, f"{asked.motion.manner}s"
+    lines = (table.right, table.up) if asked.motion.part is None else (asked.motion.part,)
+    if len(boxes) <= _LASTING:
+        return [make_unseen_check(asked, "its outline is not known throughout")]
+    sizes = [[_find_length(box, line) for line in lines] for box in (boxes[0], boxes[-1])]
+    before, after = map(math.prod, sizes)
+    return [check_limit(asked, name, after / before, _LESS, asked.sigma / min(sizes[0]))]
 
 
 def _check_foot(asked: Asked, up: Vector) -> list[Check]:
@@ -53,6 +68,10 @@ def _check_flight(asked: Asked, up: Vector) -> list[Check]:
         return []
     rise = sorted((each - lowest[0] for each in lowest), reverse=True)[_LASTING - 1]
     return [check_limit(asked, "flies", rise, _FLIGHT, asked.sigma)]
+
+
+def _find_length(box: Box, line: Vector) -> float:
+    return sum(abs(u) * (high - low) for u, low, high in zip(line, box.low, box.high))
 
 
 def _find_lowest(box: Box, up: Vector) -> float:

@@ -131,18 +131,23 @@ class View:
             return []
         falls = [e for e in self.expectations if e.kind is MotionKind.FALL]
         turns = [e for e in self.expectations if e.kind is MotionKind.ROTATE]
-        ends = [e.direction for e in turns if any(share_time(e, f) for f in falls)]
-        up, course = self.brief.directions.up, self.course(0, self.last)
-        ways = [cross(axis, up) for axis in ends if axis]
-        if None in ends and course:  # no way is told: where it went
-            ways += [way] if (way := normalise(reject(course[-1][1], up))) else []
+        topples = [e for e in turns if any(share_time(e, f) for f in falls)]
+        up = self.brief.directions.up
+        ways = [cross(e.direction, up) for e in topples if e.direction]
+        for each in (e for e in topples if e.direction is None):  # no way is told: where it went from then on
+            course = self.course(self.span(each)[0], self.last)
+            gone = subtract(course[-1][1], course[0][1]) if course else up
+            ways += [way] if (way := normalise(reject(gone, up))) else []
         return [normalise(way) or way for way in ways if norm(way) > _TOPPLES]
 
     def fit_to_limb(self, tolerance: Tolerance, motion: ExpectedMotion) -> Tolerance:
-        """A way's tolerance in lengths of the limb that is asked about; unchanged where none is."""
+        """A way's tolerance in lengths of the limb that is asked about; unchanged where none is.
+
+        What is followed is the middle of it, which goes half as far as its tip.
+        """
         if motion.limb is None:
             return tolerance
-        return tolerance.scaled(norm(self.brief.parts[motion.limb].arm), least=tolerances.VISIBLE)
+        return tolerance.scaled(norm(self.brief.parts[motion.limb].arm), least=0.5 * tolerances.VISIBLE)
 
     def find_end(self, direction: Vector) -> PartMotion | None:
         """The end towards a direction; None if the report tells no ends apart."""

@@ -4,6 +4,7 @@ from physagent_jax.kernels import Kernels as Kernels
 from physagent_jax.kernels import describe_kernels as describe_kernels
 from physagent_jax.kernels import import_kernels
 from physagent_jax.kernels import use_cpu as use_cpu
+from physagent_jax.kernels import use_cuda as use_cuda
 from physagent_jax.kernels import use_device_of as use_device_of
 from physagent_jax.kernels import use_kernels as use_kernels
 
@@ -16,3 +17,8 @@ AHEAD = {
 def load_cpu_kernels():
     """The module of the CPU kernels, which needs Numba."""
     return import_kernels(f"{__name__}.cpu")
+
+
+def load_cuda_kernels():
+    """The module of the CUDA kernels, which needs Numba."""
+    return import_kernels(f"{__name__}.cuda")

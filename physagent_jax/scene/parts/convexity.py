@@ -100,12 +100,14 @@ def _look(lattice: Lattice, owner: np.ndarray) -> np.ndarray:
     count = owner.max() + 1
     order = chance.permutation(len(owner))
     eyes = np.stack([chance.choice(order[owner[order] == k], _EYES) for k in range(count)])
-    at = np.argwhere(lattice.solid)[eyes.ravel()]
+    at = np.argwhere(lattice.solid)[eyes.ravel()].astype(float)
     a, b = np.triu_indices(len(at))
-    outside = np.zeros(len(a), np.int32)
+    starts, ways = at[a].T.copy(), (at[b] - at[a]).T.copy()  # one axis after the other is four times as fast
+    air, (_, rows, columns) = ~lattice.solid.ravel(), lattice.solid.shape
+    outside = np.zeros(len(a), np.int8)
     for step in (np.arange(_STEPS) + 0.5) / _STEPS:
-        place = np.round(at[a] + step * (at[b] - at[a])).astype(int)
-        outside += ~lattice.solid[tuple(place.T)]
+        i, j, k = np.rint(starts + step * ways)
+        outside += air[((i * rows + j) * columns + k).astype(int)]
     sees = np.zeros((len(at), len(at)))
     sees[a, b] = sees[b, a] = outside <= _OUTSIDE * _STEPS
     return sees.reshape(count, _EYES, count, _EYES).mean((1, 3))

@@ -46,6 +46,7 @@ def find_parts(points: np.ndarray) -> tuple[Part, ...]:
             limbs, named = fuller, other
     roles = name_digits(limbs, named.assign(), named.mirrored)
     told = [(limbs[k], roles[k]) for k in sorted(roles)]
+    possible = {id(limbs[k]): named.things.list_possible(k, roles) for k in roles}
     chances = {
         id(limbs[k]): weigh(limbs[k], names[0], named.missed[k], named.mirror.likeness)
         for k, names in roles.items()
@@ -65,7 +66,12 @@ def find_parts(points: np.ndarray) -> tuple[Part, ...]:
     ]
     # Ends are named only where the breadth tells them clearly (`ends`).
     return tuple(
-        part.model_copy(update=dict(confidence=chances.get(id(limb), 1.0)))
+        part.model_copy(
+            update=dict(
+                roles=(*part.roles, *(() if len(part.roles) > 1 else possible.get(id(limb), ()))),
+                confidence=chances.get(id(limb), 1.0),
+            )
+        )
         for part, (limb, _) in zip(parts, told)
     )
 

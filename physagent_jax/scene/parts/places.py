@@ -6,6 +6,7 @@ What the object has no parent for is not found.
 
 from __future__ import annotations
 
+import collections
 import dataclasses
 import functools
 from collections.abc import Collection, Sequence
@@ -25,6 +26,7 @@ _OWN = ("head", "skull", "mask")  # what the object is called that is a head as 
 _OFF = 0.15  # of the length, by which an animal's head is off its middle in the way that it looks
 _TRIMMED = 2.0  # percent of a parent on either side, that its ends are without
 _SHOULDER = 0.15  # of a region that hangs, by which it is held
+_TALL = 1.3  # height over width of a figure whose legs are not seen
 _FEWEST = 24  # particles of a region
 _MOST = 0.5  # share of the object
 _UP = np.array([0.0, 0.0, 1.0])
@@ -65,14 +67,15 @@ def find_places(
         Parts with the words as names, and a side before it where there are two.
     """
     known = {split_name(part.name)[-1] for part in parts if part.name}
-    roles = {role for part in parts for role in part.roles[:1]}
+    roles = collections.Counter(role for part in parts for role in part.roles[:1])
     said = {
         word: read_places()[word] for each in words for word in (each, each[:-1]) if word in read_places()
     }
     asked = {
         word: row
         for word, row in said.items()
-        if word not in known and roles.isdisjoint(row.get("role", "").split())
+        if word not in known and roles.keys().isdisjoint(row.get("role", "").split())
+        if roles[row.get("lone", "")] != 1
     }
     if not asked:
         return ()
@@ -112,7 +115,9 @@ class _Parents:
                         name=side + word, origin="place", seated=True, arm=self._find_arm(mask, row, sign)
                     )
                     told |= dict(confidence=1.0 if part is None else part.confidence)
-                    told |= self._hang(mask) if row.get("hangs") else {}
+                    told |= self._hang(mask, -_UP) if row.get("hangs") else {}
+                    told |= self._hang(mask, _UP) if row.get("nods") else {}
+                    told |= self._hang(mask, sign * self._side) if row.get("flap") else {}
                     found.append(fit_part(self.points, mask, joined=True).model_copy(update=told))
         return found
 
@@ -128,20 +133,22 @@ class _Parents:
         length = float(np.ptp(self.points[mask] @ way) / np.ptp(self.points, axis=0).max())
         return tuple(np.round(length * way, 4).tolist())
 
-    def _hang(self, mask: np.ndarray) -> dict[str, Any]:
-        """The joint of a region at its upper end, the way from there to its lower end, and the spread of the joint."""
+    def _hang(self, mask: np.ndarray, way: np.ndarray) -> dict[str, Any]:
+        """The joint of a region that points a way, from there to its far end, and the spread of the joint."""
         own, low = self.points[mask], self.points.min(0)
         box, size = np.maximum(np.ptp(self.points, axis=0), 1e-12), float(np.ptp(self.points, axis=0).max())
-        levels = np.quantile(own[:, 2], [_SHOULDER, 1 - _SHOULDER])
-        lower, upper = own[own[:, 2] <= levels[0]], own[own[:, 2] >= levels[1]]
-        joint = upper.mean(0)
-        told = dict(joint=(joint - low) / box, arm=(lower.mean(0) - joint) / size, neck=upper.std(0) / size)
+        along = own @ way
+        levels = np.quantile(along, [_SHOULDER, 1 - _SHOULDER])
+        near, far = own[along <= levels[0]], own[along >= levels[1]]
+        joint = near.mean(0)
+        told = dict(joint=(joint - low) / box, arm=(far.mean(0) - joint) / size, neck=near.std(0) / size)
         return dict(seated=False) | {key: tuple(np.round(each, 4).tolist()) for key, each in told.items()}
 
     def _list(self, of: str) -> list[tuple[np.ndarray, Part | None]]:
         """The parents of a kind, each as a mask of particles, shape (n,), and as a part; None = it is none."""
         every = np.ones(len(self.points), bool)
-        if of == "whole" or of == "upright" and self._count("leg") == 2:
+        upright = self._count("leg") == 2 or not self._count("leg") and self._is_tall()
+        if of == "whole" or of == "upright" and upright:
             return [(every, None)]
         limbs = [mask for mask, part in zip(self.masks, self.parts) if not _LIMBS.isdisjoint(part.roles[:1])]
         if of == "body":
@@ -168,6 +175,10 @@ class _Parents:
             if key in row:
                 place = self._measure(parent, way)
                 mask &= (place >= row[key][0]) & (place <= row[key][1])
+        if "ring" in row:
+            places = [2 * self._measure(parent, way) - 1 for way in np.eye(3)[:2]]
+            away = np.hypot(*places)
+            mask &= (away >= row["ring"][0]) & (away <= row["ring"][1] * np.sqrt(2))
         if "side" in row:
             place = np.abs(2 * self._measure(parent, self._side) - 1)
             mask &= (place >= row["side"][0]) & (place <= row["side"][1])
@@ -194,6 +205,11 @@ class _Parents:
         across = np.cross(self._front, _UP)
         turned = float(across @ self.viewer.right)
         return across if turned >= -1e-6 else -across
+
+    def _is_tall(self) -> bool:
+        """Return whether it is clearly higher than it is wide, as a statue is."""
+        across, deep, height = np.ptp(self.points, axis=0)
+        return bool(height > _TALL * max(across, deep))
 
     def _count(self, role: str) -> int:
         return sum(role in part.roles[:1] for part in self.parts)

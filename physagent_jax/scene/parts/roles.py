@@ -90,7 +90,8 @@ class Roles:
         if tail is not None:
             found[tail] = ("tail",)
             found |= self._name_across(tail, found)
-        return found or self.things.assign(found)
+        # What stands on legs and is no figure has other things on it, too: a lander its dish.
+        return self.things.assign(found) if all(each == ("leg",) for each in found.values()) else found
 
     def _find_legs(self) -> list[int]:
         """Limbs that stand on the ground, two or more alike; or the feet that bear all."""

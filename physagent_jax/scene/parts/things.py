@@ -21,6 +21,8 @@ _LOWER = 0.1  # of the height of what arms are on, by which their joints are bel
 _SHOULDER = 0.2  # the same of those of slender ones above it, at most
 _CENTRED = 0.2  # of a lid's width, by which a knob may be off its middle
 _ROW, _SMALL = 3, 0.02  # spikes, at least; share of the object that one has, at most
+_HIGH = 0.7  # of the height, above which what a limb stands on is the top
+_SLIM = 3.5  # slimness from which on a limb is no head
 _BESIDE = 0.3  # their spread across the line that they are nearest to over that along it, at least
 _CLEAR = 2.0  # prominence from which on a limb is one, whatever is inside it
 
@@ -34,6 +36,7 @@ class Things:
     Attributes:
         limbs: The limbs.
         partners: Place of each limb's image.
+        mirror: The object's upright mirror plane.
         low: Height of the ground [m].
         height: The object's [m].
         middle: Its centre of mass [m], shape (3,).
@@ -41,6 +44,7 @@ class Things:
 
     def __init__(self, limbs: list[Limb], pairs: Pairs, places: np.ndarray):
         self.limbs, self.partners, self.middle = limbs, pairs.partners, places.mean(0)
+        self.mirror = pairs.mirror
         self.low, self.height = float(places[:, 2].min()), float(np.ptp(places[:, 2]))
 
     def assign(self, told: Told) -> Told:
@@ -51,7 +55,8 @@ class Things:
         for index in sorted(range(len(self.limbs)), key=lambda k: -self.limbs[k].share):
             limb = self.limbs[index]
             free = is_free(self.limbs, index, found) or self._is_on_lid(index, found)
-            lump = is_lump(self.limbs, index) or holds_arms(self.limbs, self.partners, index)
+            lump = is_lump(self.limbs, index) and not self._stands_on_top(limb)
+            lump = lump or holds_arms(self.limbs, self.partners, index)
             if limb.share <= LARGEST and free and not lump:
                 found[index] = self._name_side(index, found)
         return found
@@ -69,6 +74,43 @@ class Things:
         joints = np.array([self.limbs[k].joint[:2] for k in row]).reshape(-1, 2)
         spread = np.linalg.svd(joints - joints.mean(0), compute_uv=False) if len(row) >= _ROW else np.zeros(2)
         return row if spread[1] > _BESIDE * spread[0] else []  # fingers stand in a line
+
+    def _stands_on_top(self, limb: Limb) -> bool:
+        """Return whether a small limb stands out clearly on top, whatever is on it: a dish with its feed."""
+        on_top = self.find_side(limb)[2] > _UPRIGHT or limb.joint[2] > self.low + _HIGH * self.height
+        return limb.prominence > _CLEAR and limb.share < _SMALL and on_top
+
+    def list_possible(self, index: int, found: Told) -> tuple[PartRole, ...]:
+        """The roles that a limb may have as well, of which only the place is known, and no other one like it.
+
+        A pair across the mirror plane may be ears or horns if it points up, else wings or arms; wings and arms may be
+        ears of what is a mere head. A lone limb on the plane may be a head if it is on top and no slim one, and a tail
+        if it is at a side.
+        """
+        limb, (place, *told), partner = self.limbs[index], found[index], self.partners[index]
+        if (
+            place in ("wing", "arm")
+            and not told
+            and {("head",), ("leg",), ("ear",)}.isdisjoint(found.values())
+        ):
+            return ("ear",)
+        if told or place not in ("top", "side"):
+            return ()
+        if partner is not None:
+            points_up = (limb.tip - limb.joint)[2] > _RISE * float(np.linalg.norm(limb.tip - limb.joint))
+            paired = found.get(partner) == found[index] and len(self._list_pairs(found)) == 2
+            up = ("horn",) if {("wing",), ("arm",)} & set(found.values()) else ("ear", "horn")
+            return () if not paired else up if points_up else ("wing", "arm")
+        alone = [k for k in found if found[k] == (place,)] == [index]
+        off = abs(float(self.mirror.measure(limb.centre)))
+        if not alone or off > _CENTRED * self.height or place == "top" and limb.slimness > _SLIM:
+            return ()
+        return ("head",) if place == "top" else ("tail",)
+
+    def _list_pairs(self, found: Told) -> list[int]:
+        """The limbs of which only the place is known, and that have an image like them."""
+        placed = [k for k in found if found[k] in (("top",), ("side",))]
+        return [k for k in placed if (p := self.partners[k]) is not None and found.get(p) == found[k]]
 
     def _name_side(self, index: int, found: Told) -> tuple[PartRole, ...]:
         """The roles of a limb that is no handle."""

@@ -12,7 +12,6 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from physagent_jax.agents.rules.edits import Wish, replace_items
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
     BLOW,
@@ -24,9 +23,9 @@ from physagent_jax.forces.calibration import (
     TURN,
     find_magnitude,
 )
-from physagent_jax.forces.schema import BoxRegion, ConstraintType, ForceField, Region, VelocityConstraint
+from physagent_jax.forces.schema import ConstraintType, ForceField, Region, VelocityConstraint
 from physagent_jax.forces.skills import list_skills
-from physagent_jax.forces.slabs import make_box, make_end_region
+from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import MOVING, find_pace, find_strain, find_wanted_way, spread_effort
 from physagent_jax.motion.matching import (
@@ -39,17 +38,22 @@ from physagent_jax.motion.matching import (
     share_line,
     share_time,
 )
+from physagent_jax.motion.pressing import find_pressed
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.tolerances import expect_rotation, expect_wrung, find_told
 from physagent_jax.motion.vectors import clamp, cosine, scale
+from physagent_jax.motion.windows import divide
+from physagent_jax.motion.wishes import Wish, replace_items
 
 SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinner one tears off what tapers
 TURNING = 0.8  # the same of an end that is turned
 _VERTICAL = 0.7  # cosine
 _OVER = 120.0  # [degrees] about a level line, from where on something is turned over
 _TILT = 60.0  # [degrees] up to which what stands is tilted
-_PRESSED = 0.07  # of its height, by which a plain blow presses what stands: it springs back, and would jump
+_PRESSED = 0.07  # of its height, by which a plain blow presses what stands: held at its feet, twice as deep
 _RAISED = 20.0  # [degrees] by which it is tilted where one side is raised
+_CRUMPLED = [1.0, 1.5]  # shares of the time in which it is pressed from both sides, and from above alone
+_SPUN = 0.9  # of the most of its word that what lies spins by about its own line: less is hardly seen of what is slim
 _NO_WAY = (0.0, 0.0, 0.0)
 _PLATE = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
 
@@ -218,28 +222,48 @@ def _deform(wish: Wish) -> _Replaced:
     return None if upright and held else (move_ends(wish, causes), why)
 
 
-def _press_part(wish: Wish) -> _Replaced:
-    """A part of what stands is pressed down: the upper end of that part is moved, as a hand would."""
-    expectation, brief, down = wish.expectation, wish.brief, wish.brief.directions.down
-    vertical = abs(cosine(expectation.direction or _NO_WAY, down)) >= _VERTICAL
-    if expectation.kind is not MotionKind.SQUEEZE or not vertical or expectation.excludes_part:
+def _crumple(wish: Wish) -> _Replaced:
+    """Press what is crumpled from one side after another: evenly from all at once it would only get smaller.
+
+    Plates before and behind it would hide it.
+    """
+    expectation, table = wish.expectation, wish.brief.directions
+    if expectation.manner != "crumple" or expectation.direction is not None or expectation.partial:
         return None
-    if brief.world != "ground" or "top" in (brief.anchored or "") or wish.force_field.default_drop:
+    field, axes = wish.force_field, (table.right, table.up)
+    for part, axis in zip(divide(expectation.window, _CRUMPLED), axes):
+        there = expectation.model_copy(update=dict(direction=axis, stays=True, strength=MAGNITUDE_MAX))
+        pressed = replace(wish.about(there), force_field=field)
+        causes = [c for c in _find_forces(pressed, lambda c: c.item.region is None) if agrees(c, there)]
+        causes = [c for c in causes if abs(cosine(c.item.vector, axis)) > _VERTICAL]
+        if not causes:
+            return None
+        timed = replace_items(
+            field, causes, [c.item.model_copy(update=dict(active_time=part)) for c in causes]
+        )
+        moved = [Cause(c.group, c.index, getattr(timed, c.group)[c.index]) for c in causes]
+        field = press_between(replace(pressed, force_field=timed), moved)
+    depth = _find_forces(replace(wish, force_field=field), lambda c: c.item.region is None)
+    field = replace_items(field, depth, [None] * len(depth))
+    return field, "it is pressed from one side after another"
+
+
+def _press_part(wish: Wish) -> _Replaced:
+    """A part of what stands is pressed down, or a side is dented: what is pressed is moved, as a hand would."""
+    expectation, brief = wish.expectation, wish.brief
+    if expectation.kind is not MotionKind.SQUEEZE or brief.world != "ground":
+        return None
+    if "top" in (brief.anchored or "") or wish.force_field.default_drop:
         return None
     causes = _find_forces(wish, lambda c: agrees(c, expectation))
-    place = make_box(causes[0].item.region) if causes else None
-    if place is None:
+    pressed = find_pressed(expectation, brief, causes[0].item.region, SLAB) if causes else None
+    if pressed is None:
         return None
-    low, high = list(place.low), list(place.high)
-    if 0 < low[2] < high[2] < 1:  # of what is pressed from above, the middle is not half-way up
-        sides = [0] if brief.long_axis == (1, 0, 0) else [1] if brief.long_axis == (0, 1, 0) else [0, 1]
-        for side in sides:
-            low[side], high[side] = place.low[2], place.high[2]
-    region = BoxRegion(low=(low[0], low[1], SLAB), high=(high[0], high[1], 1.0))
+    way, region, share = pressed
     there = expectation.model_copy(update={"partial": False, "part": None})  # as deep as if all were pressed
     travel = _find_travel(wish.about(there), causes, movers=1)
-    why = "the upper end of that part is pressed down, whatever the stiffness"
-    return _put(wish, causes, _prescribe(causes[0], down, *travel, region)), why
+    hand = _prescribe(ConstraintType.PARTICLE_TRANSLATION, way, share * travel[0], *travel[1:], region)
+    return _put(wish, causes, hand), "what is pressed there is moved, whatever the stiffness"
 
 
 def _squeeze_limb(wish: Wish) -> _Replaced:
@@ -287,13 +311,15 @@ def _strike(wish: Wish) -> _Replaced:
     blows = _find_forces(wish, lambda c: c.skill.is_sudden and agrees(c, expectation))
     if not expectation.sudden or not blows:
         return None
-    causes = [c for c in blows if c.item.region is not None or brief.anchored is not None]
+    stands = cosine(expectation.direction or _NO_WAY, brief.directions.down) >= _VERTICAL
+    stands &= brief.world == "ground" and not wish.force_field.default_drop
+    stands &= "top" not in (brief.anchored or "")
+    causes = [c for c in blows if c.item.region is not None or (brief.anchored and not stands)]
     if causes:
         return replace_blows(wish, causes), "it changes the velocity at once, before the rest can answer"
-    stands = brief.world == "ground" and not wish.force_field.default_drop
-    if not stands or cosine(expectation.direction or _NO_WAY, brief.directions.down) < _VERTICAL:
+    if not stands:
         return None
-    effort = _PRESSED * wish.reference / PRESCRIBED_TRAVEL  # magnitude times frames
+    effort = (1 + bool(brief.anchored)) * _PRESSED * wish.reference / PRESCRIBED_TRAVEL
     frames = max(float(round(BLOW / brief.frame_dt)), 2.0)
     spans = [(cause.item.magnitude * effort / frames, wish.get_span([cause])[0]) for cause in blows]
     plates = [_prescribe(_PLATE, brief.directions.down, size, (at, at + frames), None) for size, at in spans]
@@ -405,15 +431,18 @@ def _lead(wish: Wish) -> _Replaced:
     seconds, hands = (end - first) * brief.frame_dt, _find_hand(wish, first)
     quick = expectation.even and seconds <= QUICK + brief.frame_dt
     usual = brief.seconds if quick else seconds  # what is sudden goes as far as in all of the clip
+    level = turns and abs(cosine(way, brief.directions.up)) < _VERTICAL
+    spins = level and abs(cosine(way, brief.long_axis or _NO_WAY)) > _VERTICAL and _stands_alone(wish)
     if turns:
-        effort = math.radians((told or expect_rotation(expectation, False, seconds=usual)).target) / TURN
+        usually = expect_rotation(expectation, False, seconds=usual)
+        angle = told.target if told else _SPUN * usually.high if spins else usually.target
+        effort = math.radians(angle) / TURN
     else:
         effort = find_wanted_way(expectation, brief, usual) / TRAVEL
-    level = turns and abs(cosine(way, brief.directions.up)) < _VERTICAL
     over = level and told and told.target > _OVER
     tilts = level and math.degrees(effort * TURN) <= _TILT and _stands_alone(wish)
     needed = find_magnitude(effort, max(seconds, brief.frame_dt), brief.seconds, braked=True)
-    if not (hands or expectation.even or over or tilts) and (not told or needed <= MAGNITUDE_MAX):
+    if not (hands or expectation.even or over or tilts or spins) and (not told or needed <= MAGNITUDE_MAX):
         return None
     effort *= wish.reference * (1.0 if turns else TRAVEL / PRESCRIBED_TRAVEL)  # magnitude times frames
     kept_up = hands or not turns and cosine(way, brief.directions.up) > _VERTICAL
@@ -426,7 +455,7 @@ def _lead(wish: Wish) -> _Replaced:
         back = _prescribe(causes[0], scale(way, -1.0), size, (end, end + until - first), None)
         return _put(wish, causes, hand, back), "it is tilted over its foot, and brought back"
     reason = "at one speed" if expectation.even else "no force in range starts and stops it in that time"
-    reason = "a torque would let it tumble" if over else "it is kept up" if hands else reason
+    reason = "a torque would let it tumble" if over or spins else "it is kept up" if hands else reason
     reason = "it would fall over by itself" if tilts else reason
     if quick:
         hand = hand.model_copy(
@@ -437,4 +466,15 @@ def _lead(wish: Wish) -> _Replaced:
     return _put(_hold_until(wish, hands, first), causes, hand), f"{reason}, so it is led there{short}"
 
 
-_RULES = (_deform, _squeeze_limb, _press_part, _turn_ends, _strike, _raise_side, _carry, _set_down, _lead)
+_RULES = (
+    _crumple,
+    _press_part,
+    _deform,
+    _squeeze_limb,
+    _turn_ends,
+    _strike,
+    _raise_side,
+    _carry,
+    _set_down,
+    _lead,
+)
