@@ -331,7 +331,7 @@ class Turning:
     def _find_window(self, motion: ExpectedMotion, until: float) -> Window:
         """The frames in which it goes where it is to go, before ``until``; a blow is short."""
         first, end = motion.window
-        frames = (BLOW if motion.sudden else _TIME) / self.brief.frame_dt
+        frames = self.brief.count_frames(BLOW if motion.sudden else _TIME)
         return (first, min(end, first + max(frames, 2.0), until))
 
     @property

@@ -16,7 +16,9 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
     BLOW,
     GAIN_MAX,
+    GAIN_MIN,
     MAGNITUDE_MAX,
+    MAGNITUDE_MIN,
     PRESCRIBED_TRAVEL,
     QUICK,
     TRAVEL,
@@ -131,11 +133,12 @@ def _prescribe(
 ) -> VelocityConstraint:
     """The velocity constraint that does the work of a force, held until ``kept`` where that is after its window."""
     name = by if isinstance(by, str) else by.skill.prescribed_by or by.skill.name
+    size = clamp(magnitude, MAGNITUDE_MIN, MAGNITUDE_MAX)
     return VelocityConstraint(
         constraint_type=ConstraintType(name),
         vector=way,
-        magnitude=round(min(magnitude, MAGNITUDE_MAX), 4),
-        gain=round(max(magnitude / MAGNITUDE_MAX, 1.0), 4),
+        magnitude=round(size, 4),
+        gain=round(clamp(magnitude / size, GAIN_MIN, GAIN_MAX), 4),
         active_time=window,
         held_until=kept if kept is not None and kept > window[1] else None,
         region=region,
@@ -177,7 +180,7 @@ def _find_travel(
     effort = target * wish.reference / (movers * PRESCRIBED_TRAVEL)  # magnitude times frames
     magnitude, until = spread_effort(effort, first, end)
     if expectation.sudden:
-        until = first + max(round(BLOW / wish.brief.frame_dt), 2.0)
+        until = first + max(round(wish.brief.count_frames(BLOW)), 2.0)
         return effort / (until - first), (first, until), _find_hold_end(wish, until)
     return magnitude, (first, until), _find_hold_end(wish, end)
 
@@ -320,7 +323,7 @@ def _strike(wish: Wish) -> _Replaced:
     if not stands:
         return None
     effort = (1 + bool(brief.anchored)) * _PRESSED * wish.reference / PRESCRIBED_TRAVEL
-    frames = max(float(round(BLOW / brief.frame_dt)), 2.0)
+    frames = max(float(round(brief.count_frames(BLOW))), 2.0)
     spans = [(cause.item.magnitude * effort / frames, wish.get_span([cause])[0]) for cause in blows]
     plates = [_prescribe(_PLATE, brief.directions.down, size, (at, at + frames), None) for size, at in spans]
     return _put(wish, blows, *plates), "the ground bears it, so it is pressed for a moment"

@@ -20,7 +20,8 @@ Manner = Literal["", "bend", "rock", "wobble", "shake", "fly", "fold", "crumple"
 """The manner of a motion: it bends over its foot, which stays; it tilts over the edges of its foot as a whole; its foot
 stays and its own stiffness does the rest; it goes to and fro, foot and all; it leaves the ground; one half
 goes over the other; it is pressed from one side after another; or any ("")."""
-_Frame = Annotated[float, Field(ge=0, le=1e5)]
+LAST_FRAME = 1e5
+_Frame = Annotated[float, Field(ge=0, le=LAST_FRAME)]
 
 
 class Verdict(enum.StrEnum):
@@ -102,6 +103,10 @@ class SceneBrief(Strict):
     def seconds(self) -> float:
         """Duration of the clip [s]."""
         return self.last * self.frame_dt
+
+    def count_frames(self, seconds: float) -> float:
+        """Frames that a time [s] takes; half of what a window can name at most."""
+        return min(seconds / self.frame_dt, 0.5 * LAST_FRAME)
 
     @property
     def reference_seconds(self) -> float:

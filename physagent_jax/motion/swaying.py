@@ -65,7 +65,7 @@ def sway(
         count: How often it goes to and fro.
         window: First and last frame.
     """
-    strokes, rest = [1.0, *[-2.0, 2.0] * (count - 1), -2.0, 1.0], _SETTLED / brief.frame_dt
+    strokes, rest = [1.0, *[-2.0, 2.0] * (count - 1), -2.0, 1.0], brief.count_frames(_SETTLED)
     end = max(min(window[1], brief.last - rest), 0.5 * (window[0] + window[1]))
     stops = [*[None] * (len(strokes) - 1), min(end + rest, float(brief.last))]
     return [
@@ -94,8 +94,8 @@ def bend(
     angle = min(amount.value, _MOST) if amount and told else min(_BENT * strength, _FARTHEST)
     bodies = [_make_half(brief, 1.0), _make_half(brief, -1.0)] if lies(brief) else [_make_upper(brief)]
     angle = angle / len(bodies) if told else angle
-    end = min(window[1], window[0] + max(_TIME / brief.frame_dt, 2.0))
-    last, frames = float(brief.last), _SWING / brief.frame_dt
+    end = min(window[1], window[0] + max(brief.count_frames(_TIME), 2.0))
+    last, frames = float(brief.last), brief.count_frames(_SWING)
     swings = [(1.0, (window[0], end), window[1])]
     count = min(int((last - window[1]) / frames), len(_BACK)) if released else 0
     shares = _BACK if count == len(_BACK) else (-1.0,) * min(count, 1)
@@ -138,7 +138,7 @@ def fold(brief: SceneBrief, window: Window) -> tuple[list[VelocityConstraint], V
     half, table = find_fold(brief), brief.directions
     stands = abs(dot(half.arm, table.up)) > _LEVEL
     way, angle = (table.toward, _UPRIGHT_FOLD) if stands else (table.up, _FOLDED)
-    end = min(window[1], window[0] + max(1.5 * _TIME / brief.frame_dt, 2.0))
+    end = min(window[1], window[0] + max(brief.count_frames(1.5 * _TIME), 2.0))
     turns = _turn(brief, [half], way, angle, (window[0], end), float(brief.last), _CREASE)
     return turns, scale(half.arm, -1.0)
 
@@ -174,7 +174,7 @@ def rock(
     driver = PartDriver(_make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
     spans = _divide(window, strokes)
     made = [driver.turn(axis, s * strength * _TILT, span, None) for s, span in zip(strokes, spans)]
-    rest = min(window[1] + _SETTLED / brief.frame_dt, last)
+    rest = min(window[1] + brief.count_frames(_SETTLED), last)
     made[-1] = made[-1].model_copy(update=dict(held_until=rest if rest > window[1] else None))
     return [each.model_copy(update=dict(region=None, pivot=None)) for each in made]
 
@@ -218,7 +218,7 @@ def _turn(
         axis = normalise(cross(body.arm, way))
         assert axis is not None  # the way leads across
         driver = PartDriver(body, brief.frame_dt, brief.frame_count, held=held)
-        turn = driver.turn(axis, angle, window, stop)
+        turn = driver.turn(axis, angle, window, stop if stop is not None and stop > window[1] else None)
         place = Bend(joint=body.joint, rest=body.rest, reach=_REACH, depth=depth)
         made.append(turn.model_copy(update=dict(bend=place)))
     return made

@@ -10,25 +10,20 @@ import numpy as np
 from physagent_jax.forces import calibration
 from physagent_jax.forces.free_path import compute_free_path
 from physagent_jax.forces.scaling import make_closed_form_scaling
-from physagent_jax.forces.schema import ForceField, Holding, Response, SkillScaling
+from physagent_jax.forces.schema import ForceField, Holding, Response
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.camera import frame_camera, shows_points
 from physagent_jax.scene.compliance import find_compliance
 from physagent_jax.scene.config import (
     CameraConfig,
-    DomainBox,
     HalfSpace,
     SceneConfig,
 )
 from physagent_jax.scene.cost import find_stable_step
-from physagent_jax.scene.presets import Preset
 from physagent_jax.scene.response import Setting, find_responses
 from physagent_jax.scene.standing import CAN_STAND, damp, find_own_firmness, stands
 from physagent_jax.scene.template import SceneTemplate
 from physagent_jax.scene.world import build_boundaries, find_gravity, find_opposition
-
-NEAR = 2.0  # cells from the domain's walls at which they are felt
-SHORT = 0.9  # of the way that is asked for, less of which is said
 
 
 def fuse(
@@ -70,14 +65,6 @@ def fuse(
     firmness = find_own_firmness(template, body)
     setting = Setting(body, material, template.anchor, standing, weight, opposition, time, firmness)
     scaling = scaling.model_copy(update=dict(responses=find_responses(setting, force_field)))
-    if not held and (share := find_room(preset, body, force_field, scaling)) < 1:
-        scaling = make_shorter(scaling, share)
-        if share < SHORT:
-            warnings.warn(
-                f"the object goes {100 * share:.2g} % as far as asked: the simulated room ends there",
-                UserWarning,
-                stacklevel=2,
-            )
     for faint in (response for response in scaling.responses if response.note):
         _warn_of_faint(faint)
     config = SceneConfig(
@@ -135,27 +122,6 @@ def _shorten_step(config: SceneConfig, body: Body) -> SceneConfig:
         stacklevel=3,
     )
     return config.model_copy(update=dict(timing=config.timing.model_copy(update=dict(substep_dt="auto"))))
-
-
-def find_room(preset: Preset, body: Body, force_field: ForceField, scaling: SkillScaling) -> float:
-    """The share of its level way that a free object can go before it meets the domain's walls, 1 at most."""
-    timing, domain = preset.timing, preset.domain
-    path = compute_free_path(force_field, scaling, frame_dt=timing.frame_dt, frame_count=timing.frame_count)
-    margin = (DomainBox().padding + NEAR) * domain.dx
-    back, ahead = (np.maximum(each[:2], 0) for each in (body.low - margin, domain.size - margin - body.high))
-    ways = np.maximum(np.concatenate([-path.min(0)[:2], path.max(0)[:2]]), 1e-9)
-    return float(min(1.0, (np.concatenate([back, ahead]) / ways).min()))
-
-
-def make_shorter(scaling: SkillScaling, share: float) -> SkillScaling:
-    """The scaling by which pushes and blows of the whole object take it a ``share`` as far."""
-    changes: dict = {name: share * getattr(scaling, name) for name in ("translation", "impulse", "velocity")}
-    if scaling.opposition is not None:
-        changes["opposition"] = scaling.opposition.model_copy(
-            update=dict(travel=share * scaling.opposition.travel)
-        )
-    reason = f"{scaling.reason}; {100 * share:.2g} % of the way, for the room that there is"
-    return scaling.model_copy(update=changes | dict(reason=reason))
 
 
 def find_holding(template: SceneTemplate, body: Body) -> Holding | None:

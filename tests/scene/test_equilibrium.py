@@ -100,5 +100,5 @@ def test_what_falls_or_floats_bears_nothing(pillar):
 
 def test_what_stands_on_its_tip_is_held_and_says_so(robot_path):
     scene, notes = scene_of(robot_path, frames=2, particles=1500, object={"path": str(robot_path)})
-    assert len(notes) == 1 and "beyond what it stands on" in notes[0]
-    assert not scene.config.always_gravity and len(scene.config.boundaries) == 1
+    assert "beyond what it stands on: its feet are held" in notes[0]
+    assert scene.config.anchor.kind == "base" and scene.config.always_gravity

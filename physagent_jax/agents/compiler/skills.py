@@ -120,14 +120,15 @@ def _compile_lean(task: Task) -> None:
     vertical = abs(dot(task.direction, brief.directions.up)) >= 0.9
     bends = event.motion.manner == "bend" and not (event.region or event.is_in_wind)
     way, lying, let_go = find_bend(task.direction, brief, task.builder.rooted), lies(brief), task.is_released
+    lasts = task.window[1] > task.window[0]  # not in a clip of one frame
     if event.repeat.alternate or event.count > 1:
         _compile_sway(task)
-    elif event.motion.manner == "fold" and task.window[1] > task.window[0]:
+    elif event.motion.manner == "fold" and lasts:
         turns, way = fold(brief, task.window)
         task.builder.constraints += turns
         end = dict(part=scale(way, -1.0), partial=True, strength=MAGNITUDE_MAX)
         task.expect(MotionKind.MOVE, way, task.window, **end)
-    elif bends and way:
+    elif bends and way and lasts:
         task.builder.constraints += bend(brief, way, event.strength, event.amount, task.window, let_go)
         end = dict(part=brief.long_axis if lying else event.part, partial=lying)
         task.expect(MotionKind.MOVE, way, task.window, released=let_go, **end)
