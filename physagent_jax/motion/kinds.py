@@ -133,7 +133,7 @@ def _prescribe(
 ) -> VelocityConstraint:
     """The velocity constraint that does the work of a force, held until ``kept`` where that is after its window."""
     name = by if isinstance(by, str) else by.skill.prescribed_by or by.skill.name
-    size = clamp(magnitude, MAGNITUDE_MIN, MAGNITUDE_MAX)
+    size = math.copysign(clamp(abs(magnitude), MAGNITUDE_MIN, MAGNITUDE_MAX), magnitude)
     return VelocityConstraint(
         constraint_type=ConstraintType(name),
         vector=way,
