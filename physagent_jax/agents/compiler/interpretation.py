@@ -155,11 +155,19 @@ def _act_from_sides(event: Event, brief: SceneBrief) -> None:
     """Motions whose kind depends on where they act: from both sides, outward, from one side."""
     sides, told = event.pick(WayKind.SIDES), event.pick(*WAYS)
     limbs = event.parts and find_limbs(event.parts[0], brief)
+    spread = len(limbs) > 1 and event.effect is Effect.SCALE and event.motion.sign > 0 and not told
     if event.effect is Effect.BURST and told:
         event.motion = replace(event.motion, effect=Effect.STRIKE)
-    elif limbs and sides and sides[0].names == ("all",) and event.effect in (Effect.PUSH, Effect.LEAN):
-        event.radial = -1 if sides[0].phrase.startswith("in") else 1
-        event.ways.remove(sides[0])
+    elif (
+        spread
+        or limbs
+        and sides
+        and sides[0].names == ("all",)
+        and event.effect in (Effect.PUSH, Effect.LEAN)
+    ):
+        event.radial = -1 if sides and sides[0].phrase.startswith("in") else 1
+        event.ways = [way for way in event.ways if way not in sides]
+        event.motion = replace(event.motion, effect=Effect.PUSH) if spread else event.motion
         _turn(event, event.direction, "from or to the middle of the object")
     elif sides:
         beside = told and sides[0].phrase == "either side"  # "away, by less than a tenth to either side"
@@ -281,7 +289,8 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         event.sources["region"] = ValueSource(named[0].text, part.moved.label or "a part of the object")
         limb = Turning(part, brief, brief.frame_count)
         assumed = event.sources["vector"].why.endswith(BY_DEFAULT)
-        if assumed and event.effect is Effect.SWAY and event.motion.direction is None:
+        kicks = event.effect is Effect.STRIKE and "leg" in part.roles[:1] and not event.pick(*WAYS)
+        if kicks or assumed and event.effect is Effect.SWAY and event.motion.direction is None:
             _turn(event, limb.swing, "across the part")
         elif assumed and event.motion.wrings:
             _turn(event, limb.arm, "about the part's own line")
