@@ -19,7 +19,7 @@ from physagent_jax.motion.joints import Turning
 from physagent_jax.motion.limbs import stands_on_legs, sum_directions
 from physagent_jax.motion.parts import explain_guess, explain_missing
 from physagent_jax.motion.schema import Amount, ObstacleRequest, SceneBrief
-from physagent_jax.motion.vectors import clamp, cosine, normalise, scale
+from physagent_jax.motion.vectors import clamp, dot, normalise, scale
 
 # What each kind of way means nothing for; nor does a part for what all of the object does.
 _NO_WAYS = (Effect.SWELL, Effect.BURST, Effect.STILL)
@@ -155,16 +155,11 @@ def _act_from_sides(event: Event, brief: SceneBrief) -> None:
     """Motions whose kind depends on where they act: from both sides, outward, from one side."""
     sides, told = event.pick(WayKind.SIDES), event.pick(*WAYS)
     limbs = event.parts and find_limbs(event.parts[0], brief)
+    all_around = bool(sides) and sides[0].names == ("all",)
     spread = len(limbs) > 1 and event.effect is Effect.SCALE and event.motion.sign > 0 and not told
     if event.effect is Effect.BURST and told:
         event.motion = replace(event.motion, effect=Effect.STRIKE)
-    elif (
-        spread
-        or limbs
-        and sides
-        and sides[0].names == ("all",)
-        and event.effect in (Effect.PUSH, Effect.LEAN)
-    ):
+    elif spread or limbs and all_around and event.effect in (Effect.PUSH, Effect.LEAN):
         event.radial = -1 if sides and sides[0].phrase.startswith("in") else 1
         event.ways = [way for way in event.ways if way not in sides]
         event.motion = replace(event.motion, effect=Effect.PUSH) if spread else event.motion
@@ -289,13 +284,15 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         event.sources["region"] = ValueSource(named[0].text, part.moved.label or "a part of the object")
         limb = Turning(part, brief, brief.frame_count)
         assumed = event.sources["vector"].why.endswith(BY_DEFAULT)
-        kicks = event.effect is Effect.STRIKE and "leg" in part.roles[:1] and not event.pick(*WAYS)
+        kicks = event.effect is Effect.STRIKE and "leg" in roles[:1] and not event.pick(*WAYS)
         if kicks or assumed and event.effect is Effect.SWAY and event.motion.direction is None:
             _turn(event, limb.swing, "across the part")
         elif assumed and event.motion.wrings:
             _turn(event, limb.arm, "about the part's own line")
         elif (
-            event.effect is Effect.SCALE and event.motion.sign < 0 and _is_upright(event.direction, brief)
+            event.effect is Effect.SCALE
+            and event.motion.sign < 0
+            and abs(dot(event.direction or limb.out, brief.directions.up)) > _STEEP
         ):  # a part gives way downwards
             event.motion = replace(event.motion, effect=Effect.PUSH, sign=1, skill=None)
             event.direction = scale(limb.arm, -1.0) if part.origin == "place" else brief.directions.down
@@ -321,10 +318,6 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         event.region = make_end_region(scale(event.part, -1.0), 1.0 - place.start)
     else:
         event.region = make_end_region(event.part, place.start)
-
-
-def _is_upright(way: Vector | None, brief: SceneBrief) -> bool:
-    return way is not None and abs(cosine(way, brief.directions.up)) > _STEEP
 
 
 def resolve_obstacles(
