@@ -167,3 +167,15 @@ def test_a_shove_is_short():
     (push,) = compile_whole("shove the statue hard to the left").force_field.actions
     assert push.active_time is not None
     assert (push.active_time[1] - push.active_time[0]) * ON_THE_GROUND.frame_dt <= 0.8
+
+
+@pytest.mark.parametrize(("prompt", "count"), [("the statue hops twice", 2), ("it jumps up three times", 3)])
+def test_what_leaps_several_times_lands_before_the_next_leap(prompt, count):
+    """It was still in the air, or being pressed by its landing: only the first leap was seen."""
+    blows = compile_whole(prompt, frames_fixed=False).force_field.actions
+    begins = [each.active_time[0] for each in blows if each.active_time is not None]
+    seconds = np.diff(begins).min() * ON_THE_GROUND.frame_dt
+    assert len(begins) == count
+    for each in blows:
+        aloft = math.sqrt(8 * each.magnitude * ON_THE_GROUND.size / 9.8)  # of what rises by M body lengths
+        assert 0.3 < aloft <= 0.8 * seconds

@@ -199,7 +199,7 @@ def _find_quantities(event: Event, before: Event | None, brief: SceneBrief) -> N
     for quantity in event.clause.quantities:
         if quantity.dimension == "strength":
             continue
-        found = find_target(quantity, motion, before.amount if before else None)
+        found = find_target(quantity, motion, before.amount if before else None, brief)
         if found.usual:
             continue
         if found.amount is None or event.amount is not None:
