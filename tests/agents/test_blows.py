@@ -179,3 +179,18 @@ def test_what_leaps_several_times_lands_before_the_next_leap(prompt, count):
     for each in blows:
         aloft = math.sqrt(8 * each.magnitude * ON_THE_GROUND.size / 9.8)  # of what rises by M body lengths
         assert 0.3 < aloft <= 0.8 * seconds
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "it drives to the right and then tips over",
+        "it slides to the left, then it falls over",
+        "tip it over",
+    ],
+)
+def test_what_is_long_and_low_tips_over_across_its_length(prompt):
+    """It stood on its nose, and turned a somersault."""
+    field = compile_whole(prompt, long_axis=(1.0, 0.0, 0.0), frames_fixed=False).force_field
+    (turn,) = [each for each in field.actions if each.action_type is ActionType.TORQUE]
+    assert abs(turn.vector[0]) == pytest.approx(1)

@@ -19,6 +19,7 @@ from physagent_jax.motion.joints import Turning
 from physagent_jax.motion.limbs import stands_on_legs, sum_directions
 from physagent_jax.motion.parts import explain_guess, explain_missing
 from physagent_jax.motion.schema import Amount, ObstacleRequest, SceneBrief
+from physagent_jax.motion.swaying import lies
 from physagent_jax.motion.vectors import clamp, cosine, normalise, scale
 
 # What each kind of way means nothing for; nor does a part for what all of the object does.
@@ -47,7 +48,7 @@ def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     event.stays = event.stays or event.motion.quick and event.effect is Effect.SCALE  # a dent
     _act_from_sides(event, brief)
     if before is not None:
-        _take_over_direction(event, before)
+        _take_over_direction(event, before, lies(brief))
     _find_quantities(event, before, brief)
     _count_turns(event)
     _resolve_again(event, before)
@@ -181,9 +182,9 @@ def _turn(event: Event, vector: Vector | None, why: str) -> None:
     event.sources["vector"] = replace(event.sources["vector"], why=why)
 
 
-def _take_over_direction(event: Event, before: Event) -> None:
-    """The direction of the event before, where none is told; and "back" from there."""
-    driven = event.effect is Effect.TOPPLE and before.effect in (Effect.PUSH, Effect.STRIKE)
+def _take_over_direction(event: Event, before: Event, lying: bool) -> None:
+    """The direction of the event before, where none is told; and "back" from there. What lies tips over aside."""
+    driven = event.effect is Effect.TOPPLE and before.effect in (Effect.PUSH, Effect.STRIKE) and not lying
     likewise = before.effect is event.effect and (
         event.effect is not Effect.SWAY or before.phrase == event.phrase
     )
