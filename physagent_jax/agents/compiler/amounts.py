@@ -63,7 +63,7 @@ def find_target(quantity: Quantity, motion: Motion, before: Amount | None, brief
         and quantity.dimension
         and (motion.direction == "up" and quantity.relation == "to" or not becomes)
     ):
-        sides = dict(zip(("width", "height", "depth"), brief.extents))
+        sides: dict[str, float] = dict(zip(("width", "height", "depth"), brief.extents))
         return Target(Amount(value=round(value * sides.get(quantity.dimension, 1.0), 6), unit="lengths"))
     return _find_scale(quantity, motion) if effect in _SCALES else Target()
 

@@ -19,6 +19,7 @@ from physagent_jax.forces.calibration import (
     DROP_HEIGHT,
     GRAVITY,
     MAGNITUDE_MAX,
+    find_highest_leap,
     find_reference_time,
     find_tipping,
 )
@@ -37,7 +38,6 @@ _ASIDE = 0.9  # cosine below which a leap goes aside
 # Of a blow, with which what is thrown comes down about as far aside as one along the ground goes, and a leap rises by a
 # third of a length and comes down six tenths aside; and with which a leap comes down as far aside as is told.
 _THROWN, _LED = 0.45, 0.77
-_ALOFT = 0.6  # of the time that each of several leaps has, at most: it lands and stands before the next one
 
 
 def compile_strike(task: Task) -> None:
@@ -55,8 +55,8 @@ def compile_strike(task: Task) -> None:
     strength, flown = _find_blow(task, count, rises), way
     most, lift = (_ASIDE, 1.0) if event.effect is Effect.JUMP else (_LEVEL, _LIFT)
     if rises and count > 1:
-        aloft = _ALOFT * (window[1] - window[0]) * task.brief.frame_dt / count
-        strength = min(strength, GRAVITY * aloft**2 / (8.0 * task.brief.size))  # it is up for sqrt(8 h / g)
+        each = (window[1] - window[0]) * task.brief.frame_dt / count
+        strength = min(strength, find_highest_leap(each) / task.brief.size)
     if event.motion.gravity and builder.grounded and not builder.anchored and abs(dot(way, up)) < most:
         share = _LED if event.effect is Effect.JUMP and event.amount else _THROWN
         flown, strength = normalise(add([way, scale(up, lift)])) or way, share * strength

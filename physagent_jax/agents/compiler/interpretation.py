@@ -73,9 +73,8 @@ def _choose_motion(event: Event, brief: SceneBrief) -> tuple[Motion, str]:
     if event.verb is None and motion.wind and not told and sways:
         return replace(motions["sway"], strength=motion.strength), "sway"
     if any(each.alternating for each in repeats) and (effect in (Effect.FALL, Effect.JUMP) or motion.gravity):
-        phrase = (
-            "shuttle" if effect is Effect.STRIKE else "bob"
-        )  # "is tossed to and fro", "jumps up and down"
+        # "is tossed to and fro", "jumps up and down"
+        phrase = "shuttle" if effect is Effect.STRIKE else "bob"
     elif motion.bounces and (counted or event.is_upwards):
         phrase = "jump"  # "it bounces three times"
     elif motion.coasts and told:
