@@ -219,6 +219,22 @@ PRIORS: dict[str, Prior] = {
         model=MaterialModel.FLUID,
         parameters={"viscosity": 1e-3},
     ),
+    "brittle": Prior(
+        (),
+        5e6, 0.2, 1500.0,
+        "glass, ceramics or stone that breaks into some twenty pieces: stands under its own weight (15 kPa at 1 m) and "
+        "fails by a fall from half a body length, which presses with 250 kPa; real glass is 1e4 times stiffer",
+        model=MaterialModel.BRITTLE,
+        parameters={"friction_angle": 30.0, "cohesion": 2e4, "fragments": 20},
+    ),
+    "melt": Prior(
+        (),
+        2e5, 0.4, 1000.0,
+        "wax, chocolate or ice that melts: flows under its own weight (10 kPa at 1 m) within a second or two and keeps "
+        "hardly any shape; chosen for visible motion",
+        model=MaterialModel.VISCOPLASTIC,
+        parameters={"yield_stress": 1e2, "plastic_viscosity": 4e3},
+    ),
     UNKNOWN: Prior(
         (), 5e4, 0.3, 200.0,
         "nothing is known of the object: PhysGaussian's default density, a stiffness chosen for visible motion",

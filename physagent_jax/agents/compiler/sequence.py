@@ -43,6 +43,8 @@ def make_events(clauses: list[Event], builder: ForceFieldBuilder) -> list[Event]
 def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) -> None:
     """Adds what a clause tells."""
     interpret(event, _find_measure(events, event), builder.brief)
+    if event.motion.gives and any(each.effect not in _RESTING for each in events):
+        return  # "it falls and shatters"
     _measure_return(event, events)
     event = _put_under_gravity(event, builder.gravity)
     level = event.direction is not None and abs(dot(event.direction, builder.brief.directions.up)) < _LEVEL

@@ -154,7 +154,7 @@ def _compile_scale(task: Task) -> None:
         if strength > MAGNITUDE_MAX:
             builder.notes.append(f"'{event.text}': more than the strongest force is calibrated for.")
     for part in windows:
-        for axis in axes:
+        for axis in () if event.motion.gives else axes:
             task.act(ActionType.SCALE, axis, event.motion.sign * strength, part)
     kind = MotionKind.STRETCH if event.motion.sign > 0 else MotionKind.SQUEEZE
     released = count > 1 or task.is_released

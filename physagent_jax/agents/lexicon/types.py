@@ -71,6 +71,7 @@ class Motion:
         droops: Whether only what is limp does it.
         topples: Whether what stands falls over if it does so.
         lets_go: Whether what was held falls, if nothing else was done to it.
+        gives: Whether the matter itself gives way: to what acted before, else to its weight.
         manner: The manner in which it goes on (`motion.schema.Manner`).
         alone: The motion that it is where nothing was done before; empty = none.
         quick: Whether it is over in an instant.
@@ -103,6 +104,7 @@ class Motion:
     droops: bool = False
     topples: bool = False
     lets_go: bool = False
+    gives: bool = False
     manner: Manner = ""
     alone: str = ""
     quick: bool = False

@@ -25,7 +25,7 @@ from physagent_jax.motion.vectors import cross, dot, norm, normalise, reject, sc
 from physagent_jax.perception.schema import Matrix
 
 _LASTING = 3  # frames: what is seen for less is noise or a flash
-_TEARS = "tear tore torn break broke burst shatter rip split apart explo piece".split()
+_TEARS = "tear tore torn break broke burst shatter rip split apart explo piece crack crumbl snap melt".split()
 _TRAVELS = (MotionKind.MOVE, MotionKind.FALL, MotionKind.SWAY)
 _VIOLENT = 1.3  # strength from which leaving the picture at the end is part of it
 _LATE, _END = 0.75, 0.95  # share of the clip
