@@ -160,12 +160,8 @@ class _Finder:
                 first, last, turns = found
                 start, end = self.spans[first][0], self.spans[last - 1][1]
                 named = first == at and word in self.own
-                becomes = word in words and words[word].becomes
-                masked = (
-                    None
-                    if becomes
-                    else (self.spans[self._find_masked(first, at)][0], self.spans[at + max(length, 1) - 1][1])
-                )
+                masked = (self.spans[self._find_masked(first, at)][0], self.spans[at + max(length, 1) - 1][1])
+                masked = None if length and words[word].becomes else masked
                 yield MaterialMention(word, self.text[start:end], turns, named, (start, end), masked)
             at += max(length, 1)
 

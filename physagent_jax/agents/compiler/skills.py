@@ -113,9 +113,8 @@ def _compile_lean(task: Task) -> None:
     """Parts, anchored things and things in the wind are pushed over; a free thing is turned."""
     event, brief = task.event, task.brief
     if event.motion.manner == "fold" and (event.region or event.limbs or brief.anchored):
-        event = replace(
-            event, motion=replace(event.motion, manner="bend")
-        )  # a part goes over, or what is rooted
+        # a part goes over, or what is rooted
+        event = replace(event, motion=replace(event.motion, manner="bend"))
         task = replace(task, event=event)
     vertical = abs(dot(task.direction, brief.directions.up)) >= 0.9
     bends = event.motion.manner == "bend" and not (event.region or event.is_in_wind)

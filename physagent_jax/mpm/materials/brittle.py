@@ -21,8 +21,8 @@ _WHOLE = -1.0  # history of what has not broken; that of grains is no less than 
 class Brittle(DruckerPrager):
     """Hencky elasticity that fails for good where the stress leaves a Drucker-Prager cone with cohesion.
 
-    The cone is that of `DruckerPrager`: uniaxial tension fails at 2 c cos(phi) / (1 + sin(phi)) to first order, and
-    compression at several times that. What has failed has the friction and no cohesion, so that it bears pressure and
+    The cone is that of `DruckerPrager`: uniaxial tension fails at 6 c cos(phi) / (3 + sin(phi)), and compression at
+    2 c cos(phi) / (1 - sin(phi)). What has failed has the friction and no cohesion, so that it bears pressure and
     no tension, and its history is the volume correction of `DruckerPrager`. What is whole has a history below 0.
 
     Attributes:

@@ -21,7 +21,7 @@ from physagent_jax.scene.compile.select import DTYPE, select_box
 from physagent_jax.scene.damping import Mode, compute_viscosity
 from physagent_jax.scene.fragments import FIRM, find_seams
 
-SEAM = 1.0
+SEAM = 2.0
 """Cells of the weak layer between two fragments."""
 _ORDER = {model: rank for rank, model in enumerate(c.MaterialModel)}
 
