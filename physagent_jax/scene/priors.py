@@ -221,12 +221,12 @@ PRIORS: dict[str, Prior] = {
     ),
     "brittle": Prior(
         (),
-        2e6, 0.2, 1500.0,
-        "glass, ceramics or stone that breaks into some thirty pieces: stands under its own weight (15 kPa at 1 m) and "
-        "fails by a fall from half a body length, which presses with 160 kPa; the flour between the pieces has hardly any "
-        "friction, so that they part; real glass is 1e4 times stiffer",
+        3e5, 0.2, 500.0,
+        "hollow glass or ceramics (500 kg/m^3) in some thirty pieces: stands under its own weight (5 kPa at 1 m) and "
+        "fails by a fall from half a body length, which presses with 40 kPa; the flour between pieces has hardly any "
+        "friction, so that they part; real glass is 1e5 times stiffer",
         model=MaterialModel.BRITTLE,
-        parameters={"friction_angle": 1.0, "cohesion": 1.5e4, "fragments": 30},
+        parameters={"friction_angle": 1.0, "cohesion": 5e3, "fragments": 30},
     ),
     "melt": Prior(
         (),
