@@ -202,7 +202,7 @@ def test_a_verb_by_which_matter_gives_way_says_what_it_becomes(sentence, preset)
 
 
 def test_what_gives_way_falls_only_where_nothing_else_acts():
-    """What melts sinks where it stands, what shatters falls first; what is hit breaks by that."""
+    """A melting object sinks where it stands, a shattering one falls first, and one that is hit breaks by that."""
     still = brief(world="ground", may_be_held=True)
     melts, breaks, hit = (
         read(f"{say}", still) for say in ("it melts", "it shatters", "hit it and it breaks")

@@ -26,6 +26,10 @@ from physagent_jax.perception.schema import Matrix
 
 _LASTING = 3  # frames: what is seen for less is noise or a flash
 _TEARS = "tear tore torn break broke burst shatter rip split apart explo piece crack crumbl snap melt".split()
+_SHATTERS = re.compile(
+    r"(?<!not )(?<!without )\b(shatter|break(s|ing)?\b(?! free| away)|splinter|crumbl|\w+ pieces)"
+)
+"""Words of who asks that it breaks, in whichever clause."""
 _TRAVELS = (MotionKind.MOVE, MotionKind.FALL, MotionKind.SWAY)
 _VIOLENT = 1.3  # strength from which leaving the picture at the end is part of it
 _LATE, _END = 0.75, 0.95  # share of the clip
@@ -284,7 +288,8 @@ def _compute_determinant(rows) -> float:
 def _check_whole(view: View) -> list[Check]:
     """Return whether it stays in one piece: pieces that are seen, and the box around them."""
     asked = view.expectations
-    torn = any(any(stem in e.words.lower() for stem in _TEARS) for e in asked)
+    shattered = _SHATTERS.search(view.sentence.lower()) is not None
+    torn = shattered or any(any(stem in e.words.lower() for stem in _TEARS) for e in asked)
     checks = []
     pieces = [(t, float(count)) for t, count in enumerate(view.report.pieces) if count is not None]
     if pieces and not torn:
@@ -305,6 +310,8 @@ def _check_whole(view: View) -> list[Check]:
     limit = _SIZE * max([1.0, *amounts, *highest])
     if any(e.kind is MotionKind.SQUEEZE for e in asked):
         limit *= 1.4  # it bulges
+    if shattered:
+        limit *= 2.0  # pieces go apart
     blamed = _blame(view, _find_onset([(t, v - 1.0) for t, v in growths], limit - 1.0))
     figures, sigma = {"most": limit, "growth": growth}, view.sigma("stretch")
     return [*checks, check_limit(blamed, "size", max(growth - 1.0, 0.0), limit - 1.0, sigma, 0.5, **figures)]
