@@ -43,7 +43,9 @@ class Build:
             if (value := getattr(self, name)) is not None and not least <= value <= most:
                 raise UserError(f"`--{name}` must be between {least} and {most}", got=value)
         if len(self.results) < self.alternatives:
-            raise UserError("there are fewer methods than a set has clips", got=len(self.results), do="Name more folders")
+            raise UserError(
+                "there are fewer methods than a set has clips", got=len(self.results), do="Name more folders"
+            )
         study, balance, notes = build_study(
             self.results,
             self.out,
@@ -59,7 +61,10 @@ class Build:
             f"{len(study.sheets[0].sets)} sets. Over all sheets a method is shown {_span(balance.shown)} times, in one "
             f"place {_span(balance.places)} times, beside one other {_span(balance.pairs)} times."
         )
-        print(f"{self.out / PAGE} is for participants" + ("." if self.open else f"; each gets one line of {CODES}."))
+        print(
+            f"{self.out / PAGE} is for participants"
+            + ("." if self.open else f"; each gets one line of {CODES}.")
+        )
         print(f"{self.out / PLAN} says whose each clip is: keep it to yourself.")
         return 0
 
@@ -110,7 +115,11 @@ class Analyse:
         for fault in faults:
             print(f"not counted: {fault}", file=sys.stderr)
         if not ballots:
-            raise UserError(f"there are no votes in {self.folder / VOTES}", got=f"{len(files)} files", do="Let people vote")
+            raise UserError(
+                f"there are no votes in {self.folder / VOTES}",
+                got=f"{len(files)} files",
+                do="Let people vote",
+            )
         result = analyse_study(study, ballots) | {"not_counted": faults}
         if self.json is not None:
             write_new({self.json: (json.dumps(result, indent=1) + "\n").encode()}, overwrite=self.overwrite)

@@ -1,1 +1,1 @@
-"""User studies: a page of blind forced choices made from finished runs, a server for it, and the analysis of its votes."""
+"""User studies: a page of blind forced choices of finished runs, a server for it, and the analysis of votes."""

@@ -88,7 +88,11 @@ def _analyse(study: Study, votes: list[Vote]) -> Row:
     rates = {family: _rate(study, [vote for vote in votes if vote.family == family]) for family in families}
     places = np.array([sum(v.shown.index(v.chosen) == k for v in votes) for k in range(study.alternatives)])
     asked = [vote for vote in votes if vote.judged is not None]
-    judge: Row = {"sets": len(asked), "without_favourite": len(votes) - len(asked), "chance": 1 / study.alternatives}
+    judge: Row = {
+        "sets": len(asked),
+        "without_favourite": len(votes) - len(asked),
+        "chance": 1 / study.alternatives,
+    }
     if asked:
         share, low, high = estimate_share(sum(vote.chosen == vote.judged for vote in asked), len(asked))
         judge |= {"share": share, "low": low, "high": high}
@@ -124,7 +128,9 @@ def _fit(study: Study, votes: list[Vote]) -> Row:
     choices = Counter((tuple(sorted(place[i] for i in vote.shown)), place[vote.chosen]) for vote in votes)
     if not is_estimable(choices, len(met)):
         never = [study.methods[i] for i in met if all(vote.chosen != i for vote in votes)]
-        reason = f"never chosen: {', '.join(never)}" if never else "some methods were never chosen over the others"
+        reason = (
+            f"never chosen: {', '.join(never)}" if never else "some methods were never chosen over the others"
+        )
         return {"methods": None, "reason": f"no finite estimate ({reason})"}
     found, covariance = fit_strengths(choices, len(met))
     half = stats.norm.ppf(0.975) * np.sqrt(np.diag(covariance))
@@ -158,30 +164,37 @@ def write_summary(result: Row) -> str:
         lines += ["", f"{name}: {QUESTIONS[name]}"]
         for family, rates in found["upr"].items():
             for method, rate in rates.items():
-                drawn = rate["by_participants"]
-                more = f", {drawn[0]:.1%} to {drawn[1]:.1%}" if drawn else ""
-                strength = (found["strengths"]["methods"] or {}).get(method) if family == "all" else None
-                told = f"  strength {strength['log']:+.2f} ({strength['low']:+.2f} to {strength['high']:+.2f})" if strength else ""
-                lines.append(
-                    f"  {family:12} {method:24} UPR {rate['share']:6.1%} ({rate['low']:.1%} to {rate['high']:.1%}{more}) "
-                    f"{rate['chosen']}/{rate['shown']}{told}"
+                ends = ", ".join(
+                    _span(each, ".1%") for each in (_ends(rate), rate["by_participants"]) if each
                 )
+                line = f"  {family:12} {method:24} UPR {rate['share']:6.1%} ({ends}) {rate['chosen']}/{rate['shown']}"
+                if family == "all" and found["strengths"]["methods"]:
+                    strength = found["strengths"]["methods"][method]
+                    line += f"  strength {strength['log']:+.2f} ({_span(_ends(strength), '+.2f')})"
+                lines.append(line)
         if "reason" in found["strengths"]:
             lines.append(f"  strengths: {found['strengths']['reason']}")
-        both = found["agreement"]
+        both, judge, places = found["agreement"], found["judge"], found["places"]
         lines.append(
-            f"  raters: {_tell(both['same'], '.1%')} of pairs agree (chance {both['chance']:.1%}), Krippendorff's alpha "
+            f"  raters: {_tell(both['same'], '.1%')} of pairs agree (chance {both['chance']:.1%}), alpha "
             f"{_tell(both['krippendorff_alpha'], '.3f')}, Fleiss' kappa {_tell(both['fleiss_kappa'], '.3f')}"
         )
-        judge = found["judge"]
+        told = "our judge: it has a favourite in no set that was shown"
         if judge["sets"]:
-            told = f"{judge['share']:.1%} ({judge['low']:.1%} to {judge['high']:.1%}) choose its favourite (chance {judge['chance']:.1%})"
-            lines.append(f"  our judge: of {judge['sets']} votes {told}; in {judge['without_favourite']} it has none")
-        else:
-            lines.append("  our judge: it has a favourite in no set that was shown")
-        places = found["places"]
-        lines.append(f"  places: {' / '.join(map(str, places['chosen']))} chosen from left to right, p = {places['p']:.2g}")
+            told = f"our judge: {judge['share']:.1%} ({_span(_ends(judge), '.1%')}) of {judge['sets']} votes are for its "
+            told += f"favourite (chance {judge['chance']:.1%}); in {judge['without_favourite']} it has none"
+        lines.append(f"  {told}")
+        chosen = " / ".join(map(str, places["chosen"]))
+        lines.append(f"  places: {chosen} chosen from left to right, p = {places['p']:.2g}")
     return "\n".join(lines)
+
+
+def _ends(row: Row) -> tuple[float, float]:
+    return row["low"], row["high"]
+
+
+def _span(ends: tuple[float, float], form: str) -> str:
+    return f"{ends[0]:{form}} to {ends[1]:{form}}"
 
 
 def _tell(value: float | None, form: str) -> str:

@@ -22,7 +22,14 @@ MOST_BYTES = 200 * 2**20
 
 
 def build_study(
-    results: Sequence[str], out: Path, *, participants: int, sets: int | None, alternatives: int, open_: bool, seed: int
+    results: Sequence[str],
+    out: Path,
+    *,
+    participants: int,
+    sets: int | None,
+    alternatives: int,
+    open_: bool,
+    seed: int,
 ) -> tuple[Study, Balance, list[str]]:
     """Make a study of the results of methods.
 
@@ -46,7 +53,9 @@ def build_study(
     named = [read_method(given) for given in results]
     methods = dict(named)
     if len(methods) < len(named):
-        raise UserError("two methods have the same name", got=", ".join(name for name, _ in named), do="Pass NAME=FOLDER")
+        raise UserError(
+            "two methods have the same name", got=", ".join(name for name, _ in named), do="Pass NAME=FOLDER"
+        )
     matched, notes = match_items(methods, alternatives)
     if sets is not None and sets > len(matched):
         raise UserError("`--sets` is more than there are items", got=f"{sets} of {len(matched)}")
@@ -57,7 +66,9 @@ def build_study(
         for source in sources:
             (video,) = source.videos.values()
             content, looks[source.method] = copy_clip(video)
-            clip = StudyClip(id=secrets.token_hex(6), method=source.method, source=str(video), judged=source.judged)
+            clip = StudyClip(
+                id=secrets.token_hex(6), method=source.method, source=str(video), judged=source.judged
+            )
             contents[clip.id] = content
             clips.append(clip)
         if len(set(looks.values())) > 1:
@@ -65,14 +76,20 @@ def build_study(
             notes.append(f"{name}: sizes or durations differ, which may give a method away ({told}).")
         family = PurePosixPath(name).parent.as_posix()
         sentence = " ".join(sources[0].sentence.split())
-        items.append(Item(name=name, family="" if family == "." else family, sentence=sentence, clips=tuple(clips)))
+        items.append(
+            Item(name=name, family="" if family == "." else family, sentence=sentence, clips=tuple(clips))
+        )
     size = sum(map(len, contents.values()))
     if size > MOST_BYTES:
         raise UserError(
-            "the clips are too large for one page", got=f"{size >> 20} of {MOST_BYTES >> 20} MiB", do="Make them smaller"
+            "the clips are too large for one page",
+            got=f"{size >> 20} of {MOST_BYTES >> 20} MiB",
+            do="Make them smaller",
         )
     available = [[clip.method for clip in item.clips] for item in items]
-    dealt, balance = make_sheets(available, alternatives, sheets=participants, sets=sets or len(items), seed=seed)
+    dealt, balance = make_sheets(
+        available, alternatives, sheets=participants, sets=sets or len(items), seed=seed
+    )
     ids = [{clip.method: clip.id for clip in item.clips} for item in items]
     sheets = tuple(
         Sheet(
@@ -107,7 +124,8 @@ def render_page(study: Study, contents: dict[str, bytes]) -> str:
         "open": study.open,
         "questions": QUESTIONS,
         "sheets": [
-            [{"sentence": sentences[shown[0]], "clips": shown} for shown in sheet.sets] for sheet in study.sheets
+            [{"sentence": sentences[shown[0]], "clips": shown} for shown in sheet.sets]
+            for sheet in study.sheets
         ],
         "clips": {id_: base64.b64encode(contents[id_]).decode("ascii") for id_ in ids},
     }

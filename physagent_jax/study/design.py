@@ -59,7 +59,9 @@ def make_sheets(
     return made, _measure(count, items, alternatives)
 
 
-def _rate(count: collections.Counter, item: int, method: str, chosen: list[str], draw: random.Random) -> tuple:
+def _rate(
+    count: collections.Counter, item: int, method: str, chosen: list[str], draw: random.Random
+) -> tuple:
     pairs = [frozenset((method, other)) for other in chosen]
     return (
         sum(count[item, pair] for pair in pairs),
@@ -73,7 +75,9 @@ def _rate(count: collections.Counter, item: int, method: str, chosen: list[str],
 def _rate_places(count: collections.Counter, sheet: int, item: int, row: tuple[str, ...]) -> tuple[int, int]:
     """Sums of squares grow least where the rarest place is taken."""
     mine = sum(count["sheet", sheet, method, place] for place, method in enumerate(row))
-    whole = sum(count["place", method, place] + count[item, method, place] for place, method in enumerate(row))
+    whole = sum(
+        count["place", method, place] + count[item, method, place] for place, method in enumerate(row)
+    )
     return mine, whole
 
 

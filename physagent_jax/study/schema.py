@@ -52,7 +52,7 @@ class Item(Strict):
 
 
 class Sheet(Strict):
-    """A participant's part: sets of clips in the order shown, each from left to right; ``code`` is empty in open studies."""
+    """A participant's part: sets of clips in the order shown, from left to right; ``code`` is empty in open studies."""
 
     code: str
     sets: tuple[tuple[str, ...], ...]
@@ -102,7 +102,8 @@ def read_study(folder: Path) -> Study:
     """
     if not (folder / PLAN).is_file():
         raise UserError(
-            f"{shorten(folder)} holds no {PLAN}", do="Make a study first: physagent study build RESULTS --out DIR"
+            f"{shorten(folder)} holds no {PLAN}",
+            do="Make a study first: physagent study build RESULTS --out DIR",
         )
     return parse_model(read_json(folder / PLAN), Study, f"{PLAN} cannot be used")
 
@@ -120,17 +121,29 @@ def read_ballot(data: bytes, study: Study, origin: str) -> Ballot:
     """
     ballot = parse_model(decode_json(data, origin), Ballot, f"{origin} is not a ballot")
     if ballot.study != study.id:
-        raise UserError(f"{origin} belongs to another study", got=shorten(ballot.study, 40), do=f"This one is {study.id}")
-    if ballot.sheet >= len(study.sheets) or not (study.open or study.sheets[ballot.sheet].code == ballot.code):
-        raise UserError(f"{origin} has a code that nobody was given", got=ballot.code, do=f"See {CODES} for those given")
+        raise UserError(
+            f"{origin} belongs to another study", got=shorten(ballot.study, 40), do=f"This one is {study.id}"
+        )
+    if ballot.sheet >= len(study.sheets) or not (
+        study.open or study.sheets[ballot.sheet].code == ballot.code
+    ):
+        raise UserError(
+            f"{origin} has a code that nobody was given", got=ballot.code, do=f"See {CODES} for those given"
+        )
     if not 0 < len(ballot.answers) <= len(study.sheets[ballot.sheet].sets):
-        raise UserError(f"{origin} answers {len(ballot.answers)} sets", do="Expected between 1 and the sheet's number")
+        raise UserError(
+            f"{origin} answers {len(ballot.answers)} sets", do="Expected between 1 and the sheet's number"
+        )
     for number, (answer, shown) in enumerate(zip(ballot.answers, study.sheets[ballot.sheet].sets), 1):
         if set(answer.choices) != set(QUESTIONS):
-            raise UserError(f"{origin} leaves questions of set {number} open", got=", ".join(answer.choices) or "none")
+            raise UserError(
+                f"{origin} leaves questions of set {number} open", got=", ".join(answer.choices) or "none"
+            )
         for chosen in answer.choices.values():
             if chosen not in shown:
-                raise UserError(f"{origin} names a clip that set {number} did not show", got=shorten(chosen, 40))
+                raise UserError(
+                    f"{origin} names a clip that set {number} did not show", got=shorten(chosen, 40)
+                )
     return ballot
 
 
@@ -151,5 +164,7 @@ def collect_ballots(files: Iterable[Path], study: Study) -> tuple[list[Ballot], 
         if earlier is None or ballot.extends(earlier):
             kept[ballot.code] = ballot
         elif not earlier.extends(ballot):
-            faults.append(f"{path.name} votes a second time, and otherwise, with {ballot.code}: the first counts.")
+            faults.append(
+                f"{path.name} votes a second time, and otherwise, with {ballot.code}: the first counts."
+            )
     return list(kept.values()), faults

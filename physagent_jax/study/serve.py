@@ -19,7 +19,9 @@ class VoteStore:
     def __init__(self, folder: Path, study: Study):
         self.folder, self.study = folder / VOTES, study
         self._lock = threading.Lock()
-        self._dealt: Counter[int] = Counter(int(path.name[:3]) for path in self.folder.glob("[0-9][0-9][0-9]-*.json"))
+        self._dealt: Counter[int] = Counter(
+            int(path.name[:3]) for path in self.folder.glob("[0-9][0-9][0-9]-*.json")
+        )
 
     def deal(self) -> int:
         """The sheet that the fewest participants of an open study were given."""
@@ -42,7 +44,11 @@ class VoteStore:
                 if earlier.extends(ballot):
                     return earlier
                 if not ballot.extends(earlier):
-                    raise UserError("this code has voted already, and otherwise", got=ballot.code, do="The first votes count")
+                    raise UserError(
+                        "this code has voted already, and otherwise",
+                        got=ballot.code,
+                        do="The first votes count",
+                    )
             write_text(path, ballot.model_dump_json() + "\n")
         return ballot
 
@@ -75,7 +81,9 @@ def make_server(folder: Path, host: str, port: int) -> ThreadingHTTPServer:
             told = self.headers.get("Content-Length", "")
             if self.path != "/votes" or not told.isdecimal() or int(told) > BALLOT_BYTES:
                 self.close_connection = True
-                return self._reply(400, "text/plain; charset=utf-8", b"Votes go to /votes, with their length.")
+                return self._reply(
+                    400, "text/plain; charset=utf-8", b"Votes go to /votes, with their length."
+                )
             try:
                 store.add(self.rfile.read(int(told)))
             except UserError as error:
@@ -97,4 +105,6 @@ def make_server(folder: Path, host: str, port: int) -> ThreadingHTTPServer:
     try:
         return ThreadingHTTPServer((host, port), Handler)
     except (OSError, OverflowError) as error:
-        raise UserError(f"cannot serve at {host}:{port}", got=error, do="Choose another --port or --host") from None
+        raise UserError(
+            f"cannot serve at {host}:{port}", got=error, do="Choose another --port or --host"
+        ) from None

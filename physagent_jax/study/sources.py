@@ -5,7 +5,6 @@ from __future__ import annotations
 import dataclasses
 import io
 import os
-from collections.abc import Sequence
 from pathlib import Path
 
 import av
@@ -29,7 +28,7 @@ class Source:
         method: Name of the method.
         sentence: What was asked for.
         folder: The run folder, or the folder of the video.
-        videos: Kinds of video that there are, with their files: `VIDEO` on a stage, `PLAIN_VIDEO` as perception sees it.
+        videos: Kinds of video that there are, with their files: `VIDEO` has a stage, `PLAIN_VIDEO` has none.
         judged: The opinion of this code's judge.
     """
 
@@ -49,11 +48,14 @@ def read_method(given: str) -> tuple[str, dict[str, Source]]:
     Raises:
         UserError: There is no such folder, or it holds no clip.
     """
-    name, equals, place = given.partition("=") if not Path(given).exists() else ("", "", given)
-    folder = Path(place if equals or place else given)
-    name = name if equals else folder.resolve().name
-    if not folder.is_dir() or not name:
-        raise UserError("a method is a folder of results", got=shorten(given), do="Pass FOLDER, or NAME=FOLDER")
+    name, folder = "", Path(given)
+    if "=" in given and not folder.exists():
+        name, folder = given.partition("=")[0], Path(given.partition("=")[2])
+    name = name or folder.resolve().name
+    if not folder.is_dir():
+        raise UserError(
+            "a method is a folder of results", got=shorten(given), do="Pass FOLDER, or NAME=FOLDER"
+        )
     found: dict[str, Source] = {}
     for top, folders, files in os.walk(folder):
         folders.sort()
@@ -66,7 +68,12 @@ def read_method(given: str) -> tuple[str, dict[str, Source]]:
             words = here / file[:-4]
             if file.endswith(".mp4") and words.with_suffix(".txt").is_file():
                 told = read_bytes(words.with_suffix(".txt"), most=_SENTENCE_BYTES, what="the sentence")
-                source = Source(name, told.decode("utf-8", "replace"), here, {VIDEO: here / file, PLAIN_VIDEO: here / file})
+                source = Source(
+                    name,
+                    told.decode("utf-8", "replace"),
+                    here,
+                    {VIDEO: here / file, PLAIN_VIDEO: here / file},
+                )
                 found[_name_item(words, folder)] = source
     if not found:
         raise UserError(
@@ -83,7 +90,8 @@ def _name_item(place: Path, folder: Path) -> str:
 
 def _read_run(method: str, folder: Path) -> Source:
     run = open_run(folder)
-    videos = {kind: folder / kind for kind in (VIDEO, PLAIN_VIDEO) if (folder / kind).is_file()}
+    done = run.manifest is not None and run.manifest.complete
+    videos = {kind: folder / kind for kind in (VIDEO, PLAIN_VIDEO) if done and (folder / kind).is_file()}
     judgement = run.best.judgement if run.best else None
     judged = None
     if judgement and judgement.score is not None:
@@ -96,7 +104,9 @@ def _read_run(method: str, folder: Path) -> Source:
     return Source(method, run.prompt, folder, videos, judged)
 
 
-def match_items(methods: dict[str, dict[str, Source]], alternatives: int) -> tuple[dict[str, list[Source]], list[str]]:
+def match_items(
+    methods: dict[str, dict[str, Source]], alternatives: int
+) -> tuple[dict[str, list[Source]], list[str]]:
     """Sources of every item that enough methods have, all with the same kind of video, and notes on what is missing.
 
     Raises:
@@ -104,11 +114,13 @@ def match_items(methods: dict[str, dict[str, Source]], alternatives: int) -> tup
     """
     items, notes = {}, []
     for name in dict.fromkeys(name for found in methods.values() for name in found):
-        sources = [found[name] for found in methods.values() if name in found]
+        sources = [found[name] for found in methods.values() if name in found and found[name].videos]
         sentences = {" ".join(source.sentence.split()): source.method for source in sources}
         if len(sentences) > 1:
             told = "; ".join(f"{method}: {sentence!r}" for sentence, method in sentences.items())
-            raise UserError(f"the methods have different sentences for {name}", got=shorten(told, 200), do="Rename one")
+            raise UserError(
+                f"the methods have different sentences for {name}", got=shorten(told, 200), do="Rename one"
+            )
         staged = all(VIDEO in source.videos for source in sources)
         kind = VIDEO if staged or not any(PLAIN_VIDEO in source.videos for source in sources) else PLAIN_VIDEO
         shown = [source for source in sources if kind in source.videos]
@@ -116,7 +128,9 @@ def match_items(methods: dict[str, dict[str, Source]], alternatives: int) -> tup
             notes.append(f"{name}: not all have {VIDEO}, so all are shown by {PLAIN_VIDEO}.")
         lacking = [method for method in methods if method not in {source.method for source in shown}]
         if len(shown) < alternatives:
-            notes.append(f"{name} is left out: {len(shown)} methods have a clip of it, and a set has {alternatives}.")
+            notes.append(
+                f"{name} is left out: {len(shown)} methods have a clip of it, and a set has {alternatives}."
+            )
             continue
         if lacking:
             notes.append(f"{name} lacks {', '.join(lacking)}.")
@@ -159,4 +173,6 @@ def copy_clip(path: Path) -> tuple[bytes, tuple[int, int, float]]:
             seconds = float((stream.duration or 0) * (stream.time_base or 0))
             return out.getvalue(), (stream.width, stream.height, round(seconds, 2))
     except (OSError, FFmpegError, IndexError, UnicodeError) as error:
-        raise UserError(f"cannot read the video {shorten(path)}", got=error, do="Check that it is a finished mp4") from None
+        raise UserError(
+            f"cannot read the video {shorten(path)}", got=error, do="Check that it is a finished mp4"
+        ) from None

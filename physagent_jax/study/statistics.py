@@ -22,7 +22,8 @@ def draw_participants(chosen: np.ndarray, shown: np.ndarray, seed: int = 0) -> t
     """Percentiles of the bootstrap of a share in which whole participants are drawn.
 
     Args:
-        chosen, shown: Counts of each participant, shape (participants,).
+        chosen: Counts of each participant, shape (participants,).
+        shown: Number of sets that each participant saw, shape (participants,).
         seed: Seed of the draws.
 
     Returns:
@@ -42,7 +43,7 @@ Choices = Mapping[tuple[tuple[int, ...], int], int]
 
 
 def is_estimable(choices: Choices, count: int) -> bool:
-    """Return whether strengths have a finite estimate (Ford 1957): no group of methods is never chosen over the rest."""
+    """Return whether strengths have a finite estimate (Ford 1957): every group of methods wins somewhere."""
     over = np.zeros((count, count))
     for (shown, chosen), votes in choices.items():
         over[chosen, list(shown)] += votes
@@ -61,7 +62,11 @@ def fit_strengths(choices: Choices, count: int) -> tuple[np.ndarray, np.ndarray]
     sets = [(np.array(shown), chosen, votes) for (shown, chosen), votes in choices.items()]
 
     def weigh(strengths: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-        loss, slope, curvature = 0.5 * strengths.sum() ** 2, np.full(count, strengths.sum()), np.ones((count, count))
+        loss, slope, curvature = (
+            0.5 * strengths.sum() ** 2,
+            np.full(count, strengths.sum()),
+            np.ones((count, count)),
+        )
         for shown, chosen, votes in sets:
             s = strengths[shown] - strengths[shown].max()
             p = np.exp(s) / np.exp(s).sum()
@@ -77,7 +82,10 @@ def fit_strengths(choices: Choices, count: int) -> tuple[np.ndarray, np.ndarray]
 
 
 def compute_fleiss_kappa(counts: np.ndarray) -> float | None:
-    """Fleiss' kappa (1971) of (units, categories) counts; None where raters per unit differ, are fewer than two, or agree by chance alone."""
+    """Fleiss' kappa (1971) of (units, categories) counts.
+
+    None where raters per unit differ or are fewer than two, or only one category was used.
+    """
     raters = counts.sum(1)
     if len(counts) == 0 or raters.min() != raters.max() or raters[0] < 2:
         return None

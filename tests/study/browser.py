@@ -25,7 +25,13 @@ class Browser:
     """One page of a browser that has no network but this machine."""
 
     def __init__(self, folder: Path, timeout: float = 60.0):
-        options = ("--headless=new", "--no-sandbox", "--disable-gpu", "--remote-debugging-pipe", "--no-first-run")
+        options = (
+            "--headless=new",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--remote-debugging-pipe",
+            "--no-first-run",
+        )
         options += ("--autoplay-policy=no-user-gesture-required", f"--user-data-dir={folder}", "about:blank")
         options += ("--proxy-server=127.0.0.1:9", "--proxy-bypass-list=127.0.0.1", "--disable-dev-shm-usage")
         theirs, self._write = os.pipe()
@@ -63,7 +69,11 @@ class Browser:
             if reply.get("id") == number:
                 assert "error" not in reply, reply
                 return reply["result"]
-            if reply.get("method") in ("Log.entryAdded", "Runtime.exceptionThrown", "Runtime.consoleAPICalled"):
+            if reply.get("method") in (
+                "Log.entryAdded",
+                "Runtime.exceptionThrown",
+                "Runtime.consoleAPICalled",
+            ):
                 self.messages.append(reply["params"])
 
     def run(self, script):
@@ -85,14 +95,20 @@ class Browser:
 
     def resize(self, width, height, phone=False):
         self.call(
-            "Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=phone
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=phone,
         )
 
     def press(self, key):
         code, number, text = KEYS.get(key, (f"Digit{key}", ord(key[0]), key))
         for kind in ("keyDown", "keyUp"):
             told = {"text": text} if kind == "keyDown" and text else {}
-            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=code, windowsVirtualKeyCode=number, **told)
+            self.call(
+                "Input.dispatchKeyEvent", type=kind, key=key, code=code, windowsVirtualKeyCode=number, **told
+            )
 
     def picture(self, path, whole=False):
         shot = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
