@@ -181,8 +181,10 @@ def write_summary(result: Row) -> str:
         )
         told = "our judge: it has a favourite in no set that was shown"
         if judge["sets"]:
-            told = f"our judge: {judge['share']:.1%} ({_span(_ends(judge), '.1%')}) of {judge['sets']} votes are for its "
-            told += f"favourite (chance {judge['chance']:.1%}); in {judge['without_favourite']} it has none"
+            told = f"our judge: {judge['share']:.1%} ({_span(_ends(judge), '.1%')}) of {judge['sets']} votes are for "
+            told += (
+                f"its favourite (chance {judge['chance']:.1%}); in {judge['without_favourite']} it has none"
+            )
         lines.append(f"  {told}")
         chosen = " / ".join(map(str, places["chosen"]))
         lines.append(f"  places: {chosen} chosen from left to right, p = {places['p']:.2g}")

@@ -1,5 +1,6 @@
 """Studies from results to analysis: what participants may see, which votes count, and what comes out of them."""
 
+import http.client
 import json
 import threading
 import urllib.error
@@ -177,7 +178,12 @@ def test_the_server_stores_votes_once_and_shows_nothing_else(tmp_path, served):
     other = vote(study, 1, lambda shown, question: max(shown))
     status, told = post(port, other.model_dump_json().encode())
     assert status == 400 and "has voted already" in told and "\n" not in told
-    assert post(port, b"{")[0] == 400 and post(port, b"x" * (2**20 + 1))[0] == 400
+    assert post(port, b"{")[0] == 400
+    for length in ("1048577", "-1", "x"):
+        link = http.client.HTTPConnection("127.0.0.1", port, timeout=10)
+        link.request("POST", "/votes", headers={"Content-Length": length})
+        assert link.getresponse().status == 400
+        link.close()
     (stored,) = (folder / "votes").iterdir()
     assert collect_ballots([stored], study) == ([first[2]], [])
 
