@@ -176,9 +176,11 @@ def list_similarities(specs: Sequence[TaskSpec], result: Path, clip: Path, data:
     """CLIPsim of the force fields of every part, and of a clip in which nothing is done.
 
     Of a fit it is the last; of the part that counts rewrites, that of every round; brought materials have no clips.
+    Each is also compared with another sentence about the same object: what the two have in common tells nothing.
     """
     known = {spec.name: spec for spec in specs}
     content = json.loads(result.read_text()) if result.is_file() else {}
+    others = {spec.name: find_other_sentence(spec, specs) for spec in specs}
     jobs, named = [], {}
     for part in SHOWN:
         for row in content.get(part, {}).get("rows", []):
@@ -188,11 +190,13 @@ def list_similarities(specs: Sequence[TaskSpec], result: Path, clip: Path, data:
             for mark in row["marks"] if part == "iterations" else row["marks"][-1:]:
                 shown = {**row, "part": part, "marks": [mark], "label": _name_clip(part, row, mark)}
                 name = f"{part} / {row['job']}" + (f" / {mark['mark']:g}" if part == "iterations" else "")
-                work = partial(measure_similarity, shown, known[row["task"]], clip, data)
+                work = partial(measure_similarity, shown, known[row["task"]], clip, data, others[row["task"]])
                 jobs.append(Job(name, work, row["task"]))
     for name, spec in named.items():
         still = {"part": "methods", "label": NOTHING, "task": name, "oracle": False, "seed": 0, "marks": []}
-        jobs.append(Job(f"{name} / nothing", partial(measure_similarity, still, spec, clip, data), name))
+        jobs.append(
+            Job(f"{name} / nothing", partial(measure_similarity, still, spec, clip, data, others[name]), name)
+        )
     return jobs
 
 
@@ -203,8 +207,20 @@ def _name_clip(part: str, row: Row, mark: Row) -> str:
     return f"{row['label']}, {row['material']}" if part == "materials" else row["label"]
 
 
-def measure_similarity(row: Row, spec: TaskSpec, clip: Path, data: Path | None) -> list[Row]:
-    """CLIPsim of a stored force field with its task's sentence, in the pictures that methods see."""
+def find_other_sentence(spec: TaskSpec, specs: Sequence[TaskSpec]) -> str | None:
+    """A sentence about the same object that asks for another kind of motion; None if there is none.
+
+    It is the next after the task's own, in a circle.
+    """
+    place = specs.index(spec)
+    rest = [*specs[place + 1 :], *specs[:place]]
+    return next((s.sentence for s in rest if s.object == spec.object and s.family != spec.family), None)
+
+
+def measure_similarity(
+    row: Row, spec: TaskSpec, clip: Path, data: Path | None, other: str | None = None
+) -> list[Row]:
+    """CLIPsim of a stored force field with its task's sentence and with another, in the pictures that methods see."""
     last = row["marks"][-1] if row["marks"] else None
     field = ForceField() if last is None else ForceField.model_validate(last["force_field"])
     told = {name: row[name] for name in ("part", "label", "task", "oracle", "seed")} | {
@@ -215,8 +231,10 @@ def measure_similarity(row: Row, spec: TaskSpec, clip: Path, data: Path | None) 
         pictures, _ = Simulation(_make(spec, data, row.get("material", OWN))).play(field)
     except UserError as error:  # what cannot be simulated has no pictures
         return [told | {"refused": str(error)[:200]}]
-    found = measure_clip_similarity(pictures.rgb, spec.sentence, _load_clip(clip))
-    return [told | {"mark": last and last["mark"], **dataclasses.asdict(found)}]
+    model = _load_clip(clip)
+    found = measure_clip_similarity(pictures.rgb, spec.sentence, model)
+    apart = None if other is None else measure_clip_similarity(pictures.rgb, other, model).mean
+    return [told | {"mark": last and last["mark"], **dataclasses.asdict(found), "shuffled": apart}]
 
 
 def list_ratings(specs: Sequence[TaskSpec], tasks: Path, result: Path, data: Path | None) -> list[Job]:

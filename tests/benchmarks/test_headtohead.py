@@ -134,6 +134,34 @@ def test_pictures_of_stored_fields_and_of_nothing_are_compared_with_the_sentence
     assert f"| methods | adam (oracle) | 1 | {told} | {told} | reddish |" in page
 
 
+class Dropper:
+    """In place of a CLIP model: brightness, and one more for sentences about a drop."""
+
+    name = "dropper"
+
+    def compare(self, rgb, sentence):
+        return rgb.mean((1, 2, 3)) / 255.0 + sentence.startswith("Drop")
+
+
+def test_a_clip_is_compared_with_another_sentence_too(tmp_path, monkeypatch):
+    """The order of frames does not change CLIPsim, so that the control is another sentence about the same object."""
+    monkeypatch.setattr(jobs, "load_clip", lambda folder: Dropper())
+    specs = [
+        spec for spec in load_tasks(TASKS) if spec.name in ("drop-jelly", "stretch-jelly-wide", "drop-loaf")
+    ]
+    by_name = {spec.name: spec for spec in specs}
+    wide, drop, loaf = by_name["stretch-jelly-wide"], by_name["drop-jelly"], by_name["drop-loaf"]
+    assert jobs.find_other_sentence(wide, specs) == drop.sentence
+    assert jobs.find_other_sentence(drop, specs) == wide.sentence
+    assert jobs.find_other_sentence(loaf, specs) is None
+    row = dict(part="methods", label=NOTHING, task=wide.name, oracle=False, seed=0, marks=[])
+    (found,) = jobs.measure_similarity(row, wide, tmp_path, None, drop.sentence)
+    assert found["shuffled"] == pytest.approx(found["mean"] + 1)
+    run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
+    page = write_page({"clipsim": {"runs": [run], "complete": True, "rows": [found | {"run": 0}]}})
+    assert f"{found['mean']:.4f} ({found['mean'] - found['still']:+.4f}, -1.0000)" in page
+
+
 def test_what_was_found_with_one_material_is_judged_with_another(tmp_path):
     """The witness of a stretch is a success with its own material; of ten times the stiffness it is judged anew."""
     (spec,) = [spec for spec in load_tasks(TASKS) if spec.name == "stretch-jelly-wide"]

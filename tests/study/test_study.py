@@ -83,6 +83,38 @@ def test_finished_runs_are_clips_with_our_judge(tmp_path):
         build_study(given, tmp_path / "t", participants=1, sets=None, alternatives=3, open_=True, seed=0)
 
 
+def test_methods_of_the_head_to_head_are_judged_by_their_task(tmp_path):
+    """Of two successes the smaller error is the favourite; a planner's score is not compared with it."""
+    for method, error in (("a", 0.5), ("b", 0.25), ("c", 3.0)):
+        folder = build_run(tmp_path / method / "plant")
+        for path in folder.glob("iterations/*/judgement.json"):
+            path.unlink()
+        (folder / "fit.json").write_text(json.dumps({"judgement": {"success": error < 1, "error": error}}))
+    given = [str(tmp_path / method) for method in "abc"]
+    study, *_ = build_study(
+        given, tmp_path / "s", participants=1, sets=None, alternatives=3, open_=False, seed=0
+    )
+    assert study.items[0].clips[0].judged == Judged(by="task", success=True, score=-0.5)
+    judge = analyse_study(study, [vote(study, 0, lambda shown, question: "b")])["questions"]["overall"][
+        "judge"
+    ]
+    assert judge["sets"] == 1 and judge["share"] == 1
+    build_run(tmp_path / "d" / "plant")
+    mixed, *_ = build_study(
+        [*given[:2], str(tmp_path / "d")],
+        tmp_path / "t",
+        participants=1,
+        sets=None,
+        alternatives=3,
+        open_=False,
+        seed=0,
+    )
+    judge = analyse_study(mixed, [vote(mixed, 0, lambda shown, question: "b")])["questions"]["overall"][
+        "judge"
+    ]
+    assert judge == {"sets": 0, "without_favourite": 1, "chance": 1 / 3}
+
+
 @pytest.mark.parametrize(
     ("change", "told"),
     [
