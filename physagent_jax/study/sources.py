@@ -57,24 +57,28 @@ def read_method(given: str) -> tuple[str, dict[str, Source]]:
             "a method is a folder of results", got=shorten(given), do="Pass FOLDER, or NAME=FOLDER"
         )
     found: dict[str, Source] = {}
-    for top, folders, files in os.walk(folder):
-        folders.sort()
+    for top, folders, files in os.walk(folder, followlinks=True):
         here = Path(top)
+        folders.sort()
+        above = here.parent.resolve()
+        if here.is_symlink() and here.resolve() in (above, *above.parents):  # it would never end
+            folders.clear()
+            continue
         if "manifest.json" in files:
             folders.clear()
             found[_name_item(here, folder)] = _read_run(name, here)
             continue
         for file in sorted(files):
-            words = here / file[:-4]
-            if file.endswith(".mp4") and words.with_suffix(".txt").is_file():
-                told = read_bytes(words.with_suffix(".txt"), most=_SENTENCE_BYTES, what="the sentence")
+            words = here / f"{file[:-4]}.txt"
+            if file.endswith(".mp4") and words.is_file():
+                told = read_bytes(words, most=_SENTENCE_BYTES, what="the sentence")
                 source = Source(
                     name,
                     told.decode("utf-8", "replace"),
                     here,
                     {VIDEO: here / file, PLAIN_VIDEO: here / file},
                 )
-                found[_name_item(words, folder)] = source
+                found[_name_item(here / file[:-4], folder)] = source
     if not found:
         raise UserError(
             f"{shorten(folder)} holds no result",

@@ -12,7 +12,7 @@ def write_clip(path, shade=100, frames=6, sentence="push it to the left"):
     pictures = np.full((frames, 48, 64, 3), shade, np.uint8)
     pictures[np.arange(frames), :, 4 * np.arange(frames)] = 255
     write_video(path, pictures, 24.0)
-    path.with_suffix(".txt").write_text(sentence)
+    path.with_name(f"{path.name[:-4]}.txt").write_text(sentence)
 
 
 def write_results(

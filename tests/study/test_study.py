@@ -16,7 +16,7 @@ from physagent_jax.study.analysis import analyse_study, write_summary
 from physagent_jax.study.build import build_study
 from physagent_jax.study.schema import PAGE, PLAN, QUESTIONS, Judged, collect_ballots, read_study
 from physagent_jax.study.serve import make_server
-from physagent_jax.study.sources import copy_clip
+from physagent_jax.study.sources import copy_clip, read_method
 from tests.report.fake_run import build_run
 from tests.study.studies import make_study, vote, write_clip, write_results
 
@@ -50,6 +50,16 @@ def test_titles_of_videos_do_not_reach_participants(tmp_path):
     (tmp_path / "copy.mp4").write_bytes(content)
     with av.open(str(tmp_path / "copy.mp4")) as file:
         assert sum(1 for _ in file.decode(video=0)) == 6
+
+
+def test_links_and_dots_in_names_are_followed(tmp_path):
+    """Results often lie elsewhere; a link back up is not followed for ever."""
+    for method in "abc":
+        write_clip(tmp_path / "else" / method / "v1.5.mp4")
+        (tmp_path / method).mkdir()
+        (tmp_path / method / "deep").symlink_to(tmp_path / "else" / method)
+        (tmp_path / method / "round").symlink_to(tmp_path / method)
+        assert list(read_method(str(tmp_path / method))[1]) == ["deep/v1.5"]
 
 
 def test_items_without_all_methods_are_used_and_told(tmp_path):
