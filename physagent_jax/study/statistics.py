@@ -10,6 +10,8 @@ from scipy import optimize, sparse, stats
 LEVEL = 0.95
 """Coverage of all intervals."""
 DRAWS = 2000
+FEWEST = 5
+"""Participants below which drawing them tells nothing."""
 
 
 def estimate_share(chosen: int, shown: int) -> tuple[float, float, float]:
@@ -27,9 +29,9 @@ def draw_participants(chosen: np.ndarray, shown: np.ndarray, seed: int = 0) -> t
         seed: Seed of the draws.
 
     Returns:
-        The ends of the interval; None with fewer than two participants.
+        The ends of the interval; None with fewer than `FEWEST` participants.
     """
-    if len(shown) < 2:
+    if len(shown) < FEWEST:
         return None
     drawn = np.random.default_rng(seed).integers(len(shown), size=(DRAWS, len(shown)))
     total = shown[drawn].sum(1)

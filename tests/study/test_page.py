@@ -63,6 +63,9 @@ def test_a_file_by_keyboard_leaves_a_file_of_votes(browser, study_and_folder, tm
     browser.press("3")
     assert browser.run("$('next').disabled")
     answer(browser, "12")
+    browser.run("$('stop').click()")  # what there is can be saved before the end
+    assert browser.run("!$('save').hidden && ballot.answers.length == 1")
+    begin(browser, (folder / PAGE).as_uri(), study.sheets[2].code)
     answer(browser, "111")
     browser.open(
         (folder / PAGE).as_uri() + "#" + study.sheets[2].code

@@ -109,4 +109,4 @@ def test_participants_of_one_mind_widen_the_interval():
     alike = draw_participants(np.array([10, 0] * 5), np.full(10, 10))
     apart = draw_participants(np.full(10, 5), np.full(10, 10))
     assert alike[1] - alike[0] > 0.5 and apart[1] - apart[0] < 1e-9
-    assert draw_participants(np.array([1]), np.array([2])) is None
+    assert draw_participants(np.full(4, 5), np.full(4, 10)) is None
