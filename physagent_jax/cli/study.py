@@ -58,8 +58,8 @@ class Build:
         print("\n".join(notes), end="\n" if notes else "")
         print(
             f"{len(study.items)} items, {len(study.methods)} methods, {len(study.sheets)} sheets of "
-            f"{len(study.sheets[0].sets)} sets. Over all sheets a method is shown {_span(balance.shown)} times, in each "
-            f"place {_span(balance.places)} times, beside each other {_span(balance.pairs)} times."
+            f"{len(study.sheets[0].sets)} sets. Over all sheets a method is shown {_span(balance.shown)} times, in "
+            f"each place {_span(balance.places)} times, beside each other {_span(balance.pairs)} times."
         )
         print(
             f"{self.out / PAGE} is for participants"

@@ -18,7 +18,7 @@ from physagent_jax.study.schema import CODES, PAGE, PLAN, QUESTIONS, VOTES, Item
 from physagent_jax.study.sources import copy_clip, match_items, read_method
 
 MOST_BYTES = 200 * 2**20
-"""Largest size of all clips of a page [bytes]: what browsers of phones still open."""
+"""Largest size of all clips of a page [bytes]: participants load it whole."""
 
 
 def build_study(
