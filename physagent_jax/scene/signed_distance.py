@@ -24,8 +24,7 @@ BAND = 2.5  # cells to either side of the surface within which distances are exa
 MARGIN = 3  # cells around the mesh
 # What a mesh may cost: a few seconds.
 _MOST_SAMPLES = 4_000_000  # a domain of 150 cells
-_MOST_PAIRS = 1_000_000_000  # of nodes and triangles near them
-_MOST_CROSSINGS = 200_000_000  # of vertical lines and triangles
+_MOST_PAIRS = 1_000_000_000  # of nodes and triangles near them, and of vertical lines and triangles
 _THICKNESS_SAMPLES = 4000
 _CLEAR = 0.95  # of the least thickness: distances between nodes are right to a tenth of a cell
 _THIN_SHARE = 0.1  # of a surface from which on its walls count as thin; ears and horns alone do not
@@ -177,7 +176,7 @@ def _check_cost(
     counted = {  # in this order: what lies far enough away cannot be counted
         "cells": (lambda: (last - first + 1).prod(), _MOST_SAMPLES),
         "cells from the origin": (lambda: np.abs(triangles).max() / spacing, _FARTHEST),
-        "crossings": (lambda: _bound_crossings(reaching, spacing, first, last), _MOST_CROSSINGS),
+        "crossings": (lambda: _bound_crossings(triangles, spacing, first, last), _MOST_PAIRS),
         "distances": (lambda: _bound_pairs(reaching / spacing, first, last), _MOST_PAIRS),
     }
     for what, (measure, most) in counted.items():

@@ -84,7 +84,7 @@ def test_distances_are_exact_in_the_band_and_signs_everywhere(name, turned):
     exact = measure_with_trimesh(triangles, points[some])
     within = exact < (BAND - 1e-6) / CELLS
     assert within.sum() > 50
-    np.testing.assert_allclose(np.abs(phi[some])[within], exact[within], atol=1e-12)
+    np.testing.assert_allclose(np.abs(phi[some])[within], exact[within], atol=1e-11)  # trimesh, on slivers
     some = rng.choice(len(phi), 500, replace=False)
     some = some[np.abs(phi[some]) > 1e-9]
     np.testing.assert_array_equal(phi[some] < 0, wind(triangles, points[some]) > 0.5)

@@ -11,7 +11,7 @@ Windings are counted along the lines of nodes that run in z. A line counts as sh
 that it meets no vertex or edge: neighbours agree on which of them it passes, to the last bit.
 """
 
-# pyright: reportCallIssue=false, reportGeneralTypeIssues=false, reportArgumentType=false
+# pyright: reportCallIssue=false, reportGeneralTypeIssues=false, reportArgumentType=false, reportPrivateImportUsage=false
 
 from __future__ import annotations
 
