@@ -10,7 +10,9 @@ from collections.abc import Sequence
 from functools import cache, partial
 from pathlib import Path
 
+from baselines.fits import read_budget
 from baselines.materials import OWN
+from baselines.measuring import judge_field
 from baselines.recordings import rate
 from baselines.simulation import Simulation
 from baselines.tasks import Task, TaskSpec, load_witnesses, make_task
@@ -18,8 +20,7 @@ from benchmarks import harness
 from benchmarks.harness import Job, Row
 from benchmarks.headtohead import leaderboard
 from benchmarks.headtohead.entrants import Entrant
-from benchmarks.headtohead.fits import read_budget
-from benchmarks.headtohead.measuring import judge_field, measure, measure_gradient
+from benchmarks.headtohead.measuring import measure, measure_gradient
 from benchmarks.headtohead.neighbourhood import list_begins, list_entrants, move
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField

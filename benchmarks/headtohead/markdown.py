@@ -7,32 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.harness import (
-    Page,
-    Result,
-    Tables,
-    condense_section,
-    make_lines,
-    number,
-    provenance,
-    read_lines,
-    table,
-)
-from benchmarks.harness.statistics import draw_again, find_interquartile_mean
-from benchmarks.headtohead import claims
-from benchmarks.headtohead.comparison import (
-    choose_split,
-    format_count,
-    format_figure,
-    list_comparison,
-    name_row,
-    tell_published,
-    tell_splits,
-    write_marks,
-)
-from benchmarks.headtohead.entrants import ABLATION_ROWS, LOCAL, list_distillers, rename
-from benchmarks.headtohead.fidelity import count_clean, write_terms
-from benchmarks.headtohead.fits import (
+from baselines.fits import (
     arrange,
     average_tasks,
     choose_fits,
@@ -46,7 +21,32 @@ from benchmarks.headtohead.fits import (
     read_budget,
     read_cost,
 )
+from benchmarks.harness import (
+    Page,
+    Result,
+    Tables,
+    condense_section,
+    make_lines,
+    number,
+    provenance,
+    read_lines,
+    table,
+)
+from benchmarks.headtohead import claims
+from benchmarks.headtohead.comparison import (
+    choose_split,
+    format_count,
+    format_figure,
+    list_comparison,
+    name_row,
+    tell_published,
+    tell_splits,
+    write_marks,
+)
+from benchmarks.headtohead.entrants import ABLATION_ROWS, LOCAL, list_distillers, rename
+from benchmarks.headtohead.fidelity import count_clean, write_terms
 from benchmarks.headtohead.leaderboard import PARTS as FITS
+from physagent_jax.metrics.statistics import draw_again, find_interquartile_mean
 
 PARTS = (
     "methods",

@@ -7,18 +7,19 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from baselines.measuring import judge_marks
 from baselines.protocol import Evaluation, FitResult
 from baselines.tasks import load_tasks, load_witnesses
-from benchmarks.harness import statistics
 from benchmarks.headtohead import jobs, leaderboard, measuring
 from benchmarks.headtohead.__main__ import TASKS, choose_entrants, find_guided, main
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS, list_distillers, rename
 from benchmarks.headtohead.jobs import NOTHING, list_gradients, list_materials, list_similarities, verify
 from benchmarks.headtohead.markdown import choose_ablation, condense, write_tables
-from benchmarks.headtohead.measuring import judge_marks, measure
+from benchmarks.headtohead.measuring import measure
 from benchmarks.headtohead.neighbourhood import STRONGER, TURNED, perturb
 from physagent_jax.core.errors import MissingPackageError, UserError
 from physagent_jax.forces.schema import Action, ActionType, BoxRegion, ForceField
+from physagent_jax.metrics import statistics
 from physagent_jax.metrics.task_judge import ClauseJudgement, TaskJudgement
 from tests.metrics.make_tiny_clip import FOLDER
 
