@@ -28,7 +28,7 @@ class TaskObject:
 
     Attributes:
         kind: Class with a physical prior.
-        up: The file's up axis.
+        up: The file's up axis; None = told from the file.
         youngs_modulus: [Pa].
         poissons_ratio: nu.
         file: Bundled file; None = none is.
@@ -40,7 +40,7 @@ class TaskObject:
     """
 
     kind: str
-    up: str = "+z"
+    up: str | None = "+z"
     youngs_modulus: float = 3e4
     poissons_ratio: float = 0.3
     file: Path | None = None
@@ -112,7 +112,7 @@ def add_object(text: str) -> str:
         raise UserError("there is another object of this name", got=name, do="Choose another name")
     known = {"kind": str, "up": str, "youngs_modulus": float, "poissons_ratio": float}
     known |= {"cells": int, "particles": int}
-    fields: dict[str, Any] = {"kind": name, "up": "auto"}
+    fields: dict[str, Any] = {"kind": name, "up": None}
     for pair in pairs:
         field, _, value = pair.partition("=")
         try:

@@ -4,6 +4,8 @@ import csv
 import importlib.util
 import io
 import json
+import re
+from pathlib import Path
 
 import pytest
 
@@ -145,3 +147,17 @@ def test_cells_are_escaped_as_each_format_asks():
     assert list(csv.reader(io.StringIO(format_csv(cells)))) == cells
     assert r"a\_b \& " in format_latex(cells) and r"\textbackslash{}f" in format_latex(cells)
     assert r"5 (1--9) \\" in format_latex(cells) and format_markdown(cells).splitlines()[2].count("|") == 3
+
+
+def test_the_how_to_page_does_what_it_says(folder, capsys):
+    """Its method and its task, as they stand there."""
+    page = (Path(__file__).parents[2] / "docs" / "compare.md").read_text(encoding="utf-8")
+    method, task = re.findall(r"```(?:python|json)\n(.*?)```", page, re.DOTALL)
+    assert len(method.splitlines()) <= 25 and len(task.splitlines()) <= 10
+    (folder / "my_es.py").write_text(method)
+    (folder / "my_task.json").write_text(task)
+    about = f"vase={folder}/blob.ply,cells=24,particles=200"
+    command = [f"{folder}/my_es.py:OnePlusOne", "--task", f"{folder}/my_task.json", "--object", about]
+    assert main([*command, "--budget", "2", "--out", str(folder / "out")]) == 0
+    assert "| OnePlusOne (oracle) | 2 | " in capsys.readouterr().out
+    OBJECTS.pop("vase")
