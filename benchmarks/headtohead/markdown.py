@@ -260,4 +260,5 @@ PAGE = Page(
     ),
     condense,
     rename,
+    "head-to-head-details",
 )
