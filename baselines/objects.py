@@ -16,7 +16,9 @@ from physagent_jax.core.names import explain_unknown_name
 from physagent_jax.gaussians.formats.ply import write_ply
 from physagent_jax.scene.procedural import PROCEDURAL
 
-_EXAMPLES = Path(__file__).resolve().parents[1] / "examples" / "assets"
+_HERE = Path(__file__).resolve().parent
+_BUNDLED = _HERE / "assets"  # of an installed package; a checkout has them where examples use them
+_EXAMPLES = _BUNDLED if _BUNDLED.is_dir() else _HERE.parent / "examples" / "assets"
 _GAUSSIANS = 2500
 
 
@@ -26,7 +28,7 @@ class TaskObject:
 
     Attributes:
         kind: Class with a physical prior.
-        up: The file's up axis.
+        up: The file's up axis; None = told from the file.
         youngs_modulus: [Pa].
         poissons_ratio: nu.
         file: Bundled file; None = none is.
@@ -38,7 +40,7 @@ class TaskObject:
     """
 
     kind: str
-    up: str = "+z"
+    up: str | None = "+z"
     youngs_modulus: float = 3e4
     poissons_ratio: float = 0.3
     file: Path | None = None
@@ -86,6 +88,41 @@ OBJECTS = {
         particles=2000,
     ),
 }
+
+
+def add_object(text: str) -> str:
+    """Make an object of one's own known for this process, and return its name.
+
+    Args:
+        text: ``NAME=FILE``, and fields of `TaskObject` behind it: ``vase=vase.ply,kind=vessel,up=-y``. The default kind
+            is the name, the default side up is told from the file.
+
+    Raises:
+        UserError: The text is not of that form, the name is taken, or there is no such file or field.
+    """
+    name, equals, rest = text.partition("=")
+    place, *pairs = rest.split(",")
+    if not (name and equals and place):
+        raise UserError("an object of one's own is NAME=FILE", got=text, do="For example vase=vase.ply,up=+y")
+    path = Path(place)
+    if not path.is_file():
+        raise UserError(f"there is no file of the object `{name}`", got=place)
+    digest = hashlib.sha256(path.read_bytes()).hexdigest()
+    if name in OBJECTS and OBJECTS[name].digest != digest:
+        raise UserError("there is another object of this name", got=name, do="Choose another name")
+    known = {"kind": str, "up": str, "youngs_modulus": float, "poissons_ratio": float}
+    known |= {"cells": int, "particles": int}
+    fields: dict[str, Any] = {"kind": name, "up": None}
+    for pair in pairs:
+        field, _, value = pair.partition("=")
+        try:
+            fields[field] = known[field](value)
+        except (KeyError, ValueError):
+            raise UserError(
+                f"the object `{name}` has no such field or value", got=pair, do=f"Fields: {', '.join(known)}"
+            ) from None
+    OBJECTS[name] = TaskObject(**fields, file=path.resolve(), digest=digest)
+    return name
 
 
 def is_available(name: str, data: Path | None) -> bool:

@@ -29,7 +29,9 @@ from physagent_jax.run.spec import SaveChoice
 from physagent_jax.run.store import RunStore
 from physagent_jax.simulation.stopwatch import Stopwatch
 
-TASKS = Path(__file__).resolve().parents[1] / "benchmarks" / "tasks"
+_HERE = Path(__file__).resolve().parent
+_BUNDLED = _HERE / "task_set"  # of an installed package
+TASKS = _BUNDLED if _BUNDLED.is_dir() else _HERE.parent / "benchmarks" / "tasks"
 
 
 @dataclasses.dataclass(frozen=True)

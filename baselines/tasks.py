@@ -33,8 +33,17 @@ from physagent_jax.scene.compile import CompiledScene
 from physagent_jax.scene.config import CameraConfig
 from physagent_jax.simulation.simulate import simulate_frames
 
-Family = Literal["drop", "stretch", "sway", "twist", "impulse", "multi", "recovery"]
-FAMILIES: tuple[Family, ...] = ("drop", "stretch", "sway", "twist", "impulse", "multi", "recovery")
+Family = Literal["drop", "stretch", "sway", "twist", "impulse", "multi", "recovery", "other"]
+FAMILIES: tuple[Family, ...] = (
+    "drop",
+    "stretch",
+    "sway",
+    "twist",
+    "impulse",
+    "multi",
+    "recovery",
+    "other",
+)
 Split = Literal["development", "test"]
 
 WIDTH, HEIGHT = 320, 240

@@ -8,6 +8,8 @@ mesh that is filled with as many particles as ``--preset fast`` has at most.
 
 Part "clips" runs each sentence of the first results (`benchmarks.first_results`) for one round and notes when its clip
 was there. Objects that are not bundled and cannot be made are looked for in ``--data``.
+
+Part "meshes" samples closed meshes as obstacles (`benchmarks.meshes`).
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ from typing import Literal
 import trimesh
 import tyro
 
-from benchmarks import clips, harness
+from benchmarks import clips, harness, meshes
 from benchmarks.harness import RAW, Job, Page, Row, Rows, provenance, table
 
 OBJECT = Path(__file__).resolve().parents[1] / "examples" / "assets" / "robot.ply"
@@ -37,7 +39,7 @@ ITERATION = ("simulate", "render", "perceive", "agents")  # stages
 SMALL = ("--frames", "8", "--particles", "1000", "--resolution", "96", "--max-iterations", "1")
 AIM = 0.5  # greatest share of the first result's time that compilation may have
 ITERATION_AIM = 10.0  # most seconds of an iteration
-PARTS = ("first", "iteration", "clips")
+PARTS = ("first", "iteration", "clips", "meshes")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -46,8 +48,8 @@ class Command(harness.Command):
 
     json: Path = RAW / "startup.json"
     """File of the raw rows; those of other parts are kept."""
-    parts: tuple[Literal["first", "iteration", "clips"], ...] = PARTS
-    """The job of `make demo`, one iteration of the loop, and the first clips of all first results."""
+    parts: tuple[Literal["first", "iteration", "clips", "meshes"], ...] = PARTS
+    """The job of `make demo`, one iteration of the loop, the first clips of all first results, and mesh obstacles."""
     data: Path | None = None
     """Folder of objects that are not bundled and cannot be made."""
     rounds: int = 3
@@ -66,6 +68,7 @@ def main() -> int:
         "clips": lambda: clips.list_jobs(
             command.data, (*JOB, *small), small, every=6 if command.quick else 1
         ),
+        "meshes": lambda: meshes.list_jobs(command.quick),
     }
     return harness.main(command, parts, PAGE)
 
@@ -138,6 +141,8 @@ def write_tables(result: harness.Result) -> harness.Tables:
         tables |= _write_iteration(result["iteration"]["rows"])
     if "clips" in result:
         tables |= clips.write_tables(result["clips"]["rows"])
+    if "meshes" in result:
+        tables["meshes"] = meshes.write_table(result["meshes"]["rows"])
     return tables
 
 

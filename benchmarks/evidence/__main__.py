@@ -25,7 +25,7 @@ from benchmarks.evidence.summaries import (
 )
 from benchmarks.harness import Page, Tables, table
 from benchmarks.harness.command import format_result
-from benchmarks.harness.pages import empty_place, fill_page
+from benchmarks.harness.pages import empty_place, fill_pages
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
 
@@ -63,7 +63,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for page in pages if command.summarise else ():
             _summarise(page, command.allow_unkept)
         for page in pages if command.fill else ():
-            write_text(DOCS / f"{page.name}.md", fill_page(DOCS / f"{page.name}.md", write_tables(page)))
+            for path, text in fill_pages(page.list_docs(DOCS), write_tables(page)).items():
+                write_text(path, text)
         print(list_stale(pages))
         differing = find_differing(pages) if command.check else []
     except UserError as error:
@@ -116,12 +117,10 @@ def find_differing(pages: Sequence[Page]) -> list[str]:
     """The names of pages whose tables, the state apart, are not what their summaries give."""
     differing = []
     for page in pages:
-        path = DOCS / f"{page.name}.md"
         tables = page.tables(read_summary(RESULTS / f"{page.name}.json")["parts"])
-        made = empty_place(fill_page(path, {**tables, STATE: ""}), STATE)
-        held = empty_place(path.read_text(), STATE)
-        if held != made:
-            differing.append(page.name)
+        for path, text in fill_pages(page.list_docs(DOCS), {**tables, STATE: ""}).items():
+            if empty_place(path.read_text(), STATE) != empty_place(text, STATE):
+                differing.append(path.stem)
     return differing
 
 

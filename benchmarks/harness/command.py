@@ -14,7 +14,7 @@ from typing import Any
 from rich.console import Console
 
 from benchmarks.harness.machine import circumstances
-from benchmarks.harness.pages import Page, Result, fill_page
+from benchmarks.harness.pages import Page, Result, fill_pages
 from benchmarks.harness.workers import call_all
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
@@ -125,7 +125,9 @@ def _measure(
     wanted = {part: jobs for part, jobs in plan.items() if any(_is_wanted(job, command) for job in jobs)}
     bad = sum(_do_jobs(command, part, jobs, result, about, call) for part, jobs in wanted.items())
     if command.markdown is not None:
-        write_text(command.markdown, fill_page(command.markdown, page.tables(page.condense(result))))
+        docs = [command.markdown, *page.list_docs(command.markdown.parent)[1:]]
+        for path, text in fill_pages(docs, page.tables(page.condense(result))).items():
+            write_text(path, text)
     if plan:
         say(f"{bad} row(s) fail" if bad else "no row fails")
     print(command.json)

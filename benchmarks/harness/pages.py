@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -33,11 +33,21 @@ def fill_places(text: str, tables: Tables) -> str:
     return _PLACE.sub(lambda found: _mark(found["name"], tables.get(found["name"], "")), text)
 
 
-def fill_page(page: Path, tables: Tables) -> str:
-    """`fill_places` of a file; where there is none, places alone."""
-    if page.is_file():
-        return fill_places(page.read_text(), tables)
-    return "\n\n".join(_mark(name, text) for name, text in tables.items()) + "\n"
+def fill_pages(pages: Sequence[Path], tables: Tables) -> dict[Path, str]:
+    """The texts of pages with each table in its places; where there is no page, the first is of places alone.
+
+    Raises:
+        UserError: A table has no place in any of them.
+    """
+    texts = {page: page.read_text() for page in pages if page.is_file()}
+    if not texts:
+        return {pages[0]: "\n\n".join(_mark(name, text) for name, text in tables.items()) + "\n"}
+    fill_places("".join(texts.values()), tables)
+    held = {page: {found["name"] for found in _PLACE.finditer(text)} for page, text in texts.items()}
+    return {
+        page: fill_places(text, {name: tables[name] for name in tables if name in held[page]})
+        for page, text in texts.items()
+    }
 
 
 def empty_place(text: str, name: str) -> str:
@@ -64,6 +74,7 @@ class Page:
         sources: Files and folders of this repository that the figures depend on.
         condense: Maker of the summary from all rows; without it the rows are the summary.
         rename: Maker of rows with the names of today from those that history has; it goes when they are measured again.
+        details: Name of a second page, ``docs/DETAILS.md``, for tables that have no place on the first; "" = none.
     """
 
     name: str
@@ -72,6 +83,11 @@ class Page:
     sources: tuple[str, ...] = ()
     condense: Callable[[Result], Result] = dict
     rename: Callable[[Result], Result] = dict
+    details: str = ""
+
+    def list_docs(self, folder: Path) -> list[Path]:
+        """The files of the page and of its details."""
+        return [folder / f"{name}.md" for name in (self.name, self.details) if name]
 
     @property
     def raw(self) -> Path:

@@ -23,10 +23,12 @@ import tyro
 
 import physagent_jax as pa
 from baselines.methods import make_method
+from baselines.plot import plot
 from baselines.tasks import TaskSpec, load_tasks, split_available
 from benchmarks import harness
 from benchmarks.harness import RAW, Job
 from benchmarks.headtohead import leaderboard
+from benchmarks.headtohead.comparison import choose_split
 from benchmarks.headtohead.entrants import (
     ABLATION,
     ITERATIONS,
@@ -47,7 +49,6 @@ from benchmarks.headtohead.jobs import (
     list_similarities,
 )
 from benchmarks.headtohead.markdown import PAGE
-from benchmarks.headtohead.plot import plot
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.names import explain_unknown_name
 from physagent_jax.metrics.clip_similarity import load_clip
@@ -155,7 +156,8 @@ def main() -> int:
     if command.leaderboard is not None and command.json.is_file():
         leaderboard.merge(command.leaderboard, json.loads(command.json.read_text()))
     if command.plots is not None:
-        plot(json.loads(command.json.read_text()), command.plots)
+        rows = json.loads(command.json.read_text())["methods"]["rows"]
+        plot(choose_split(rows), command.plots / "headtohead-success.svg")
     return code
 
 

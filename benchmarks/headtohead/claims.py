@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 
-from benchmarks.harness.statistics import CONTRARY, LEVEL, correct, find_smallest_difference
-from benchmarks.headtohead.fits import Pair, Rows, compare, is_measured
+from baselines.fits import Pair, Rows, compare, is_measured
+from physagent_jax.metrics.statistics import CONTRARY, LEVEL, correct, find_smallest_difference
 
 
 @dataclasses.dataclass(frozen=True)

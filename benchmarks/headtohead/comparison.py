@@ -7,20 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.harness import Tables, number, table
-from benchmarks.harness.statistics import (
-    Estimate,
-    correct,
-    draw_again,
-    estimate_share,
-    find_improvement,
-    find_interquartile_mean,
-    find_profile,
-    find_smallest_difference,
-)
-from benchmarks.headtohead import claims
-from benchmarks.headtohead.entrants import ABLATION, METHODS, list_distillers
-from benchmarks.headtohead.fits import (
+from baselines.fits import (
     Row,
     Rows,
     arrange,
@@ -39,6 +26,19 @@ from benchmarks.headtohead.fits import (
     list_marks,
     list_successes,
     read_cost,
+)
+from benchmarks.harness import Tables, number, table
+from benchmarks.headtohead import claims
+from benchmarks.headtohead.entrants import ABLATION, METHODS, list_distillers
+from physagent_jax.metrics.statistics import (
+    Estimate,
+    correct,
+    draw_again,
+    estimate_share,
+    find_improvement,
+    find_interquartile_mean,
+    find_profile,
+    find_smallest_difference,
 )
 
 REFERENCE, CHANCE = "rules", "random"

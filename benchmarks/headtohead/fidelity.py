@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from baselines.fits import Rows, group
 from benchmarks.harness import number, table
-from benchmarks.headtohead.fits import Rows, group
 from physagent_jax.metrics.fidelity import BARS, UNITS
 
 

@@ -10,7 +10,9 @@ from collections.abc import Sequence
 from functools import cache, partial
 from pathlib import Path
 
+from baselines.fits import read_budget
 from baselines.materials import OWN
+from baselines.measuring import judge_field
 from baselines.recordings import rate
 from baselines.simulation import Simulation
 from baselines.tasks import Task, TaskSpec, load_witnesses, make_task
@@ -18,8 +20,7 @@ from benchmarks import harness
 from benchmarks.harness import Job, Row
 from benchmarks.headtohead import leaderboard
 from benchmarks.headtohead.entrants import Entrant
-from benchmarks.headtohead.fits import read_budget
-from benchmarks.headtohead.measuring import judge_field, measure, measure_gradient
+from benchmarks.headtohead.measuring import measure, measure_gradient
 from benchmarks.headtohead.neighbourhood import list_begins, list_entrants, move
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
@@ -176,9 +177,11 @@ def list_similarities(specs: Sequence[TaskSpec], result: Path, clip: Path, data:
     """CLIPsim of the force fields of every part, and of a clip in which nothing is done.
 
     Of a fit it is the last; of the part that counts rewrites, that of every round; brought materials have no clips.
+    Each is also compared with another sentence about the same object: what the two have in common tells nothing.
     """
     known = {spec.name: spec for spec in specs}
     content = json.loads(result.read_text()) if result.is_file() else {}
+    others = {spec.name: find_other_sentence(spec, specs) for spec in specs}
     jobs, named = [], {}
     for part in SHOWN:
         for row in content.get(part, {}).get("rows", []):
@@ -188,11 +191,13 @@ def list_similarities(specs: Sequence[TaskSpec], result: Path, clip: Path, data:
             for mark in row["marks"] if part == "iterations" else row["marks"][-1:]:
                 shown = {**row, "part": part, "marks": [mark], "label": _name_clip(part, row, mark)}
                 name = f"{part} / {row['job']}" + (f" / {mark['mark']:g}" if part == "iterations" else "")
-                work = partial(measure_similarity, shown, known[row["task"]], clip, data)
+                work = partial(measure_similarity, shown, known[row["task"]], clip, data, others[row["task"]])
                 jobs.append(Job(name, work, row["task"]))
     for name, spec in named.items():
         still = {"part": "methods", "label": NOTHING, "task": name, "oracle": False, "seed": 0, "marks": []}
-        jobs.append(Job(f"{name} / nothing", partial(measure_similarity, still, spec, clip, data), name))
+        jobs.append(
+            Job(f"{name} / nothing", partial(measure_similarity, still, spec, clip, data, others[name]), name)
+        )
     return jobs
 
 
@@ -203,8 +208,20 @@ def _name_clip(part: str, row: Row, mark: Row) -> str:
     return f"{row['label']}, {row['material']}" if part == "materials" else row["label"]
 
 
-def measure_similarity(row: Row, spec: TaskSpec, clip: Path, data: Path | None) -> list[Row]:
-    """CLIPsim of a stored force field with its task's sentence, in the pictures that methods see."""
+def find_other_sentence(spec: TaskSpec, specs: Sequence[TaskSpec]) -> str | None:
+    """A sentence about the same object that asks for another kind of motion; None if there is none.
+
+    It is the next after the task's own, in a circle.
+    """
+    place = specs.index(spec)
+    rest = [*specs[place + 1 :], *specs[:place]]
+    return next((s.sentence for s in rest if s.object == spec.object and s.family != spec.family), None)
+
+
+def measure_similarity(
+    row: Row, spec: TaskSpec, clip: Path, data: Path | None, other: str | None = None
+) -> list[Row]:
+    """CLIPsim of a stored force field with its task's sentence and with another, in the pictures that methods see."""
     last = row["marks"][-1] if row["marks"] else None
     field = ForceField() if last is None else ForceField.model_validate(last["force_field"])
     told = {name: row[name] for name in ("part", "label", "task", "oracle", "seed")} | {
@@ -215,8 +232,10 @@ def measure_similarity(row: Row, spec: TaskSpec, clip: Path, data: Path | None) 
         pictures, _ = Simulation(_make(spec, data, row.get("material", OWN))).play(field)
     except UserError as error:  # what cannot be simulated has no pictures
         return [told | {"refused": str(error)[:200]}]
-    found = measure_clip_similarity(pictures.rgb, spec.sentence, _load_clip(clip))
-    return [told | {"mark": last and last["mark"], **dataclasses.asdict(found)}]
+    model = _load_clip(clip)
+    found = measure_clip_similarity(pictures.rgb, spec.sentence, model)
+    apart = None if other is None else measure_clip_similarity(pictures.rgb, other, model).mean
+    return [told | {"mark": last and last["mark"], **dataclasses.asdict(found), "shuffled": apart}]
 
 
 def list_ratings(specs: Sequence[TaskSpec], tasks: Path, result: Path, data: Path | None) -> list[Job]:

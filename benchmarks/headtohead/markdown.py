@@ -7,32 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.harness import (
-    Page,
-    Result,
-    Tables,
-    condense_section,
-    make_lines,
-    number,
-    provenance,
-    read_lines,
-    table,
-)
-from benchmarks.harness.statistics import draw_again, find_interquartile_mean
-from benchmarks.headtohead import claims
-from benchmarks.headtohead.comparison import (
-    choose_split,
-    format_count,
-    format_figure,
-    list_comparison,
-    name_row,
-    tell_published,
-    tell_splits,
-    write_marks,
-)
-from benchmarks.headtohead.entrants import ABLATION_ROWS, LOCAL, list_distillers, rename
-from benchmarks.headtohead.fidelity import count_clean, write_terms
-from benchmarks.headtohead.fits import (
+from baselines.fits import (
     arrange,
     average_tasks,
     choose_fits,
@@ -46,7 +21,32 @@ from benchmarks.headtohead.fits import (
     read_budget,
     read_cost,
 )
+from benchmarks.harness import (
+    Page,
+    Result,
+    Tables,
+    condense_section,
+    make_lines,
+    number,
+    provenance,
+    read_lines,
+    table,
+)
+from benchmarks.headtohead import claims
+from benchmarks.headtohead.comparison import (
+    choose_split,
+    format_count,
+    format_figure,
+    list_comparison,
+    name_row,
+    tell_published,
+    tell_splits,
+    write_marks,
+)
+from benchmarks.headtohead.entrants import ABLATION_ROWS, LOCAL, list_distillers, rename
+from benchmarks.headtohead.fidelity import count_clean, write_terms
 from benchmarks.headtohead.leaderboard import PARTS as FITS
+from physagent_jax.metrics.statistics import draw_again, find_interquartile_mean
 
 PARTS = (
     "methods",
@@ -221,7 +221,10 @@ def _write_gradients(rows: list[dict]) -> str:
 
 
 def _write_similarities(rows: list[dict]) -> str:
-    """CLIPsim, and in brackets its difference to that of a still clip, by family and for every part with clips."""
+    """CLIPsim, by family and for every part with clips.
+
+    In brackets its differences to that of the first frame alone, and to that of the same clip with another sentence.
+    """
     families = list(dict.fromkeys(row["family"] for row in rows))
     lines = []
     for (part, label), mine in _group_clips(rows).items():
@@ -229,9 +232,13 @@ def _write_similarities(rows: list[dict]) -> str:
         cells = []
         for family in (*families, None):
             some = [row for row in done if family in (None, row["family"])]
-            gain = np.array([row["mean"] - row["still"] for row in some])
+            told = [
+                np.mean([row["mean"] - row[control] for row in known])
+                for control in ("still", "shuffled")
+                if (known := [row for row in some if row.get(control) is not None])
+            ]
             mean = f"{np.mean([row['mean'] for row in some]):.4f}" if some else ""
-            cells.append(f"{mean} ({gain.mean():+.4f})" if some else "")
+            cells.append(f"{mean} ({', '.join(f'{gain:+.4f}' for gain in told)})" if some else "")
         models = ", ".join(dict.fromkeys(row["model"] for row in done))
         lines.append([part, name_row(label, mine), len(done), *cells, models])
     return table(["part", "method", "clips", *families, "all", "model"], lines)
@@ -260,4 +267,5 @@ PAGE = Page(
     ),
     condense,
     rename,
+    "head-to-head-details",
 )

@@ -29,10 +29,12 @@ class MaterialWord:
     Attributes:
         preset: Kind or library entry that stands for it.
         near: Whether that is only the nearest there is.
+        becomes: Whether it is a verb by which matter becomes it, whatever it was: "melts".
     """
 
     preset: str
     near: bool = False
+    becomes: bool = False
 
 
 @dataclass(frozen=True)
@@ -80,10 +82,8 @@ def read_material_words() -> MaterialLexicon:
     words: dict[str, MaterialWord] = {}
     adjectives: set[str] = set()
     for row in content.pop("materials"):
-        forms, meaning = (
-            _split(row.get("adjectives", "")),
-            MaterialWord(row["preset"], row.get("near", False)),
-        )
+        forms = _split(row.get("adjectives", ""))
+        meaning = MaterialWord(row["preset"], row.get("near", False), row.get("becomes", False))
         words |= dict.fromkeys([*_split(row["words"]), *forms], meaning)
         adjectives |= set(forms)
     compounds = frozenset(_split(content.pop("compounds")))
@@ -148,6 +148,8 @@ class _Finder:
             found = None
             if " ".join(self.tokens[at : at + length + 1]) in compounds:
                 length += 1
+            elif length and words[word].becomes:
+                found = None if self._get(at - 1) in self.before else (at, at + length, True)
             elif length:
                 found = self._read(at, at + length, word in adjectives)
             elif self._is_noun(at) and (begin := self._find_made(at)) is not None:
@@ -159,6 +161,7 @@ class _Finder:
                 start, end = self.spans[first][0], self.spans[last - 1][1]
                 named = first == at and word in self.own
                 masked = (self.spans[self._find_masked(first, at)][0], self.spans[at + max(length, 1) - 1][1])
+                masked = None if length and words[word].becomes else masked
                 yield MaterialMention(word, self.text[start:end], turns, named, (start, end), masked)
             at += max(length, 1)
 

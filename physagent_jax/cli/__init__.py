@@ -111,7 +111,7 @@ def join_options(arguments: list[str]) -> list[str]:
 def _is_computing(arguments: list[str]) -> bool:
     """Return whether a command needs devices and caches; help texts and schemas come whatever state those are in."""
     helped = not arguments or bool({"-h", "--help"} & set(arguments))
-    return not helped and arguments[0] not in ("schema", "report", "doctor", "models")
+    return not helped and arguments[0] not in ("schema", "report", "doctor", "models", "study")
 
 
 def _to_user_error(error: UserError | OSError | MemoryError | ModuleNotFoundError) -> UserError:

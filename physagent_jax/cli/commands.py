@@ -18,6 +18,7 @@ from physagent_jax.cli.plan import Plan
 from physagent_jax.cli.run import Run
 from physagent_jax.cli.score import Score
 from physagent_jax.cli.simulate import ImportPhysGaussian, Simulate
+from physagent_jax.cli.study import Study
 from physagent_jax.core.errors import UserError
 
 DESCRIPTION = "Physically simulated 4D video from 3D Gaussians and a sentence."
@@ -134,5 +135,6 @@ COMMANDS = {
     "schema": Schema,
     "report": Report,
     "score": Score,
+    "study": Study,
     "doctor": Doctor,
 }

@@ -104,6 +104,9 @@ PART_STRAIN = 0.16
 GRAVITY = 9.8
 """[m/s^2] of a world with gravity."""
 
+ALOFT = 0.6
+"""[share] of its time that each of several leaps is in the air, at most."""
+
 FRICTION = 0.4
 """[1] Coulomb coefficient of the ground, unless it is given: dry wood, plastic or ceramics on a floor have
 0.2 to 0.5."""
@@ -162,3 +165,14 @@ def find_tipping(strength: float, longest: float, duration: float) -> tuple[floa
     """
     seconds = max(min(TIPPING_TIME / math.sqrt(strength), longest), 1e-3)
     return find_magnitude(TIPPED / TURN, seconds, duration, braked=False), seconds
+
+
+def find_highest_leap(seconds: float) -> float:
+    """Rise [m] of a leap, at most, after which there is time to land and to stand before the next one.
+
+    It is in the air for sqrt(8 h / g).
+
+    Args:
+        seconds: Time from one leap to the next [s].
+    """
+    return GRAVITY * (ALOFT * seconds) ** 2 / 8.0

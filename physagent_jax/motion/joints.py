@@ -65,6 +65,7 @@ _STEEPEST = 1.5  # slope of u^2 (3 - 2 u) in its middle
 _BORDER = 3.0  # standard deviations of the neck, within which the rest borders on the part
 _SPUN = 180.0  # [degrees] that a plain word turns what stands on the rest about the upright
 _NECKED = frozenset(("head", "face", "neck"))  # words for what does not turn so far
+_JAWS = frozenset(("jaw", "mouth"))  # words for what opens downwards
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them
 _TIME = 1.0  # [s] in which a limb gets where it goes, at most
 Window = tuple[float, float]
@@ -151,7 +152,7 @@ class Turning:
         stop = None if let_go or until <= window[1] else until
         if motion.kind is MotionKind.ROTATE and axis is not None:
             return [self.turn(axis, self.find_angle(motion, axis), window, stop)], motion
-        way = motion.direction or self.swing
+        way = self._gape(motion) or motion.direction or self.swing
         place = self.part.origin == "place"  # it has no joint
         angle = self.find_angle(motion, None if place else self.find_axis(way, sudden=motion.sudden), way)
         course = motion.direction and self.find_course(way, angle, sudden=motion.sudden)
@@ -285,6 +286,13 @@ class Turning:
             return None
         level = abs(dot(self.arm, self.brief.directions.up)) < _HANGS
         return self.brief.directions.down if level else find_front(self.brief.parts)
+
+    def _gape(self, motion: ExpectedMotion) -> Vector | None:
+        """The way of a jaw that opens; None = it is no jaw, or does something else."""
+        opens = any(each.startswith("open") for each in split_name(motion.words))
+        return (
+            self.brief.directions.down if opens and not _JAWS.isdisjoint(split_name(self.part.name)) else None
+        )
 
     def bring(
         self, way: Vector, motion: ExpectedMotion, angle: float, window: Window, stop: float | None

@@ -435,10 +435,11 @@ def _lead(wish: Wish) -> _Replaced:
     quick = expectation.even and seconds <= QUICK + brief.frame_dt
     usual = brief.seconds if quick else seconds  # what is sudden goes as far as in all of the clip
     level = turns and abs(cosine(way, brief.directions.up)) < _VERTICAL
-    spins = level and abs(cosine(way, brief.long_axis or _NO_WAY)) > _VERTICAL and _stands_alone(wish)
+    lengthwise = abs(cosine(way, brief.long_axis or _NO_WAY)) > _VERTICAL
+    spins = turns and (lengthwise or not level) and _stands_alone(wish)
     if turns:
         usually = expect_rotation(expectation, False, seconds=usual)
-        angle = told.target if told else _SPUN * usually.high if spins else usually.target
+        angle = told.target if told else _SPUN * usually.high if spins and level else usually.target
         effort = math.radians(angle) / TURN
     else:
         effort = find_wanted_way(expectation, brief, usual) / TRAVEL

@@ -53,14 +53,16 @@ def choose_parts(
         if sided:
             return tuple(sided if plural else sided[:1])
         nearness = {index: _find_nearness(parts[index], side) for index in fitting}
-        fitting = [index for index in fitting if nearness[index] > _THERE]
+        there = [index for index in fitting if nearness[index] > _THERE]
+        behind = [index for index in fitting if nearness[index] > -_THERE]  # two may stand behind each other
+        fitting = there or behind * (len(behind) == len(fitting) == 2)
         least = _ALIKE * max((parts[index].share for index in fitting), default=0.0)
         seen = {
             index: (cosine(parts[index].side, toward) if parts[index].share >= least else -1.0)
             for index in fitting
         }
         fitting.sort(key=lambda index: (-nearness[index], -round(seen[index], 1), -parts[index].share))
-        if role in PLACES and len(fitting) > 1 and not plural:
+        if role in PLACES and len(fitting) > 1 and not (plural or side):
             continue
         if fitting:
             return tuple(fitting if plural else fitting[:1])

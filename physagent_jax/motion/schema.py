@@ -75,6 +75,7 @@ class SceneBrief(Strict):
         frame_dt: Seconds per frame [s].
         size: The object's longest side [m].
         long_axis: World axis along which the object is clearly longest; None if it has none.
+        extents: Its width, height and depth as the viewer sees it [body lengths].
         world: "ground": gravity acts and the object stands on the ground, unless the sentence says otherwise; "free":
             it floats at rest in empty space.
         directions: The direction table.
@@ -90,6 +91,7 @@ class SceneBrief(Strict):
     frame_dt: float = Field(ge=1e-6, le=100)
     size: float = Field(default=1.0, ge=1e-6, le=1e6)
     long_axis: Numbers | None = None
+    extents: Numbers = (1.0, 1.0, 1.0)
     world: Literal["ground", "free"] = "free"
     directions: DirectionTable
     parts: tuple[Part, ...] = ()

@@ -27,7 +27,8 @@ _MOST = 120.0  # [degrees] that a quantity may tell
 _TIME, _SWING = 1.0, 0.28  # [s] in which it is bent, at most, and of each swing as it springs back
 # Swings as it springs back, in parts of the angle: each goes 0.39 as far as the one before.
 _BACK = (-1.4, 0.55, -0.21, 0.06)
-_TILT = 11.0  # [degrees] that it rocks by to either side with a strength of 1
+_TILT = 14.0  # [degrees] that it rocks by to either side with a strength of 1
+_MILD = 0.5  # power of a strength that an angle to either side grows with: what is gentle is seen as well
 _SETTLED = 0.2  # [s] for which it is kept upright where it has stopped rocking
 _REACH = 2.0  # [body lengths]: all of its foot borders on the rest
 _LEVEL = 0.7  # cosine to the vertical below which a way leads aside
@@ -71,7 +72,9 @@ def sway(
     return [
         turn
         for stroke, span, stop in zip(strokes, _divide((window[0], end), strokes), stops)
-        for turn in _turn(brief, [_make_upper(brief)], way, stroke * strength * _ANGLE, span, stop, _DEPTH)
+        for turn in _turn(
+            brief, [_make_upper(brief)], way, stroke * strength**_MILD * _ANGLE, span, stop, _DEPTH
+        )
     ]
 
 
@@ -173,7 +176,7 @@ def rock(
     assert axis is not None  # the way is level
     driver = PartDriver(_make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
     spans = _divide(window, strokes)
-    made = [driver.turn(axis, s * strength * _TILT, span, None) for s, span in zip(strokes, spans)]
+    made = [driver.turn(axis, s * strength**_MILD * _TILT, span, None) for s, span in zip(strokes, spans)]
     rest = min(window[1] + brief.count_frames(_SETTLED), last)
     made[-1] = made[-1].model_copy(update=dict(held_until=rest if rest > window[1] else None))
     return [each.model_copy(update=dict(region=None, pivot=None)) for each in made]

@@ -12,6 +12,7 @@ from physagent_jax.mpm.constraints import RigidBody as RigidBody
 from physagent_jax.mpm.frame import Frame as Frame
 from physagent_jax.mpm.inertia import Lumped as Lumped
 from physagent_jax.mpm.inertia import Sharpened as Sharpened
+from physagent_jax.mpm.materials import Brittle as Brittle
 from physagent_jax.mpm.materials import DruckerPrager as DruckerPrager
 from physagent_jax.mpm.materials import FixedCorotated as FixedCorotated
 from physagent_jax.mpm.materials import Fluid as Fluid

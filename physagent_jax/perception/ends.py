@@ -137,15 +137,30 @@ class Ends:
         self._last = after, belongs
 
     def loses_part(self, pairs: np.ndarray) -> bool:
-        """Return whether a part has lost half of the link's points that lie on it.
+        """Return whether a part has lost half of the link's points that lie on it, and enough are left to go on from.
 
         Args:
             pairs: Which of the link's points are left, bool, shape (N,).
         """
-        known = np.array([pose is not None for pose in self._base], bool) & (self._belongs.sum(0) >= FEWEST)
-        known[: len(DIRECTIONS)] = False
-        left = self._belongs[pairs].sum(0)
-        return bool((known & (left < np.maximum(KEPT_PART * self._belongs.sum(0), FEWEST))).any())
+        had, left = self._count(pairs)
+        return bool(((left < KEPT_PART * had) & (left >= FEWEST)).any())
+
+    def drops_part(self, frame: int, pairs: np.ndarray) -> bool:
+        """Return whether too few points are left of a part that was fitted in an earlier frame.
+
+        Args:
+            frame: That frame.
+            pairs: Which of the link's points are left, bool, shape (N,).
+        """
+        had, left = self._count(pairs)
+        fitted = np.array([pose is not None for pose in self.poses[frame][len(DIRECTIONS) :]], bool)
+        return bool((fitted & (had >= FEWEST) & (left < FEWEST)).any())
+
+    def _count(self, pairs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Points of the link on each part that is known, and how many of them are left, shape (p,)."""
+        known = [pose is not None for pose in self._base]
+        had, left = (np.where(known, each.sum(0), 0) for each in (self._belongs, self._belongs[pairs]))
+        return had[len(DIRECTIONS) :], left[len(DIRECTIONS) :]
 
     def lose(self) -> None:
         """Forget which point belongs to which end: what is seeded later has no earlier neighbours."""

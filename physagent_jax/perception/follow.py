@@ -22,7 +22,6 @@ SEEDS = 300
 """Points seeded per link, about."""
 PART_SEEDS = 60
 """The same on each part that is followed by itself, more densely: a thin one has few pixels."""
-NO_SEEDS = np.zeros((0, 2))
 FEWEST = 12
 """Pairs of points below which no motion is fitted."""
 KEPT_LINK = 0.6
@@ -112,16 +111,15 @@ def follow(
     return path
 
 
-def link(path, span, base, chain, own, clip: EncodedClip, depths, camera, more=NO_SEEDS) -> int:
+def link(path, span, base, chain, own, clip: EncodedClip, depths, camera, more=()) -> int:
     """Follow one set of seeds, write what it finds into ``path``; return the last frame that it reached.
 
-    The seeds ``more`` tell of parts alone: the whole would else be taken for the part that has most of them.
+    The seeds ``more`` tell of one part each: the whole would else be taken for the part that has most of them.
     """
     start = reached = span.start
-    seeds = np.concatenate([own, more])
+    seeds = np.concatenate([own, *more])
     whole = np.arange(len(seeds)) < len(own)
-    queries = np.concatenate([np.full((len(seeds), 1), start), seeds], 1)
-    followed = _clean(clip.track(queries, until=span.stop))
+    followed = _track(own, more, clip, span)
     before = lift.unproject(seeds, lift.sample(depths[start], seeds), camera)
     known = np.isfinite(before[:, 0])  # seeds at the rim of what broke up may have no depth
     face = lift.measure_facing(depths[start], seeds, camera)
@@ -135,6 +133,8 @@ def link(path, span, base, chain, own, clip: EncodedClip, depths, camera, more=N
         kept = (pairs & whole).sum() / len(own)
         if (pairs & whole).sum() < FEWEST or kept < KEPT_FIT:
             break
+        if reached > start and path.ends is not None and path.ends.drops_part(reached, pairs):
+            break  # it is seeded anew where it is still seen
         # Where the surface is steep, a pixel off is far off in depth.
         trust = (np.minimum(face, lift.measure_facing(depths[t], at, camera))[pairs] + 0.05) * sure[pairs]
         mine = whole[pairs]
@@ -158,6 +158,29 @@ def link(path, span, base, chain, own, clip: EncodedClip, depths, camera, more=N
     return reached
 
 
+def _track(own, more, clip: EncodedClip, span: slice) -> Tracks:
+    """Tracks of the seeds of the whole, then of each part's, from the span's start to its end.
+
+    A tracker takes for one body what it follows together. So a part's seeds are followed by themselves as well, and
+    with the whole where that loses them: there they are found again when they come back.
+    """
+
+    def track(seeds) -> Tracks:
+        return _clean(clip.track(np.insert(seeds, 0, span.start, axis=1), until=span.stop))
+
+    found, begin = track(np.concatenate([own, *more])), len(own)
+    for seeds in filter(len, more):
+        columns, apart = slice(begin, begin + len(seeds)), track(seeds)
+        begin += len(seeds)
+        for kept, better in (
+            (found.xy, apart.xy),
+            (found.confidence, apart.confidence),
+            (found.visible, apart.visible),
+        ):
+            kept[:, columns][apart.visible] = better[apart.visible]
+    return found
+
+
 def _clean(tracks: Tracks) -> Tracks:
     """Tracks that are visible only where they are numbers, nan elsewhere, with a confidence of 0 to 1."""
     finite = np.asarray(np.isfinite(tracks.xy).all(-1))
@@ -168,18 +191,18 @@ def _clean(tracks: Tracks) -> Tracks:
 
 def _place_part_seeds(
     ends: Ends | None, start: int, frame: np.ndarray, depth: np.ndarray, camera: Camera
-) -> np.ndarray:
-    """More seeds on each part [px], shape (N, 2)."""
+) -> list[np.ndarray]:
+    """More seeds on each part [px], shape (N, 2) each."""
     if ends is None or not ends.prompts:
-        return NO_SEEDS
+        return []
     y, x = np.nonzero(np.isfinite(depth))
     belongs = ends.find_parts(start, lift.unproject(np.stack([x + 0.5, y + 0.5], 1), depth[y, x], camera))
-    found = [NO_SEEDS]
+    found = []
     for mine in belongs.T:
         within = np.full_like(depth, np.nan)
         within[y[mine], x[mine]] = depth[y[mine], x[mine]]
         found.append(place_seeds(frame, within, PART_SEEDS, least=2, rim=0)[0])
-    return np.concatenate(found)
+    return found
 
 
 def place_seeds(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from physagent_jax.forces.part import Part
 from physagent_jax.motion.parts import label_parts
 from physagent_jax.motion.schema import DirectionTable, SceneBrief
-from physagent_jax.scene.broad_side import find_long_axis
+from physagent_jax.scene.broad_side import find_extents, find_long_axis
 from physagent_jax.scene.camera import find_viewer_directions
 from physagent_jax.scene.priors import list_nouns
 from physagent_jax.scene.template import SceneTemplate
@@ -22,6 +22,7 @@ def make_brief(
         parts: The object's parts.
     """
     directions = DirectionTable(**find_viewer_directions(template.camera))
+    ways = (directions.right, directions.up, directions.toward)
     timing, anchor = template.preset.timing, template.anchor
     return SceneBrief(
         object_name=template.source.name,
@@ -33,6 +34,7 @@ def make_brief(
         frame_dt=timing.frame_dt,
         size=template.source.extent,
         long_axis=find_long_axis(template.source, template.preset.domain),
+        extents=find_extents(template.source, template.preset.domain, ways),
         world="ground" if template.world.gravity == "down" and template.world.ground else "free",
         directions=directions,
         parts=label_parts(parts, directions),

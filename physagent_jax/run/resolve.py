@@ -48,7 +48,7 @@ from physagent_jax.scene.priors import (
     find_kind,
     guess_kind,
 )
-from physagent_jax.scene.standing import explain_tilt, hold_upright, level, make_stand
+from physagent_jax.scene.standing import Support, explain_tilt, hold_upright, level, make_stand
 from physagent_jax.scene.template import SceneTemplate
 from physagent_jax.scene.world import WORLDS, Obstacle, World
 
@@ -108,7 +108,7 @@ class ResolvedRun:
             reply: What the sentence says of the scene; None = it is not read yet.
         """
         template = self.template if reply is None else self.with_reply(reply)
-        return hold_upright(template, body, **self._choose_support(reply))[0]
+        return hold_upright(template, body, self._choose_support(reply))[0]
 
     def place(self, body: Body, reply: SemanticReply | None = None) -> tuple[SceneTemplate, tuple[str, ...]]:
         """The scene in which the object stays as it was captured, and in words what had to be changed for that.
@@ -123,7 +123,7 @@ class ResolvedRun:
             UserError: The reply is about a part that is not known, or what is held cannot make a motion that it plans.
         """
         if reply is None:
-            return make_stand(self.template, body, **self._choose_support(None))
+            return make_stand(self.template, body, self._choose_support(None))
         if reply.unknown_parts:
             brief = make_brief(self.template, parts=self.list_parts(body))
             raise UnknownPartError(
@@ -133,23 +133,23 @@ class ResolvedRun:
         before, template = template.camera, self._look_at_parts(template, body, reply)
         viewed = () if template.camera == before else (VIEW_NOTE.format(template.camera.azimuth_degrees),)
         options = self._choose_support(reply)
-        template, support = hold_upright(template, body, **options)
+        template, support = hold_upright(template, body, options)
         hold = self.find_hold(reply, body)
         held = () if hold is None else check_hold(hold, template.anchor, body, reply, self.base_dir)
         said = self.find_material(reply).preset
         keeps = hold is None and keeps_shape(reply)
         if keeps and is_hard(self.spec.material, template.source.kind, said):
             template, told = make_rigid(template), (RIGID_NOTE,)  # a softer stand-in's looks are not seen
-        standing, notes = make_stand(template, body, **options)
+        standing, notes = make_stand(template, body, options)
         bearing = standing.bearing
         if keeps and bearing is not None and is_stiffened(self.spec.material, said, bearing):
             told = (*told, STIFF_NOTE.format(bearing.most))
-            standing, notes = make_stand(make_rigid(template), body, **options)
+            standing, notes = make_stand(make_rigid(template), body, options)
         return standing, (*told, *held, *support, *notes, *viewed)
 
-    def _choose_support(self, reply: SemanticReply | None) -> dict[str, Any]:
-        """The options of `make_stand`: what the user and the sentence leave to it."""
-        return dict(
+    def _choose_support(self, reply: SemanticReply | None) -> Support:
+        """The freedom that the user and the sentence leave to `make_stand`."""
+        return Support(
             keep_material=self.spec.material.says_stiffness,
             keep_weight=reply is not None and reply.world.gravity is not None,
             let_go="none" in (self.spec.anchor.kind, reply and reply.anchor.kind),

@@ -53,6 +53,7 @@ def choose_said_material(
                 f"'{mention.word}' belongs to the object's name, so that its material stays that of its kind: "
                 f"--material {meaning.preset} chooses it"
             )
+    known = [pair for pair in known if pair[1].becomes] or known
     presets = list(dict.fromkeys(meaning.preset for _, meaning in known))
     if not presets:
         return SaidMaterial(notes=tuple(notes))

@@ -51,8 +51,22 @@ def find_long_axis(source: Source, domain: Domain) -> Vector | None:
     return _measure_cached(source.model_dump_json(), domain.model_dump_json())[1]
 
 
+def find_extents(source: Source, domain: Domain, ways: Sequence[Vector]) -> tuple[float, float, float]:
+    """The extents along unit vectors in the world, as shares of its longest side.
+
+    Other arguments and errors as of `find_broad_side`.
+    """
+    return measure_extents(_measure_cached(source.model_dump_json(), domain.model_dump_json())[2], ways)
+
+
+def measure_extents(points: np.ndarray, ways: Sequence[Vector]) -> tuple[float, float, float]:
+    """The extents of points, shape (n, 3), along three unit vectors, as shares of the longest along an axis."""
+    first, second, third = np.ptp(points @ np.transpose(ways), axis=0) / np.ptp(points, axis=0).max()
+    return round(float(first), 3), round(float(second), 3), round(float(third), 3)
+
+
 @functools.lru_cache(maxsize=64)
-def _measure_cached(source: str, domain: str) -> tuple[float, Vector | None]:
+def _measure_cached(source: str, domain: str) -> tuple[float, Vector | None, np.ndarray]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # they are heeded when the object is loaded in earnest
         parsed = Source.model_validate_json(source)
@@ -67,7 +81,9 @@ def _measure_cached(source: str, domain: str) -> tuple[float, Vector | None]:
     if way is not None and abs(way[2]) < _STEEP:
         front = float(np.degrees(np.arctan2(way[0], -way[1])))
     colours = np.asarray(cloud.sh, np.float64)[:, 0]
-    return find_broad_azimuth(points, colours, front), _find_long_axis(points)
+    low, high = np.quantile(points, [TRIMMED, 1 - TRIMMED], axis=0)
+    kept = points[((points >= low) & (points <= high)).all(axis=1)]
+    return find_broad_azimuth(points, colours, front), _find_long_axis(points), kept
 
 
 def find_named_front(surfaces: Sequence[MeshPart], rotation: np.ndarray) -> np.ndarray | None:

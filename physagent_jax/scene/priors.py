@@ -219,6 +219,23 @@ PRIORS: dict[str, Prior] = {
         model=MaterialModel.FLUID,
         parameters={"viscosity": 1e-3},
     ),
+    "brittle": Prior(
+        (),
+        3e5, 0.2, 500.0,
+        "hollow glass or ceramics (500 kg/m^3) in some thirty pieces: stands under its own weight (5 kPa at 1 m) and "
+        "fails by a fall from half a body length, which presses with 40 kPa; the flour between pieces has hardly any "
+        "friction, so that they part; real glass is 1e5 times stiffer",
+        model=MaterialModel.BRITTLE,
+        parameters={"friction_angle": 1.0, "cohesion": 5e3, "fragments": 30},
+    ),
+    "melt": Prior(
+        (),
+        2e5, 0.4, 1000.0,
+        "wax, chocolate or ice that melts: flows under its own weight (10 kPa at 1 m) within a second or two and keeps "
+        "hardly any shape; chosen for visible motion",
+        model=MaterialModel.VISCOPLASTIC,
+        parameters={"yield_stress": 1e2, "plastic_viscosity": 4e3},
+    ),
     UNKNOWN: Prior(
         (), 5e4, 0.3, 200.0,
         "nothing is known of the object: PhysGaussian's default density, a stiffness chosen for visible motion",

@@ -1,36 +1,34 @@
 """Closed meshes as signed distances on a regular grid, for `mpm.SignedDistance`.
 
-Near the surface the distances are those to the triangles, exact to round-off (`narrow_band`). Deep inside and far
+Within `BAND` of the surface the distances are those to the triangles, exact to round-off. Deep inside and far
 outside, where an obstacle needs only the sign and a rough direction, they are those to one near triangle. The sign
 comes from the winding number along vertical lines, so parts of the mesh may overlap; but deep inside such a
-solid the distance is that to its inner faces.
+solid the distance is that to its inner faces. All of it is one compiled function (`kernels.triangles`).
 """
 
 from __future__ import annotations
 
 import warnings
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import trimesh
 from scipy import ndimage
 
 from physagent_jax.core.errors import UserError
+from physagent_jax.kernels import import_kernels, numba_missing
 from physagent_jax.scene.mesh_files import read_mesh
-from physagent_jax.scene.narrow_band import BAND as BAND
-from physagent_jax.scene.narrow_band import MOST_PAIRS, measure_distances
 
+BAND = 2.5  # cells to either side of the surface within which distances are exact
 MARGIN = 3  # cells around the mesh
-# What a mesh may cost: about half a minute.
+# What a mesh may cost: a few seconds.
 _MOST_SAMPLES = 4_000_000  # a domain of 150 cells
+_MOST_PAIRS = 1_000_000_000  # of nodes and triangles near them, and of vertical lines and triangles
 _THICKNESS_SAMPLES = 4000
 _CLEAR = 0.95  # of the least thickness: distances between nodes are right to a tenth of a cell
 _THIN_SHARE = 0.1  # of a surface from which on its walls count as thin; ears and horns alone do not
 _FARTHEST = 1e9  # cells from the origin: float64 still places the surface to 1e-6 of a cell
-_PAIRS = 2_000_000  # of lines and triangles at once
-# Vertical lines pass a little beside the samples, so as to miss vertices and edges that lie on them. The shift
-# is far less than the distance at which a node counts as in contact.
-_SHIFT = np.array([1.37e-6, 2.11e-6])  # in spacings
 
 
 def load_solid(path: str | Path, place: str) -> np.ndarray:
@@ -97,15 +95,11 @@ def sample(
     if len(reaching) == 0:
         raise _explain_absence(place, span)
     first, last = first.astype(int), last.astype(int)
-    shape = tuple(int(count) for count in last - first + 1)
-    try:
-        distance, exact = measure_distances(reaching / spacing - first, (shape[0], shape[1], shape[2]))
-    except UserError as error:
-        raise UserError(f"`{place}`: {error.what}", got=error.got, do=error.do) from None
-    if not exact.any():
+    shape = (int(last[0] - first[0] + 1), int(last[1] - first[1] + 1), int(last[2] - first[2] + 1))
+    distance, winding, _ = _import_kernel(place).measure(triangles / spacing - first, shape, BAND)
+    if not np.isfinite(distance).all():
         raise _explain_absence(place, span)
-    axes = [spacing * np.arange(a, b + 1) for a, b in zip(first, last)]
-    inside = winding_number(triangles, axes) != 0
+    inside = winding != 0
     if not inside.any():
         warnings.warn(f"`{place}`: no grid node lies in the mesh, which stops nothing there", stacklevel=2)
     return spacing * np.where(inside, -distance, distance), spacing * first
@@ -174,23 +168,25 @@ def _check_cost(
     place: str,
     span: str,
 ) -> None:
-    """Refuse what takes too many samples or crossings, or lies too far away, before any are made.
+    """Refuse what takes too many samples, crossings or distances, or lies too far away, before any are made.
 
     Raises:
         UserError: It does; tells how many there would be.
     """
-    with np.errstate(over="ignore"):  # what overflows is too many
-        counted = {
-            "cells": ((last - first + 1).prod(), _MOST_SAMPLES),
-            "crossings": (_bound_crossings(reaching, spacing, first, last), MOST_PAIRS),
-            "cells from the origin": (np.abs(triangles).max() / spacing, _FARTHEST),
-        }
-    for what, (count, most) in counted.items():
+    counted = {  # in this order: what lies far enough away cannot be counted
+        "cells": (lambda: (last - first + 1).prod(), _MOST_SAMPLES),
+        "cells from the origin": (lambda: np.abs(triangles).max() / spacing, _FARTHEST),
+        "crossings": (lambda: _bound_crossings(triangles, spacing, first, last), _MOST_PAIRS),
+        "distances": (lambda: _bound_pairs(reaching / spacing, first, last), _MOST_PAIRS),
+    }
+    for what, (measure, most) in counted.items():
+        with np.errstate(over="ignore"):  # what overflows is too many
+            count = measure()
         if not count <= most:
             raise UserError(
                 f"`{place}`: the mesh spans too many grid cells to be sampled",
                 got=f"{count:,.4g} {what}, at most {most:,.4g}; it reaches from {span}",
-                do="Reduce its `scale`, or use fewer `domain.cells`",
+                do="Reduce its `scale`, simplify it, or use fewer `domain.cells`",
             )
 
 
@@ -199,58 +195,29 @@ def _bound_crossings(triangles: np.ndarray, spacing: float, first: np.ndarray, l
     return float((high[:, :2] - low[:, :2] + 1).prod(1).sum())
 
 
+def _bound_pairs(triangles: np.ndarray, first: np.ndarray, last: np.ndarray) -> float:
+    """Most pairs of nodes and triangles [cells] as near as the band, as the kernel looks at them: in layers."""
+    low, high = (np.clip(c, first, last) for c in (triangles.min(1) - BAND, triangles.max(1) + BAND))
+    sides = high - low + 1
+    normal = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    across = np.arange(3) == np.abs(normal).argmax(1)[:, None]
+    return float(np.where(across, np.minimum(sides, 2 * np.sqrt(3) * BAND + 1), sides).prod(1).sum())
+
+
+def _import_kernel(place: str) -> ModuleType:
+    """The compiled function that samples.
+
+    Raises:
+        UserError: Numba, which compiles it, is missing.
+    """
+    if missing := numba_missing():
+        raise UserError(
+            f"`{place}`: a mesh cannot be sampled without Numba",
+            got=missing,
+            do="Install the package again, or use a sphere, a box or a half_space",
+        )
+    return import_kernels("physagent_jax.scene.kernels.triangles")
+
+
 def _round(point: np.ndarray) -> str:
     return "[" + ", ".join(f"{c:.4g}" for c in point) + "]"
-
-
-def winding_number(triangles: np.ndarray, axes: list[np.ndarray]) -> np.ndarray:
-    """The winding number of the mesh at each point of a regular grid, from the crossings above the point.
-
-    Args:
-        triangles: Corners, shape (m, 3, 3).
-        axes: Coordinates along x, y and z, evenly spaced, shapes (a,), (b,), (c,).
-
-    Returns:
-        0 outside, 1 inside (-1 if the faces are inside out), more where parts overlap; int, shape (a, b, c).
-    """
-    x, y, z = axes
-    start, spacing = np.array([x[0], y[0]]), z[1] - z[0]
-    flat = (triangles[:, :, :2] - start) / spacing - _SHIFT  # in spacings from the first line
-    counts = np.array([len(x), len(y)])
-    first = np.clip(np.ceil(flat.min(1)).astype(int), 0, counts)
-    last = np.clip(np.floor(flat.max(1)).astype(int), -1, counts - 1)
-    sides = np.maximum(last - first + 1, 0)
-    # crossings[i, j, k] = signed crossings of line (i, j) between samples k - 1 and k
-    crossings = np.zeros((len(x), len(y), len(z) + 1), np.int32)
-    for part in _split_chunks(sides.prod(1)):
-        _count_crossings(crossings, flat[part], triangles[part, :, 2], first[part], sides[part], z)
-    above = crossings[..., ::-1].cumsum(-1)[..., ::-1]
-    return above[..., 1:]
-
-
-def _count_crossings(crossings, flat, heights, first, sides, z) -> None:
-    pairs = sides.prod(1)
-    t = np.repeat(np.arange(len(flat)), pairs)
-    within = np.arange(len(t)) - np.repeat(pairs.cumsum() - pairs, pairs)
-    line = first[t] + np.stack([within // sides[t, 1], within % sides[t, 1]], axis=1)
-    a, b, c = (flat[t, corner] - line for corner in range(3))
-    parts = np.stack([_compute_areas(b, c), _compute_areas(c, a), _compute_areas(a, b)], axis=1)
-    hit = (parts > 0).all(1) | (parts < 0).all(1)
-    t, line, parts = t[hit], line[hit], parts[hit]
-    height = (parts * heights[t]).sum(1) / parts.sum(1)
-    k = np.clip(np.floor((height - z[0]) / (z[1] - z[0])).astype(int) + 1, 0, len(z))
-    np.add.at(crossings, (line[:, 0], line[:, 1], k), np.where(parts[:, 0] > 0, 1, -1))
-
-
-def _compute_areas(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-
-
-def _split_chunks(costs: np.ndarray) -> list[slice]:
-    """Consecutive slices of about `_PAIRS` in cost each."""
-    total = np.cumsum(costs)
-    if len(total) == 0:
-        return []
-    bounds = np.searchsorted(total, np.arange(_PAIRS, total[-1], _PAIRS))
-    edges = np.unique(np.concatenate([[0], bounds, [len(total)]]))
-    return [slice(int(a), int(b)) for a, b in zip(edges[:-1], edges[1:])]

@@ -51,6 +51,26 @@ _LEVEL = 0.7  # component along the vertical below which a way is level
 HELD_FOOT = 0.1  # of its height, that is held of what would fall over: its feet
 
 
+@dataclasses.dataclass(frozen=True)
+class Support:
+    """The freedom that user and sentence leave to whatever makes an object stand.
+
+    Attributes:
+        keep_material: Leave the stiffness as it is: somebody has chosen it.
+        keep_weight: Leave gravity as it is: the sentence needs it. What cannot bear its weight then collapses.
+        let_go: Leave it free: the sentence or the user says so.
+        struck: Way of a blow that presses it in, unit vector.
+    """
+
+    keep_material: bool = False
+    keep_weight: bool = False
+    let_go: bool = False
+    struck: Vector | None = None
+
+
+DEFAULT = Support()
+
+
 def level(source: Source, domain: Domain, anchor: Anchor, world: World) -> Source:
     """The source tilted so that the object stands; as it is if it does, never would, or is held.
 
@@ -86,37 +106,24 @@ def explain_tilt(source: Source) -> tuple[str, ...]:
 def make_stand(
     template: SceneTemplate,
     body: Body,
-    *,
-    keep_material: bool = False,
-    keep_weight: bool = False,
-    let_go: bool = False,
-    struck: Vector | None = None,
+    support: Support = DEFAULT,
 ) -> tuple[SceneTemplate, tuple[str, ...]]:
     """The template in which the object stays as it was captured, and in words what had to be changed for it.
 
     Args:
         template: The scene without its force field.
         body: Its object.
-        keep_material: Leave the stiffness as it is: somebody has chosen it.
-        keep_weight: Leave gravity as it is: the sentence needs it. What cannot bear its weight then collapses.
-        let_go: Leave it free: the sentence or the user says so.
-        struck: Way of a blow that presses it in, unit vector.
+        support: The freedom that is left.
     """
-    template, support = hold_upright(
-        template, body, keep_material=keep_material, keep_weight=keep_weight, let_go=let_go, struck=struck
-    )
-    template, bearing = _bear(template, body, keep_material, keep_weight)
-    return template, (*support, *bearing)
+    template, held = hold_upright(template, body, support)
+    template, bearing = _bear(template, body, support)
+    return template, (*held, *bearing)
 
 
 def hold_upright(
     template: SceneTemplate,
     body: Body,
-    *,
-    keep_material: bool = False,
-    keep_weight: bool = False,
-    let_go: bool = False,
-    struck: Vector | None = None,
+    support: Support = DEFAULT,
 ) -> tuple[SceneTemplate, tuple[str, ...]]:
     """The template with the feet held of what its weight does not keep upright, and why in words.
 
@@ -129,25 +136,25 @@ def hold_upright(
     if overhang > TOPPLES:
         why = f"the object's mass centre is {overhang:.2f} of its length beyond what it stands on"
         result = "it would fall over at once"
-    elif let_go:
+    elif support.let_go:
         return template, ()
     elif (angle := find_tipping_angle(body, overhang)) < UNSTEADY:
         why = f"the object falls over once it is tilted by {angle:.2g} degrees"
         result = "a touch would knock it over"
-    elif struck and abs(struck[2]) < _LEVEL:
+    elif support.struck and abs(support.struck[2]) < _LEVEL:
         why = "the object is pressed in from a side: the half behind is held, or it would slide away"
-        held = Anchor(kind="region", region=make_end_region(struck, BEHIND), reason=why)
+        held = Anchor(kind="region", region=make_end_region(support.struck, BEHIND), reason=why)
         return dataclasses.replace(template, anchor=held), (why,)
-    elif struck and angle < HOPS_OVER:
+    elif support.struck and angle < HOPS_OVER:
         why, result = "the object is hit from above", "it would hop and fall over"
-    elif (weight := _bear(template, body, keep_material, keep_weight)[0].world.weight) < LIGHT:
+    elif (weight := _bear(template, body, support)[0].world.weight) < LIGHT:
         why = f"the object can bear {100 * weight:.2g} % of its weight"
         result = "a touch would carry it away"
     else:
         return template, ()
-    if let_go and keep_weight:
+    if support.let_go and support.keep_weight:
         return template, ()
-    if let_go:
+    if support.let_go:
         note = f"{why}: {result}, so it is without weight while it leaves its place"
         return _change_world(template, gravity="none", ground=False), (note,)
     why = f"{why}: its feet are held, or {result}"
@@ -161,26 +168,24 @@ def find_tipping_angle(body: Body, overhang: float) -> float:
     return math.degrees(math.atan2(-overhang * body.extent, max(float(height), 1e-9)))
 
 
-def _bear(
-    template: SceneTemplate, body: Body, keep_material: bool, keep_weight: bool
-) -> tuple[SceneTemplate, tuple[str, ...]]:
+def _bear(template: SceneTemplate, body: Body, support: Support) -> tuple[SceneTemplate, tuple[str, ...]]:
     """The template in which elastic matter bears the weight, or as much of it as it can, and what was changed."""
     material = template.material
     if not is_borne(template) or find_own_burden(template, body).share <= 1:
         return template, ()
-    borne = template if keep_material else _stiffen(template, body, 1.0)
+    borne = template if support.keep_material else _stiffen(template, body, 1.0)
     most = max(find_affordable_modulus(material, template.preset.domain.dx) / material.youngs_modulus, 1.0)
     needed = find_largest_factor(borne.bearing)
-    if not keep_material and needed <= most:
+    if not support.keep_material and needed <= most:
         return borne, (explain_stiffening(needed),)
     carrying = find_bearing_modulus(template, body)
-    if keep_material:
+    if support.keep_material:
         needed, most = carrying / material.youngs_modulus, 1.0
     share = _round_down(most / needed)
-    weight = 1.0 if keep_weight else share
-    why = _explain_collapse(carrying, chosen=keep_material, weight=weight)
+    weight = 1.0 if support.keep_weight else share
+    why = _explain_collapse(carrying, chosen=support.keep_material, weight=weight)
     template = _change_world(template, weight=weight)
-    return (template if keep_material else _stiffen(template, body, share)), (why,)
+    return (template if support.keep_material else _stiffen(template, body, share)), (why,)
 
 
 def find_bearing_modulus(template: SceneTemplate, body: Body) -> float:

@@ -77,3 +77,19 @@ def test_a_leap_aside_is_low_and_near(prompt, way, reach):
     rises = leap.magnitude * up**3
     assert 0.15 < rises < 0.7 * reach[1]
     assert reach[0] < 4 * rises * aside / up < reach[1]
+
+
+@pytest.mark.parametrize(
+    ("prompt", "lengths"),
+    [
+        ("slide it to the left by half its width", 0.2),
+        ("it rises to twice its own height", 1.0),
+        ("push it away by its depth", 0.3),
+        ("slide it to the left by half its length", 0.5),
+    ],
+)
+def test_a_share_of_a_side_is_of_that_side(prompt, lengths):
+    """Every side was as long as the longest, so that what is slim went far and what is low rose out of the picture."""
+    (motion, *_) = read(prompt, ground(extents=(0.4, 0.5, 0.3))).expectations
+    assert motion.amount is not None and motion.amount.unit == "lengths"
+    assert motion.amount.value == pytest.approx(lengths)

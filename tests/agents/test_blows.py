@@ -167,3 +167,30 @@ def test_a_shove_is_short():
     (push,) = compile_whole("shove the statue hard to the left").force_field.actions
     assert push.active_time is not None
     assert (push.active_time[1] - push.active_time[0]) * ON_THE_GROUND.frame_dt <= 0.8
+
+
+@pytest.mark.parametrize(("prompt", "count"), [("the statue hops twice", 2), ("it jumps up three times", 3)])
+def test_what_leaps_several_times_lands_before_the_next_leap(prompt, count):
+    """It was still in the air, or being pressed by its landing: only the first leap was seen."""
+    blows = compile_whole(prompt, frames_fixed=False).force_field.actions
+    begins = [each.active_time[0] for each in blows if each.active_time is not None]
+    seconds = np.diff(begins).min() * ON_THE_GROUND.frame_dt
+    assert len(begins) == count
+    for each in blows:
+        aloft = math.sqrt(8 * each.magnitude * ON_THE_GROUND.size / 9.8)  # of what rises by M body lengths
+        assert 0.3 < aloft <= 0.8 * seconds
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "it drives to the right and then tips over",
+        "it slides to the left, then it falls over",
+        "tip it over",
+    ],
+)
+def test_what_is_long_and_low_tips_over_across_its_length(prompt):
+    """It stood on its nose, and turned a somersault."""
+    field = compile_whole(prompt, long_axis=(1.0, 0.0, 0.0), frames_fixed=False).force_field
+    (turn,) = [each for each in field.actions if each.action_type is ActionType.TORQUE]
+    assert abs(turn.vector[0]) == pytest.approx(1)

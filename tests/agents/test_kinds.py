@@ -310,3 +310,13 @@ def test_what_is_tilted_stops_and_stays_or_is_brought_back_and_what_is_tipped_ov
     over = compiled("tip it over to the left", ground).force_field
     assert over.actions and not over.constraints
     assert compiled("tilt it to the left").force_field.actions  # in the air nothing makes it fall
+
+
+@pytest.mark.parametrize("prompt", ["it spins around on the ground", "spin it all the way round"])
+def test_what_stands_is_led_as_it_spins(prompt):
+    """A torque on what rests on its tip or on small feet let it fall over."""
+    field = compiled(prompt, brief(world="ground")).force_field
+    (hand,) = field.constraints
+    assert not field.actions and hand.constraint_type == "enforce_particle_rotation"
+    assert abs(hand.vector[2]) == 1 and (hand.held_until or hand.active_time[1]) >= 47
+    assert compiled(prompt, brief()).force_field.actions or "all the way" in prompt

@@ -433,3 +433,37 @@ def test_a_head_that_looks_aside_nods_down_and_shakes_levelly():
 def test_of_parts_that_are_alike_the_one_in_front_is_meant():
     legs = [make_part("leg", (0, 0, -0.3), (x, y, -0.6)) for x, y in ((0.1, 0.8), (-0.1, -0.8))]
     assert [each.limb for each in read("bend one of its legs to the left", *legs).expectations] == [1]
+
+
+def test_a_leg_that_kicks_swings_out_and_not_into_the_other():
+    right = make_part("leg", (0.02, 0, -0.4), (0.3, 0, -0.95))
+    left = make_part("leg", (-0.02, 0, -0.4), (-0.3, 0, -0.95))
+    for sentence, leg, sign in (("kick with the right leg", right, 1), ("kick with the left leg", left, -1)):
+        (kick, *_) = read(sentence, left, right, HEAD).force_field.constraints
+        assert sign * find_way(kick, leg)[0] > 0
+
+
+@pytest.mark.parametrize(
+    "sentence", ["the robot spreads its arms", "spread out both arms", "it unfolds its arms"]
+)
+def test_parts_that_are_spread_go_apart_each_by_itself(sentence):
+    arms = [make_part("arm", (0.1 * s, 0, -0.3), (s, 0, 0)) for s in (-1, 1)]
+    left, right = read(sentence, *arms, HEAD).force_field.constraints
+    assert find_way(left, arms[0])[0] < 0 < find_way(right, arms[1])[0]
+
+
+@pytest.mark.parametrize("sentence", ["the robot opens its mouth", "open the jaw"])
+def test_a_jaw_opens_downwards(sentence):
+    noun = sentence.split()[-1]
+    jaw = make_part("side", (0, -0.2, 0), (0, -1, 0)).model_copy(
+        update=dict(roles=(), name=noun, origin="place", neck=(0.03, 0.03, 0.03))
+    )
+    reply = read(sentence, jaw, HEAD)
+    assert find_way(reply.force_field.constraints[0], jaw)[2] < 0
+    assert reply.expectations[0].direction[2] < 0
+
+
+def test_of_two_parts_behind_each_other_a_side_tells_one():
+    horns = [make_part("horn", (0, 0.1 * s, 0.2), (0.05 * s, 0.6 * s, 0.8)) for s in (-1, 1)]
+    assert read("bend the left horn back", *horns).expectations[0].limb == 0
+    assert read("bend the right horn back", *horns).expectations[0].limb == 1

@@ -57,6 +57,13 @@ def test_what_slides_does_not_bend(sentence, path):
     assert list_failed(tell(sentence, path, foot=0.95)) == ["does it bend over its foot, or slide?"]
 
 
+@pytest.mark.parametrize(("height", "verdict"), [(1.0, "FAIL"), (0.3, "SUCCESS")])
+def test_the_middle_of_what_is_low_goes_less_far_as_it_rocks(height, verdict):
+    scene = dict(extents=(1.0, height, 0.4))
+    seen = tell("the robot rocks gently on the waves", -0.015 * SWING, foot=0.1, **scene)
+    assert seen.verdict is Verdict(verdict), seen.suggestion
+
+
 @pytest.mark.parametrize("sentence", ["shake the robot", "push the robot to the left"])
 def test_what_is_pushed_or_shaken_may_slide(sentence):
     path = -0.4 * RAMP if "push" in sentence else -0.1 * np.sin(np.arange(FRAMES) / 48 * 8 * np.pi)

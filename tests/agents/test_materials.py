@@ -67,7 +67,6 @@ def test_a_material_that_is_said_of_the_object(sentence, word, phrase):
         "it wobbles like water balloons",
         "the robot is not made of metal",
         "this is not a metal robot",
-        "it melts into the ground",
         "it collapses into the sand",
         "the ground is metal",
         "rock the robot",
@@ -183,3 +182,32 @@ def test_what_is_soft_wobbles_on_its_base(prompt, held):
     assert (reply.anchor.kind in ("base", "rest")) is held
     assert not held or all(each.sudden or each.kind.value == "sway" for each in reply.expectations)
     assert not reply.unsure
+
+
+@pytest.mark.parametrize(
+    ("sentence", "preset"),
+    [
+        ("the glass robot falls and shatters", "brittle"),
+        ("the robot breaks into pieces", "brittle"),
+        ("a chocolate robot melts in the sun", "melt"),
+        ("the robot crumbles to dust", "sand"),
+        ("bend the robot and let it snap back", None),
+        ("it melts into the ground", "melt"),
+        ("after a break the robot does not break", None),
+    ],
+)
+def test_a_verb_by_which_matter_gives_way_says_what_it_becomes(sentence, preset):
+    meanings = [find_meaning(word) for word, _ in found(sentence)]
+    assert {each.preset for each in meanings if each and each.becomes} == ({preset} if preset else set())
+
+
+def test_what_gives_way_falls_only_where_nothing_else_acts():
+    """A melting object sinks where it stands, a shattering one falls first, and one that is hit breaks by that."""
+    still = brief(world="ground", may_be_held=True)
+    melts, breaks, hit = (
+        read(f"{say}", still) for say in ("it melts", "it shatters", "hit it and it breaks")
+    )
+    assert not melts.force_field.actions and not melts.force_field.default_drop
+    assert [each.kind.value for each in melts.expectations] == ["squeeze"]
+    assert breaks.force_field.default_drop and not hit.force_field.default_drop
+    assert not (melts.unsure or breaks.unsure or hit.unsure)

@@ -266,6 +266,26 @@ def test_only_an_end_moves_when_the_whole_should_be_squashed():
     assert not passes(expected(KINDS.SQUEEZE, UP), seen)
 
 
+@pytest.mark.parametrize(
+    ("foot", "part", "passed"),
+    [(0.01, UP, True), (0.026, UP, False), (0.07, UP, False), (0.01, RIGHT, False)],
+)
+def test_an_end_that_is_pressed_along_itself_nears_the_other(foot, part, passed):
+    """Not where all of it or its other end gives way, nor across, where the length of a part is not measured."""
+    shifts = [(UP, 0.13), (DOWN, foot), (RIGHT, 0.06), (LEFT, 0.06)]
+    ends = tuple(
+        PartMotion(
+            direction=d,
+            centroid=tuple(tuple(along(DOWN, size)(t).tolist()) for t in range(LAST + 1)),
+            rotation=(ZERO,) * (LAST + 1),
+        )
+        for d, size in shifts
+    )
+    seen = show(along(DOWN, 0.07), strain=along((0.1, 0.1, -1), 0.2), parts=ends)
+    dent = expected(KINDS.SQUEEZE, DOWN, part=part, partial=True)
+    assert passes(dent, seen) is passed
+
+
 # --- mirrored, turned, scaled, wrong kind -------------------------------------------------------------------
 
 

@@ -10,14 +10,14 @@ from pathlib import Path
 import pytest
 
 from baselines.evaluation import GRADIENT_COST
+from baselines.fits import CAP
 from benchmarks.evidence import sources, summaries
 from benchmarks.evidence.__main__ import STATE, describe_state, find_differing, main
 from benchmarks.evidence.catalogue import DOCS, PAGES, RESULTS, ROOT
 from benchmarks.evidence.sources import hash_sources, is_checkout, is_known, strip_python
 from benchmarks.evidence.summaries import read_summary, summarise
 from benchmarks.harness import Page, make_lines, read_lines
-from benchmarks.harness.pages import empty_place, fill_page, fill_places
-from benchmarks.headtohead.fits import CAP
+from benchmarks.harness.pages import empty_place, fill_pages, fill_places
 from benchmarks.inverse.fitting import ADAM_STEPS, LM_STEPS
 from benchmarks.language import totals
 from benchmarks.language.notation import read_split
@@ -319,10 +319,20 @@ def test_what_stands_between_marks_is_replaced_and_nothing_else():
 
 
 def test_a_page_that_is_not_there_is_made_of_places_alone(tmp_path):
-    tables = {"a": "| x |", "b": ""}
-    made = fill_page(tmp_path / "page.md", tables)
-    (tmp_path / "page.md").write_text(made)
-    assert "| x |" in made and fill_page(tmp_path / "page.md", tables) == made
+    tables, page = {"a": "| x |", "b": ""}, tmp_path / "page.md"
+    made = fill_pages([page, tmp_path / "details.md"], tables)
+    page.write_text(made[page])
+    assert "| x |" in made[page] and fill_pages([page], tables) == made
+
+
+def test_tables_find_their_places_on_two_pages(tmp_path):
+    page, details = tmp_path / "page.md", tmp_path / "details.md"
+    page.write_text("<!-- table: a -->\n<!-- end -->\n<!-- table: state -->\n<!-- end -->\n")
+    details.write_text("<!-- table: b -->\n<!-- end -->\n<!-- table: state -->\n<!-- end -->\n")
+    made = fill_pages([page, details], {"a": "| x |", "b": "| y |", "state": "new"})
+    assert "| x |" in made[page] and "| y |" in made[details] and all("new" in each for each in made.values())
+    with pytest.raises(UserError, match="no place for a table.*<!-- table: c -->"):
+        fill_pages([page, details], {"c": "| z |"})
 
 
 def test_tables_are_kept_as_lines():

@@ -7,18 +7,19 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from baselines.measuring import judge_marks
 from baselines.protocol import Evaluation, FitResult
 from baselines.tasks import load_tasks, load_witnesses
-from benchmarks.harness import statistics
 from benchmarks.headtohead import jobs, leaderboard, measuring
 from benchmarks.headtohead.__main__ import TASKS, choose_entrants, find_guided, main
 from benchmarks.headtohead.entrants import ABLATION, ITERATIONS, METHODS, list_distillers, rename
 from benchmarks.headtohead.jobs import NOTHING, list_gradients, list_materials, list_similarities, verify
 from benchmarks.headtohead.markdown import choose_ablation, condense, write_tables
-from benchmarks.headtohead.measuring import judge_marks, measure
+from benchmarks.headtohead.measuring import measure
 from benchmarks.headtohead.neighbourhood import STRONGER, TURNED, perturb
 from physagent_jax.core.errors import MissingPackageError, UserError
 from physagent_jax.forces.schema import Action, ActionType, BoxRegion, ForceField
+from physagent_jax.metrics import statistics
 from physagent_jax.metrics.task_judge import ClauseJudgement, TaskJudgement
 from tests.metrics.make_tiny_clip import FOLDER
 
@@ -132,6 +133,34 @@ def test_pictures_of_stored_fields_and_of_nothing_are_compared_with_the_sentence
     told = f"{moved['mean']:.4f} ({moved['mean'] - moved['still']:+.4f})"
     assert "| part | method | clips | stretch | all | model |" in page
     assert f"| methods | adam (oracle) | 1 | {told} | {told} | reddish |" in page
+
+
+class Dropper:
+    """In place of a CLIP model: brightness, and one more for sentences about a drop."""
+
+    name = "dropper"
+
+    def compare(self, rgb, sentence):
+        return rgb.mean((1, 2, 3)) / 255.0 + sentence.startswith("Drop")
+
+
+def test_a_clip_is_compared_with_another_sentence_too(tmp_path, monkeypatch):
+    """The order of frames does not change CLIPsim, so that the control is another sentence about the same object."""
+    monkeypatch.setattr(jobs, "load_clip", lambda folder: Dropper())
+    specs = [
+        spec for spec in load_tasks(TASKS) if spec.name in ("drop-jelly", "stretch-jelly-wide", "drop-loaf")
+    ]
+    by_name = {spec.name: spec for spec in specs}
+    wide, drop, loaf = by_name["stretch-jelly-wide"], by_name["drop-jelly"], by_name["drop-loaf"]
+    assert jobs.find_other_sentence(wide, specs) == drop.sentence
+    assert jobs.find_other_sentence(drop, specs) == wide.sentence
+    assert jobs.find_other_sentence(loaf, specs) is None
+    row = dict(part="methods", label=NOTHING, task=wide.name, oracle=False, seed=0, marks=[])
+    (found,) = jobs.measure_similarity(row, wide, tmp_path, None, drop.sentence)
+    assert found["shuffled"] == pytest.approx(found["mean"] + 1)
+    run = dict(quick=False, seconds=1.0, command="c", machine="m", load_average=[0.1], git_revision="r")
+    page = write_page({"clipsim": {"runs": [run], "complete": True, "rows": [found | {"run": 0}]}})
+    assert f"{found['mean']:.4f} ({found['mean'] - found['still']:+.4f}, -1.0000)" in page
 
 
 def test_what_was_found_with_one_material_is_judged_with_another(tmp_path):

@@ -30,3 +30,10 @@ def test_it_is_the_mean_over_the_frames_beside_that_of_the_first():
 def test_what_is_no_clip_is_refused(rgb):
     with pytest.raises(UserError, match="8 bits"):
         measure_clip_similarity(rgb, "push it left", Known())
+
+
+def test_the_order_of_frames_does_not_matter():
+    """So a clip whose frames are shuffled is no control: another sentence is."""
+    rgb = np.random.default_rng(0).integers(0, 255, (7, 4, 4, 3), np.uint8)
+    told, mixed = (measure_clip_similarity(each, "a", Known()) for each in (rgb, rgb[[3, 0, 6, 1, 5, 2, 4]]))
+    assert told.mean == pytest.approx(mixed.mean) and told.still != mixed.still

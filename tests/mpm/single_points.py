@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from physagent_jax.mpm import (
+    Brittle,
     DruckerPrager,
     FixedCorotated,
     Fluid,
@@ -37,6 +38,7 @@ PARAMETERS = {
     "cohesive soil": (DruckerPrager, dict(mu=MU, lam=LAM, friction_angle=0.6, cohesion=0.05 * E)),
     "clay": (DruckerPrager, dict(mu=MU, lam=LAM, friction_angle=0.0, cohesion=0.05 * E)),
     "slurry": (DruckerPrager, dict(mu=MU, lam=LAM, friction_angle=0.0, cohesion=0.0)),
+    "glass": (Brittle, dict(mu=MU, lam=LAM, friction_angle=0.6, cohesion=0.05 * E)),
     "foam": (Viscoplastic, dict(mu=MU, lam=LAM, yield_stress=0.1 * E, plastic_viscosity=2 * MU * DT)),
     "snow": (
         Snow,

@@ -205,3 +205,19 @@ def test_fluid_forgets_shear_but_not_volume(x64):
     np.testing.assert_allclose(new, np.cbrt(kept)[:, None, None] * np.eye(3), rtol=1e-12, atol=1e-14)
     inverted, _ = project(law, F @ np.diag([1.0, -1, 1]), ())
     np.testing.assert_allclose(np.linalg.det(inverted), -J, rtol=1e-12)
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+def test_what_is_brittle_breaks_at_its_strength_and_bears_no_tension_afterwards(angle, x64):
+    """Uniaxial tension fails at 6 c cos(phi) / (3 + sin(phi)): put tau = diag(t, 0, 0) into the cone."""
+    c = 0.05 * E
+    glass = material("glass", 1, friction_angle=angle, cohesion=c)
+    strength = 6 * c * np.cos(angle) / (3 + np.sin(angle))
+    axial = strength / E * np.array([1.0, -LAM / (2 * (LAM + MU)), -LAM / (2 * (LAM + MU))])
+    below, above = (jnp.diag(jnp.exp(share * axial))[None] for share in (0.999, 1.001))
+    whole, history = glass.project(below, glass.initial_history(), 1e-3)
+    np.testing.assert_allclose(principal(glass.stress(whole, history)[0])[-1], 0.999 * strength, rtol=1e-9)
+    broken, history = glass.project(above, history, 1e-3)
+    np.testing.assert_allclose(glass.stress(broken, history), 0.0, atol=1e-9 * c)
+    again, _ = glass.project(below, history, 1e-3)
+    np.testing.assert_allclose(glass.stress(again, history), 0.0, atol=1e-9 * c)

@@ -1,9 +1,13 @@
 """Parts of the object that are pointed at, followed by themselves."""
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
+from physagent_jax.perception.backends.flow import FlowTracker
 from physagent_jax.perception.ends import DIRECTIONS, Ends, PartPrompt
+from physagent_jax.perception.follow import follow
+from tests.perception import scenes
 
 ARM, BODY = np.array([[0.5, 0, 0.1], [0.7, 0, 0.1]]), np.array([[0.1, 0, 0], [0, 0, 0.4], [0, 0, -0.4]])
 
@@ -52,3 +56,31 @@ def test_ends_are_those_of_the_rest():
     assert np.linalg.norm(part.centroid[1]) > 0.05
     for end in six:
         assert end.centroid[1] is None or np.linalg.norm(end.centroid[1]) < 0.02
+
+
+@pytest.mark.parametrize(
+    ("length", "degrees", "swings", "until"),
+    [(0.25, 80, 0.5, 0.3), (0.15, 60, 2, 1.0), (0.25, 60, 0.5, 0.25)],
+)
+def test_a_small_part_that_turns_fast_is_not_lost(length, degrees, swings, until):
+    """A tail that swings by a quarter of a right angle per frame, at a body that does not move."""
+    body = scenes.blob(axes=(0.3, 0.2, 0.3), count=20_000).surface
+    half, joint = 0.03, np.array([0.28, 0, 0])
+    ends = (0.25, -half, -half), (0.3 + length, half, half)
+    surface = np.concatenate([body, np.random.default_rng(0).uniform(*ends, (8000, 3))])
+    tail = np.arange(len(surface)) >= len(body)
+
+    def swing(points, phase):
+        angle = np.radians(degrees) * np.sin(2 * np.pi * swings * min(phase / until, 1.0))
+        turned = joint + Rotation.from_rotvec((0, angle, 0)).apply(points - joint)
+        return np.where(tail[:, None], turned, points)
+
+    shape = scenes.Shape(surface, scenes.texture(surface, 3), surface)
+    clip = scenes.film(shape, swing, scenes.camera(size=160))
+    prompt = PartPrompt(0, surface[tail][::20], surface[~tail][::40])
+    tracker = FlowTracker().encode(clip.rgb, np.isfinite(clip.depth))
+    path = follow(clip.rgb, clip.depth, clip.camera, tracker, (prompt,))
+    seen = path.ends.describe(1.0)[-1].centroid
+    assert all(place is not None for place in seen)
+    truth = clip.particles[:, tail].mean(1) - clip.particles[0, tail].mean(0)
+    np.testing.assert_allclose(np.array(seen)[:, 2], truth[:, 2], atol=0.045)

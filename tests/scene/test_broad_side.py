@@ -7,7 +7,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.formats.ply import write_ply
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.resolve import resolve
-from physagent_jax.scene.broad_side import find_broad_azimuth, find_named_front
+from physagent_jax.scene.broad_side import find_broad_azimuth, find_named_front, measure_extents
 from physagent_jax.scene.mesh_formats import MeshPart
 from physagent_jax.scene.procedural import PROCEDURAL
 from tests.run.specs import small
@@ -118,6 +118,16 @@ def test_agents_are_told_along_what_an_object_is_clearly_longest(tmp_path):
         write_ply(tmp_path / f"{name}.ply", made(0))
         axes[name] = make_brief(resolve(small(tmp_path / f"{name}.ply")).template).long_axis
     assert axes["loaf"] == (1, 0, 0) and axes["jelly"] is None
+
+
+@pytest.mark.parametrize("turn", [0, 40])
+def test_width_height_and_depth_are_as_the_viewer_sees_them(turn):
+    """Whichever way the board is turned from the file's axes."""
+    a = np.radians(turn)
+    ways = [(np.cos(a), np.sin(a), 0.0), (0.0, 0.0, 1.0), (np.sin(a), -np.cos(a), 0.0)]
+    longest = np.ptp(slab(turn), axis=0).max()
+    sizes = measure_extents(slab(turn), ways)
+    assert np.array(sizes) * longest == pytest.approx(THIN[[0, 2, 1]], rel=0.05)
 
 
 def test_a_file_that_cannot_be_read_is_refused_as_ever(tmp_path):

@@ -13,10 +13,10 @@ from physagent_jax import mpm
 from physagent_jax.core.errors import UserError
 from physagent_jax.mpm.boundaries import SignedDistance
 from physagent_jax.mpm.limits import find_limits
-from physagent_jax.scene import closest_points
 from physagent_jax.scene import config as c
 from physagent_jax.scene.compile.boundaries import compile_boundaries
-from physagent_jax.scene.signed_distance import BAND, MARGIN, load_solid, sample, winding_number
+from physagent_jax.scene.kernels import triangles as kernel
+from physagent_jax.scene.signed_distance import BAND, MARGIN, load_solid, sample
 from tests.mpm.blocks import block
 
 
@@ -95,16 +95,19 @@ def measure_polygon(points, corners):
     return np.where(inside, -distance, distance)
 
 
-def test_few_large_faces_cost_as_much_as_their_area(monkeypatch):
+def test_few_large_faces_cost_as_much_as_their_area():
     """A box as large as the domain: some six nodes on either side of each cell of its surface, and each node beyond."""
-    tried = []
-    closest = closest_points.Surface.find_closest
-    monkeypatch.setattr(
-        closest_points.Surface, "find_closest", lambda self, t, p: tried.append(len(t)) or closest(self, t, p)
-    )
     cells = 64
-    phi, _ = sample(np.asarray(trimesh.creation.box((1, 1, 1)).triangles) + 0.5, 1 / cells, 0.0, 1.0, "mesh")
-    assert sum(tried) < 8 * (6 * cells**2) + 2 * phi.size
+    box = cells * (np.asarray(trimesh.creation.box((1, 1, 1)).triangles) + 0.5) + MARGIN
+    distance, _, pairs = kernel.measure(box, (cells + 2 * MARGIN + 1,) * 3, BAND)
+    assert pairs < 8 * (6 * cells**2) + 2 * distance.size
+
+
+def test_fine_faces_cost_little_more_than_their_nodes():
+    """Thirty triangles a cell of the surface: nodes that know a near one look at few others."""
+    ball = 8 * np.asarray(trimesh.creation.icosphere(subdivisions=5).triangles) + 11
+    distance, _, pairs = kernel.measure(ball, (23, 23, 23), BAND)
+    assert pairs < 20 * distance.size
 
 
 def test_scale_rotation_and_position_are_applied_in_that_order(tmp_path):
@@ -172,7 +175,7 @@ def test_a_hollow_is_not_solid():
     outer = np.asarray(trimesh.creation.box((0.8, 0.8, 0.8)).triangles)
     inner = np.asarray(trimesh.creation.box((0.4, 0.4, 0.4)).triangles)[:, ::-1]
     axis = np.linspace(-0.5, 0.5, 21)
-    winding = winding_number(np.concatenate([outer, inner]), [axis, axis, axis])
+    _, winding, _ = kernel.measure(20 * (np.concatenate([outer, inner]) + 0.5), (21, 21, 21), BAND)
     depth = np.abs(np.stack(np.meshgrid(axis, axis, axis, indexing="ij"))).max(0)
     solid = (depth < 0.39) & (depth > 0.21)
     assert (winding[solid] == 1).all() and (winding[(depth < 0.19) | (depth > 0.41)] == 0).all()
@@ -283,10 +286,19 @@ def test_a_mesh_between_the_nodes_is_said_to_do_nothing(ball_path):
 
 def test_many_large_faces_are_counted_before_distances_are_measured(monkeypatch):
     shells = [np.asarray(trimesh.creation.box([9.0 + k] * 3).triangles) for k in range(3)]
-    monkeypatch.setattr(closest_points.Surface, "find_closest", None)  # would fail if called
+    monkeypatch.setattr(kernel, "measure", None)  # would fail if called
     flat = np.concatenate(shells) * [1, 1, 1e-3] + 0.5
-    with pytest.raises(UserError, match="`mesh`: the mesh is too fine or too large.*distances, at most"):
-        sample(np.repeat(flat, 80, axis=0), 1 / 256, 0.0, 1.0, "mesh")
+    with pytest.raises(UserError, match="`mesh`: the mesh spans too many.*distances, at most"):
+        sample(np.repeat(flat, 320, axis=0), 1 / 256, 0.0, 1.0, "mesh")
+
+
+def test_without_numba_a_mesh_is_refused_in_words(monkeypatch):
+    monkeypatch.setattr(
+        "physagent_jax.scene.signed_distance.numba_missing", lambda: "No module named 'numba'"
+    )
+    box = np.asarray(trimesh.creation.box((0.5, 0.5, 0.5)).triangles) + 0.5
+    with pytest.raises(UserError, match="`mesh`: a mesh cannot be sampled without Numba"):
+        sample(box, 0.1, 0.0, 1.0, "mesh")
 
 
 def test_a_mesh_of_coordinates_beyond_any_integer_is_refused():

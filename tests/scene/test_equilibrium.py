@@ -16,7 +16,7 @@ from physagent_jax.scene.body import make_body
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.compile.equilibrium import find_equilibrium
 from physagent_jax.scene.fuse import fuse
-from physagent_jax.scene.standing import make_stand
+from physagent_jax.scene.standing import Support, make_stand
 from physagent_jax.simulation.simulate import simulate_frames
 
 
@@ -35,7 +35,7 @@ def scene_of(path, *, frames=20, cells=48, particles=3000, field=None, **parts):
     run = resolve(RunSpec.model_validate(spec))
     template = run.template
     body = make_body(template.source, template.preset.filling, template.preset.domain, ".")
-    template, notes = make_stand(template, body, keep_material=run.spec.material.says_stiffness)
+    template, notes = make_stand(template, body, Support(keep_material=run.spec.material.says_stiffness))
     return compile_scene(fuse(template, body, field or ForceField()), body), notes
 
 

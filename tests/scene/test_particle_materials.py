@@ -42,6 +42,7 @@ BUILT = {
     MaterialModel.VON_MISES: (m.VonMises, {"yield_stress": 3.0, "hardening_modulus": 4.0}),
     MaterialModel.PLASTICINE: (m.Plasticine, {"yield_stress": 3.0, "softening_modulus": 4.0}),
     MaterialModel.DRUCKER_PRAGER: (m.DruckerPrager, {"friction_angle": 30.0, "cohesion": 4.0}),
+    MaterialModel.BRITTLE: (m.Brittle, {"friction_angle": 30.0, "cohesion": 4.0}),
     MaterialModel.VISCOPLASTIC: (m.Viscoplastic, {"yield_stress": 3.0, "plastic_viscosity": 4.0}),
     MaterialModel.SNOW: (
         m.Snow,

@@ -166,3 +166,39 @@ def test_the_head_of_a_tall_statue_is_its_top_and_nods_about_its_lower_end():
     (head,) = find_places(points, (), ("head",), "statue", VIEWER)
     assert points[make_region_mask(head.moved, points), 2].min() > 0.15 and head.arm[2] > 0.05
     assert find_places(make([((0, 0, 0), (0.5, 0.3, 0.3))]), (), ("head",), "statue", VIEWER) == ()
+
+
+def test_a_tall_statue_has_folded_wings_at_its_sides_and_a_nose():
+    """Its shape shows neither; they are where a figure has them."""
+    points = make([((0, 0, 0), (0.2, 0.2, 0.5))])
+    left, right = find_places(points, (), ("wings",), "falcon", VIEWER)
+    assert left.side[0] < -0.3 < 0.3 < right.side[0] and left.arm[2] < -0.1
+    (nose,) = find_places(points, (), ("nose",), "falcon", VIEWER)
+    assert points[make_region_mask(nose.moved, points)][:, 2].min() > 0.1
+
+
+def test_a_leg_of_which_only_the_foot_sticks_out_reaches_to_the_hip(known):
+    points, parts = known["man"]
+    feet = tuple(
+        part.model_copy(update=dict(arm=(0.05, 0.0, -0.05))) if "leg" in part.roles[:1] else part
+        for part in parts
+    )
+    found = find_places(points, feet, ("leg",), "", VIEWER)
+    assert [each.name for each in found] == ["left leg", "right leg"]
+    high = points[~make_region_mask(found[0].rest, points)][:, 2].max() - points[:, 2].min()
+    assert high > 0.3 * np.ptp(points[:, 2]) and found[0].arm[2] < -0.1
+    assert find(known, "man", "leg")[1] == ()
+    stout = np.concatenate([points, make([((0, 0, -0.3), (0.2, 0.15, 0.3))])])  # a penguin has but feet
+    assert find_places(stout, feet, ("leg",), "", VIEWER) == ()
+
+
+def test_an_animal_whose_tail_lies_on_it_has_it_at_its_rear(known):
+    points, parts = known["cat"]
+    (tail,) = find_places(points, tuple(p for p in parts if "tail" not in p.roles), ("tail",), "", VIEWER)
+    own = points[make_region_mask(tail.moved, points)]
+    assert tail.side[0] < -0.5 and tail.arm[2] < 0 and abs(own[:, 1]).max() < 0.1
+
+
+def test_a_jaw_turns_about_its_back(known):
+    _, (jaw,) = find(known, "cat", "mouth")
+    assert jaw.arm[0] > 0.03 and not jaw.seated

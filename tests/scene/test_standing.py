@@ -17,6 +17,7 @@ from physagent_jax.scene.burden import measure_burden
 from physagent_jax.scene.fuse import fuse
 from physagent_jax.scene.materials.cost import AFFORDABLE_RATE, count_substeps
 from physagent_jax.scene.standing import (
+    Support,
     find_bearing_modulus,
     find_own_burden,
     find_own_firmness,
@@ -70,7 +71,7 @@ def test_thin_legs_need_more(table, tmp_path):
 
 def test_a_prior_too_soft_for_its_legs_is_made_stiffer_and_says_so(table):
     template, body, chosen = template_of(table)
-    standing, notes = make_stand(template, body, keep_material=chosen)
+    standing, notes = make_stand(template, body, Support(keep_material=chosen))
     assert standing.material.youngs_modulus == template.material.youngs_modulus
     needed = find_bearing_modulus(template, body) / template.material.youngs_modulus
     assert 1.0 < needed < 1.5 * standing.bearing.most
@@ -122,7 +123,7 @@ def test_a_thin_neck_that_would_tear_is_found(tmp_path):
 
 def test_less_weight_acts_where_a_chosen_stiffness_does_not_bear_it(table):
     template, body, chosen = template_of(table, material={"youngs_modulus": 3e4})
-    standing, notes = make_stand(template, body, keep_material=chosen)
+    standing, notes = make_stand(template, body, Support(keep_material=chosen))
     assert standing.material == template.material and standing.bearing is None
     needed = find_bearing_modulus(template, body)
     assert standing.world.gravity == "down" and standing.world.ground
@@ -134,7 +135,7 @@ def test_less_weight_acts_where_a_chosen_stiffness_does_not_bear_it(table):
 
 def test_what_is_to_fall_keeps_its_weight_and_what_follows_is_said(table):
     template, body, chosen = template_of(table, material={"youngs_modulus": 3e4})
-    standing, notes = make_stand(template, body, keep_material=chosen, keep_weight=True)
+    standing, notes = make_stand(template, body, Support(keep_material=chosen, keep_weight=True))
     assert standing == template and len(notes) == 1 and "sag or collapse" in notes[0]
 
 
@@ -144,7 +145,7 @@ def test_what_no_affordable_stiffness_carries_bears_as_much_of_its_weight_as_it_
     assert standing.world.gravity == "down" and 0 < standing.world.weight < 1
     assert len(notes) == 2 and "slowly" in notes[1] and "% of its weight acts" in notes[1]
     assert standing.anchor.kind == "base" and "feet are held" in notes[0]  # else it would float off
-    assert make_stand(template, body, let_go=True)[0].anchor.kind == "none"
+    assert make_stand(template, body, Support(let_go=True))[0].anchor.kind == "none"
     dx, E = template.preset.domain.dx, template.material.youngs_modulus * standing.bearing.most
     stiffest = template.material.changed(youngs_modulus=E)
     assert count_substeps(stiffest, dx, 10.0) == pytest.approx(10 * AFFORDABLE_RATE, rel=0.1)
@@ -170,9 +171,9 @@ def test_feet_are_held_only_of_what_would_fall_over(tmp_path):
     standing, notes = make_stand(template, body)
     assert standing.anchor.kind == "base" and standing.world.ground and standing.world.gravity == "down"
     assert "feet are held" in notes[0] and standing.anchor.reason == notes[0]
-    free, notes = make_stand(template, body, let_go=True)
+    free, notes = make_stand(template, body, Support(let_go=True))
     assert free.anchor.kind == "none" and free.world.gravity == "none" and "without weight" in notes[0]
-    falling = make_stand(template, body, let_go=True, keep_weight=True)[0]
+    falling = make_stand(template, body, Support(let_go=True, keep_weight=True))[0]
     assert falling.anchor.kind == "none" and falling.world == template.world
     opposition = fuse(falling, body, ForceField()).scaling.opposition
     assert opposition.tipping > 1.0  # [1/s^2], which a tip to the other side overcomes
@@ -185,15 +186,15 @@ def test_feet_are_held_of_what_a_touch_or_the_blow_would_topple(width, struck, h
     """A pole that stands on so little, and a pillar only where it is hit from above."""
     trimesh.creation.box((width, width, 1.0)).export(tmp_path / "thing.obj")
     template, body, _ = template_of(tmp_path / "thing.obj", **COARSE)
-    assert (hold_upright(template, body, struck=struck)[0].anchor.kind == "base") is held
-    assert hold_upright(template, body, struck=struck, let_go=True) == (template, ())
+    assert (hold_upright(template, body, Support(struck=struck))[0].anchor.kind == "base") is held
+    assert hold_upright(template, body, Support(struck=struck, let_go=True)) == (template, ())
 
 
 def test_the_half_behind_is_held_of_what_is_dented(tmp_path):
     """Held at its feet alone, a truck was torn off its wheels."""
     trimesh.creation.box((1.0, 0.5, 0.5)).export(tmp_path / "thing.obj")
     template, body, _ = template_of(tmp_path / "thing.obj", **COARSE)
-    anchor = hold_upright(template, body, struck=(1.0, 0.0, 0.0))[0].anchor
+    anchor = hold_upright(template, body, Support(struck=(1.0, 0.0, 0.0)))[0].anchor
     held = select_anchored(anchor, body.particles.x, body.particles.gaussian_index, ".")
     x = body.particles.x[:, 0]
     assert held.any() and (held == (x > x.mean())).mean() > 0.95

@@ -47,6 +47,18 @@ def test_what_rocks_tilts_over_its_foot_as_a_whole():
     assert np.cumsum(angles) / angles[0] == pytest.approx([1, 0, -1, 0] * 2, abs=0.01) and size > 0
 
 
+@pytest.mark.parametrize(("verb", "held"), [("rocks", False), ("sways", True)])
+def test_what_goes_gently_to_either_side_is_seen_to(verb, held):
+    """A few degrees were not; what is not gentle goes farther."""
+    scene, angles = brief(**STANDING), []
+    for manner in (" gently", ""):
+        first = read(f"the robot {verb}{manner} from side to side", scene).force_field.constraints[0]
+        seconds = (first.active_time[1] - first.active_time[0]) * scene.frame_dt
+        rate = np.degrees(TURN) * first.magnitude * first.gain / find_reference_time(held, scene.seconds)
+        angles.append(rate * seconds)
+    assert angles[0] > 9 and angles[1] > 1.3 * angles[0]
+
+
 @pytest.mark.parametrize("held", [{}, {"anchored": "plants are rooted"}])
 @pytest.mark.parametrize(
     ("sentence", "angle", "back"),

@@ -44,7 +44,7 @@ class Target(NamedTuple):
     usual: bool = False
 
 
-def find_target(quantity: Quantity, motion: Motion, before: Amount | None) -> Target:
+def find_target(quantity: Quantity, motion: Motion, before: Amount | None, brief: SceneBrief) -> Target:
     """The target that ``quantity`` sets for ``motion``; ``before`` is the target of the event before."""
     value, effect, unit = quantity.value, motion.effect, quantity.unit
     if quantity.dimension == "far" and before is not None:  # "twice as far"
@@ -63,7 +63,8 @@ def find_target(quantity: Quantity, motion: Motion, before: Amount | None) -> Ta
         and quantity.dimension
         and (motion.direction == "up" and quantity.relation == "to" or not becomes)
     ):
-        return Target(Amount(value=value, unit="lengths"))
+        sides: dict[str, float] = dict(zip(("width", "height", "depth"), brief.extents))
+        return Target(Amount(value=round(value * sides.get(quantity.dimension, 1.0), 6), unit="lengths"))
     return _find_scale(quantity, motion) if effect in _SCALES else Target()
 
 

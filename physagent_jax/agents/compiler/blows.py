@@ -19,6 +19,7 @@ from physagent_jax.forces.calibration import (
     DROP_HEIGHT,
     GRAVITY,
     MAGNITUDE_MAX,
+    find_highest_leap,
     find_reference_time,
     find_tipping,
 )
@@ -53,6 +54,9 @@ def compile_strike(task: Task) -> None:
     rises = falls_back and dot(way, up) > 0.5
     strength, flown = _find_blow(task, count, rises), way
     most, lift = (_ASIDE, 1.0) if event.effect is Effect.JUMP else (_LEVEL, _LIFT)
+    if rises and count > 1:
+        each = (window[1] - window[0]) * task.brief.frame_dt / count
+        strength = min(strength, find_highest_leap(each) / task.brief.size)
     if event.motion.gravity and builder.grounded and not builder.anchored and abs(dot(way, up)) < most:
         share = _LED if event.effect is Effect.JUMP and event.amount else _THROWN
         flown, strength = normalise(add([way, scale(up, lift)])) or way, share * strength

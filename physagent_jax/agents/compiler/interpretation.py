@@ -19,7 +19,8 @@ from physagent_jax.motion.joints import Turning
 from physagent_jax.motion.limbs import stands_on_legs, sum_directions
 from physagent_jax.motion.parts import explain_guess, explain_missing
 from physagent_jax.motion.schema import Amount, ObstacleRequest, SceneBrief
-from physagent_jax.motion.vectors import clamp, cosine, normalise, scale
+from physagent_jax.motion.swaying import lies
+from physagent_jax.motion.vectors import clamp, dot, normalise, scale
 
 # What each kind of way means nothing for; nor does a part for what all of the object does.
 _NO_WAYS = (Effect.SWELL, Effect.BURST, Effect.STILL)
@@ -47,16 +48,18 @@ def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     event.stays = event.stays or event.motion.quick and event.effect is Effect.SCALE  # a dent
     _act_from_sides(event, brief)
     if before is not None:
-        _take_over_direction(event, before)
+        _take_over_direction(event, before, lies(brief))
     _find_quantities(event, before, brief)
     _count_turns(event)
     _resolve_again(event, before)
     event.doubts += _find_unused(event)
-    if event.motion.droops and brief.object_kind not in _LIMP:
-        event.doubts.append(f"How '{event.words}' is done is not understood.")
     event.sources["action_type"] = ValueSource(event.words, f"'{event.phrase}' is a {event.effect.value}")
     event.sources["active_time"] = _describe_time(event)
     _take_part(event, brief)
+    partial = bool(event.limbs or event.region)
+    able = {"": True, "limp": brief.object_kind in _LIMP, "part": partial, "whole": not partial}
+    if not able[event.motion.by]:
+        event.doubts.append(f"How '{event.words}' is done is not understood.")
     event.obstacles += resolve_obstacles(event.clause.solids, event.direction, brief)
 
 
@@ -72,9 +75,8 @@ def _choose_motion(event: Event, brief: SceneBrief) -> tuple[Motion, str]:
     if event.verb is None and motion.wind and not told and sways:
         return replace(motions["sway"], strength=motion.strength), "sway"
     if any(each.alternating for each in repeats) and (effect in (Effect.FALL, Effect.JUMP) or motion.gravity):
-        phrase = (
-            "shuttle" if effect is Effect.STRIKE else "bob"
-        )  # "is tossed to and fro", "jumps up and down"
+        # "is tossed to and fro", "jumps up and down"
+        phrase = "shuttle" if effect is Effect.STRIKE else "bob"
     elif motion.bounces and (counted or event.is_upwards):
         phrase = "jump"  # "it bounces three times"
     elif motion.coasts and told:
@@ -155,11 +157,14 @@ def _act_from_sides(event: Event, brief: SceneBrief) -> None:
     """Motions whose kind depends on where they act: from both sides, outward, from one side."""
     sides, told = event.pick(WayKind.SIDES), event.pick(*WAYS)
     limbs = event.parts and find_limbs(event.parts[0], brief)
+    all_around = bool(sides) and sides[0].names == ("all",)
+    spread = len(limbs) > 1 and event.effect is Effect.SCALE and event.motion.sign > 0 and not told
     if event.effect is Effect.BURST and told:
         event.motion = replace(event.motion, effect=Effect.STRIKE)
-    elif limbs and sides and sides[0].names == ("all",) and event.effect in (Effect.PUSH, Effect.LEAN):
-        event.radial = -1 if sides[0].phrase.startswith("in") else 1
-        event.ways.remove(sides[0])
+    elif spread or limbs and all_around and event.effect in (Effect.PUSH, Effect.LEAN):
+        event.radial = -1 if sides and sides[0].phrase.startswith("in") else 1
+        event.ways = [way for way in event.ways if way not in sides]
+        event.motion = replace(event.motion, effect=Effect.PUSH) if spread else event.motion
         _turn(event, event.direction, "from or to the middle of the object")
     elif sides:
         beside = told and sides[0].phrase == "either side"  # "away, by less than a tenth to either side"
@@ -181,9 +186,9 @@ def _turn(event: Event, vector: Vector | None, why: str) -> None:
     event.sources["vector"] = replace(event.sources["vector"], why=why)
 
 
-def _take_over_direction(event: Event, before: Event) -> None:
-    """The direction of the event before, where none is told; and "back" from there."""
-    driven = event.effect is Effect.TOPPLE and before.effect in (Effect.PUSH, Effect.STRIKE)
+def _take_over_direction(event: Event, before: Event, lying: bool) -> None:
+    """The direction of the event before, where none is told; and "back" from there. What lies tips over aside."""
+    driven = event.effect is Effect.TOPPLE and before.effect in (Effect.PUSH, Effect.STRIKE) and not lying
     likewise = before.effect is event.effect and (
         event.effect is not Effect.SWAY or before.phrase == event.phrase
     )
@@ -199,7 +204,7 @@ def _find_quantities(event: Event, before: Event | None, brief: SceneBrief) -> N
     for quantity in event.clause.quantities:
         if quantity.dimension == "strength":
             continue
-        found = find_target(quantity, motion, before.amount if before else None)
+        found = find_target(quantity, motion, before.amount if before else None, brief)
         if found.usual:
             continue
         if found.amount is None or event.amount is not None:
@@ -281,12 +286,15 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         event.sources["region"] = ValueSource(named[0].text, part.moved.label or "a part of the object")
         limb = Turning(part, brief, brief.frame_count)
         assumed = event.sources["vector"].why.endswith(BY_DEFAULT)
-        if assumed and event.effect is Effect.SWAY and event.motion.direction is None:
+        kicks = event.effect is Effect.STRIKE and "leg" in roles[:1] and not event.pick(*WAYS)
+        if kicks or assumed and event.effect is Effect.SWAY and event.motion.direction is None:
             _turn(event, limb.swing, "across the part")
         elif assumed and event.motion.wrings:
             _turn(event, limb.arm, "about the part's own line")
         elif (
-            event.effect is Effect.SCALE and event.motion.sign < 0 and _is_upright(event.direction, brief)
+            event.effect is Effect.SCALE
+            and event.motion.sign < 0
+            and abs(dot(event.direction or limb.out, brief.directions.up)) > _STEEP
         ):  # a part gives way downwards
             event.motion = replace(event.motion, effect=Effect.PUSH, sign=1, skill=None)
             event.direction = scale(limb.arm, -1.0) if part.origin == "place" else brief.directions.down
@@ -312,10 +320,6 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         event.region = make_end_region(scale(event.part, -1.0), 1.0 - place.start)
     else:
         event.region = make_end_region(event.part, place.start)
-
-
-def _is_upright(way: Vector | None, brief: SceneBrief) -> bool:
-    return way is not None and abs(cosine(way, brief.directions.up)) > _STEEP
 
 
 def resolve_obstacles(

@@ -100,12 +100,8 @@ def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, la
         seconds = 0.0
         for event in slot.events:
             usual = STEP if len(slots) > 1 or event.stays else min(clip, 2.0)
-            if (
-                event.effect is Effect.STILL
-                and event.phrase != "wait"
-                and len(slots) > 1
-                and (anchored or grounded)
-            ):
+            rests = event.effect is Effect.STILL and event.phrase != "wait"
+            if rests and len(slots) > 1 and (anchored or grounded):
                 usual = _SWING
             swings = _SWAYS.get(event.motion.manner, 0.0) * (event.repeat.count or event.motion.cycles)
             seconds = max(
@@ -117,13 +113,11 @@ def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, la
             if event.amount is None and stops and not event.motion.brief:
                 effort = find_word_effort(event.strength, event.effect)
             line = event.direction if event.effect is Effect.TURN else None
-            led = (
-                line is not None and abs(dot(line, brief.directions.up)) < _LEVEL
-            )  # `motion.kinds` leads it over
+            # `motion.kinds` leads it over.
+            led = line is not None and abs(dot(line, brief.directions.up)) < _LEVEL
             if effort is not None and not anchored:
-                pace = (
-                    event.strength if event.amount and event.strengths else 1.0
-                )  # "slowly, by a quarter turn"
+                # "slowly, by a quarter turn"
+                pace = event.strength if event.amount and event.strengths else 1.0
                 seconds = max(find_span(effort, STEP / pace, brief, led), STEP if len(slots) > 1 else 0.0)
         slot.need = slot.length if slot.length is not None else seconds / brief.frame_dt
     return slots

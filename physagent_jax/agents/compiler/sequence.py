@@ -12,7 +12,9 @@ from physagent_jax.agents.intent import Held, Timing
 from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.agents.lexicon.types import HOLDABLE, is_end
 from physagent_jax.core.strict import Vector
+from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.schema import AnchorRequest
+from physagent_jax.motion.swaying import lies
 from physagent_jax.motion.vectors import dot
 
 _AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
@@ -43,6 +45,9 @@ def make_events(clauses: list[Event], builder: ForceFieldBuilder) -> list[Event]
 def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) -> None:
     """Adds what a clause tells."""
     interpret(event, _find_measure(events, event), builder.brief)
+    if event.motion.gives and any(each.effect not in _RESTING for each in events):
+        events[-1].doubts += event.doubts
+        return  # "it falls and shatters"
     _measure_return(event, events)
     event = _put_under_gravity(event, builder.gravity)
     level = event.direction is not None and abs(dot(event.direction, builder.brief.directions.up)) < _LEVEL
@@ -70,10 +75,11 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
 
 
 def _find_level_way(events: list[Event], builder: ForceFieldBuilder) -> Vector:
-    """The level way of the last event that has one; else the left."""
-    table = builder.brief.directions
+    """The level way of the last event that has one, else the left; of what lies, across it."""
+    table, brief = builder.brief.directions, builder.brief
     ways = [e.direction for e in events if e.direction and e.effect is not Effect.TURN]
-    return next((way for way in reversed(ways) if abs(dot(way, table.up)) < _LEVEL), table.left)
+    level = (way for way in reversed(ways) if abs(dot(way, table.up)) < _LEVEL)
+    return sum_directions(("beside",), brief) if lies(brief) else next(level, table.left)
 
 
 def _is_only_posture(event: Event, events: list[Event]) -> bool:

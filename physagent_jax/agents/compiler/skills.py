@@ -85,9 +85,8 @@ def _compile_sway(task: Task) -> None:
     event, builder, brief, up = task.event, task.builder, task.brief, task.brief.directions.up
     count, held = task.limit_count(event.repeat.count or event.motion.cycles), builder.anchored
     magnitude, leads = event.strength, builder.rooted and leads_aside(task.direction, brief)
-    bends = event.motion.manner in ("bend", "rock") and "feet" in (
-        brief.anchored or "feet"
-    )  # a plant bends by itself
+    # A plant bends by itself.
+    bends = event.motion.manner in ("bend", "rock") and "feet" in (brief.anchored or "feet")
     if event.amount is not None:
         magnitude = find_swing_magnitude(event.amount, held, brief) or magnitude
     if builder.grounded and not held and abs(dot(task.direction, up)) > _UPRIGHT:
@@ -113,9 +112,8 @@ def _compile_lean(task: Task) -> None:
     """Parts, anchored things and things in the wind are pushed over; a free thing is turned."""
     event, brief = task.event, task.brief
     if event.motion.manner == "fold" and (event.region or event.limbs or brief.anchored):
-        event = replace(
-            event, motion=replace(event.motion, manner="bend")
-        )  # a part goes over, or what is rooted
+        # A part goes over, or what is rooted.
+        event = replace(event, motion=replace(event.motion, manner="bend"))
         task = replace(task, event=event)
     vertical = abs(dot(task.direction, brief.directions.up)) >= 0.9
     bends = event.motion.manner == "bend" and not (event.region or event.is_in_wind)
@@ -154,7 +152,7 @@ def _compile_scale(task: Task) -> None:
         if strength > MAGNITUDE_MAX:
             builder.notes.append(f"'{event.text}': more than the strongest force is calibrated for.")
     for part in windows:
-        for axis in axes:
+        for axis in () if event.motion.gives else axes:
             task.act(ActionType.SCALE, axis, event.motion.sign * strength, part)
     kind = MotionKind.STRETCH if event.motion.sign > 0 else MotionKind.SQUEEZE
     released = count > 1 or task.is_released

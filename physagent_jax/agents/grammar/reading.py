@@ -10,12 +10,7 @@ from collections.abc import Callable
 
 from physagent_jax.agents.grammar.asides import PASSES
 from physagent_jax.agents.grammar.chunks import read_phrase, read_word
-from physagent_jax.agents.grammar.measures import (
-    match_count,
-    match_number,
-    match_quantity,
-    match_time,
-)
+from physagent_jax.agents.grammar.measures import match_count, match_number, match_quantity, match_time
 from physagent_jax.agents.grammar.mentions import Mention, MentionKind, Reader, get_last_motion
 from physagent_jax.agents.grammar.nouns import read_named_part, read_part, read_solid
 from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set, read_sections

@@ -68,9 +68,10 @@ class Motion:
         floats: Whether it is at rest where there is no gravity.
         bounces: Whether it comes up again.
         coasts: Whether it goes on by itself unless a way is told.
-        droops: Whether only what is limp does it.
+        by: What alone does it: what is limp, a part, or a whole; empty = anything.
         topples: Whether what stands falls over if it does so.
         lets_go: Whether what was held falls, if nothing else was done to it.
+        gives: Whether the matter itself gives way: to what acted before, else to its weight.
         manner: The manner in which it goes on (`motion.schema.Manner`).
         alone: The motion that it is where nothing was done before; empty = none.
         quick: Whether it is over in an instant.
@@ -100,9 +101,10 @@ class Motion:
     floats: bool = False
     bounces: bool = False
     coasts: bool = False
-    droops: bool = False
+    by: Literal["", "limp", "part", "whole"] = ""
     topples: bool = False
     lets_go: bool = False
+    gives: bool = False
     manner: Manner = ""
     alone: str = ""
     quick: bool = False

@@ -14,16 +14,18 @@ from physagent_jax.motion.judging.comparing import (
     make_unseen_check,
 )
 from physagent_jax.motion.judging.counting import count_turns
-from physagent_jax.motion.judging.seen import Signal, View, find_farthest, find_first_response
+from physagent_jax.motion.judging.seen import ALONG_END, Signal, View, find_farthest, find_first_response
 from physagent_jax.motion.matching import AXIAL
 from physagent_jax.motion.schema import Check, MotionKind
-from physagent_jax.motion.vectors import cross, dot, norm, normalise
+from physagent_jax.motion.vectors import cosine, cross, dot, norm, normalise, scale, subtract
 from physagent_jax.perception.reasons import BY_SIZE
+from physagent_jax.perception.schema import PartMotion
 
 _FIRST = 0.2  # of the largest turn or strain: what is seen of it first
 _OWN_AXIS = 0.6  # of the asked strain that other directions may show the same way
 _UPRIGHT = 0.7  # cosine
 _FITTED, _OUTLINE = "from the affine fit", "from the outline"
+_BETWEEN = 2 / 3  # of its length, between the middles of its ends, each a third of it
 _KEPT = 0.4  # of the largest turn that a free thing has left where it ends
 _LIMITS_OF_STILLNESS = {
     "moves": ("displacement", tolerances.STILL),
@@ -79,8 +81,14 @@ def check_rotation(asked: Asked) -> list[Check]:
 
 
 def check_strain(asked: Asked) -> list[Check]:
-    """Change of length along the direction: sign by first response, amount, and that it is that direction's own."""
-    if asked.motion.part is not None:
+    """Change of length along the direction: sign by first response, amount, and that it is that direction's own.
+
+    An end that is pressed or drawn along itself shows in its way to the other end.
+    """
+    part, way = asked.motion.part, asked.direction
+    if part is not None and (
+        way is None or asked.motion.limb is not None or abs(cosine(part, way)) < ALONG_END
+    ):
         return [make_unseen_check(asked, "the length of a part is not measured")]
     view, motion, sign, (first, last) = asked.view, asked.motion, asked.sign, asked.span
     until = asked.until if motion.released else last
@@ -115,6 +123,8 @@ def measure_strains(asked: Asked, first: int, until: int) -> Strains:
     view, direction = asked.view, asked.direction
     usual, lost = view.uncertainty("stretch"), view.explain("stretch", first, until, "its shape is not known")
     if direction is not None:
+        if asked.end is not None:
+            return _measure_between_ends(asked, asked.end, direction, first, until)
         if view.hides(direction):
             return [], "the stretch along the line of sight is hidden", usual
         strains, how, half_width = _measure_along(direction, view, first, until)
@@ -130,6 +140,19 @@ def measure_strains(asked: Asked, first: int, until: int) -> Strains:
         return [(t, max(v, 0.0) ** (1 / 3) - 1.0) for t, v in volumes], "from the bounding box", usual
     values = list(zip(*shown))
     return [(each[0][0], sum(v for _, v in each) / len(each)) for each in values], "in all directions", usual
+
+
+def _measure_between_ends(asked: Asked, end: PartMotion, way: Vector, first: int, until: int) -> Strains:
+    """Relative change of the distance between the middles of an end and of the one across from it."""
+    view = asked.view
+    other, box = view.find_end(scale(end.direction, -1.0)), view.report.box[first]
+    if other is None or box is None:
+        return [], "the ends are not followed", view.uncertainty("stretch")
+    apart = _BETWEEN * max(sum(abs(u) * (b - a) for u, a, b in zip(way, box.low, box.high)), 1e-6)
+    there, ahead = dict(view.course(first, until, other)), math.copysign(1.0, dot(end.direction, way))
+    course = [(t, subtract(p, there[t])) for t, p in view.course(first, until, end) if t in there]
+    half_width = math.sqrt(2.0) * view.uncertainty("displacement") / apart
+    return [(t, ahead * dot(p, way) / apart) for t, p in course], "from its ends", half_width
 
 
 def _measure_along(direction: Vector, view: View, first: int, until: int) -> Strains:

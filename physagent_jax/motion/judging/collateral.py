@@ -25,7 +25,11 @@ from physagent_jax.motion.vectors import cross, dot, norm, normalise, reject, sc
 from physagent_jax.perception.schema import Matrix
 
 _LASTING = 3  # frames: what is seen for less is noise or a flash
-_TEARS = "tear tore torn break broke burst shatter rip split apart explo piece".split()
+_TEARS = "tear tore torn break broke burst shatter rip split apart explo piece crack crumbl snap melt".split()
+_SHATTERS = re.compile(
+    r"(?<!not )(?<!without )\b(shatter|break(s|ing)?\b(?! free| away)|splinter|crumbl|melt|dissolv|\w+ pieces)"
+)
+"""Words of who asks that its matter gives way, in whichever clause."""
 _TRAVELS = (MotionKind.MOVE, MotionKind.FALL, MotionKind.SWAY)
 _VIOLENT = 1.3  # strength from which leaving the picture at the end is part of it
 _LATE, _END = 0.75, 0.95  # share of the clip
@@ -155,7 +159,7 @@ def _check_turning(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     turns = view.turns(0, view.last)
     rotations = [e for e in asked if e.kind is MotionKind.ROTATE]
     bent = any(e.amount and e.amount.unit == "degrees" for e in asked if e.kind is not MotionKind.ROTATE)
-    if not turns or bent or any(e.direction is None for e in rotations):
+    if not turns or bent or _gives_way(view) or any(e.direction is None for e in rotations):
         return []
     limit = _TURN_HELD if view.anchored else _TURN_PUSHED
     if rotations:
@@ -197,6 +201,8 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         factor = math.exp(_find_lasting(v for _, v in volumes))
         figures = {"least": math.exp(-limit), "most": math.exp(limit), "factor": factor}
         return _check_lasting(view, "volume", volumes, limit, 2.0 * sigma, gentler=False, **figures)
+    if _gives_way(view):
+        return []
     swings = any(e.kind in (MotionKind.ROTATE, MotionKind.SWAY) for e in asked)
     tumbles = _is_rough(view, asked) and not view.anchored
     yielding = view.anchored or swings or _is_rough(view, asked) or _is_partial(asked)
@@ -284,7 +290,8 @@ def _compute_determinant(rows) -> float:
 def _check_whole(view: View) -> list[Check]:
     """Return whether it stays in one piece: pieces that are seen, and the box around them."""
     asked = view.expectations
-    torn = any(any(stem in e.words.lower() for stem in _TEARS) for e in asked)
+    shattered = _gives_way(view)
+    torn = shattered or any(any(stem in e.words.lower() for stem in _TEARS) for e in asked)
     checks = []
     pieces = [(t, float(count)) for t, count in enumerate(view.report.pieces) if count is not None]
     if pieces and not torn:
@@ -305,9 +312,16 @@ def _check_whole(view: View) -> list[Check]:
     limit = _SIZE * max([1.0, *amounts, *highest])
     if any(e.kind is MotionKind.SQUEEZE for e in asked):
         limit *= 1.4  # it bulges
+    if shattered:
+        limit *= 2.0  # pieces go apart
     blamed = _blame(view, _find_onset([(t, v - 1.0) for t, v in growths], limit - 1.0))
     figures, sigma = {"most": limit, "growth": growth}, view.sigma("stretch")
     return [*checks, check_limit(blamed, "size", max(growth - 1.0, 0.0), limit - 1.0, sigma, 0.5, **figures)]
+
+
+def _gives_way(view: View) -> bool:
+    """Return whether its shape is lost on purpose: it breaks, crumbles or melts."""
+    return _SHATTERS.search(view.sentence.lower()) is not None
 
 
 def _list_taken_off(view: View) -> set[int]:

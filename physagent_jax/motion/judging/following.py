@@ -37,6 +37,7 @@ _REST = 0.25  # share of what follows that is looked at for where it comes to re
 _REST_SHARE = {False: 0.75, True: 0.4}
 """Share of the moving end's motion that the other may show: a part drags the rest along; an excepted one hardly
 moves."""
+_PRESSED_REST = 0.15  # the same of an end that is pressed or drawn along itself
 _ROLLS_OVER = re.compile(r"\broll\w*\b(?!.*(\d|full|complete|whole|degree|turn)).*\bover\b")
 _TO_ITS_BACK = 210.0  # [degrees] short of a whole turn, what rolls over has come to lie on its back
 _WORDS = read_words()
@@ -303,9 +304,12 @@ def _is_alike(one: ExpectedMotion, other: ExpectedMotion) -> bool:
 
 
 def _check_part(asked: Asked) -> list[Check]:
-    """The named end moves more than the opposite one, a part also more than the whole; one that is excepted less."""
+    """The named end moves more than the opposite one, a part also more than the whole; one that is excepted less.
+
+    What is pressed evenly moves at its other end by a fifth of the way of the named one.
+    """
     motion, moving, view = asked.motion, asked.end, asked.view
-    if moving is None or motion.kind not in (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE):
+    if moving is None or motion.kind in (MotionKind.FALL, MotionKind.STILL):
         return []
     resting = view.find_end(scale(moving.direction, -1.0))
     own = _measure_extent(asked, moving)
@@ -324,7 +328,8 @@ def _check_part(asked: Asked) -> list[Check]:
         other = max(other, whole - view.brief.parts[motion.limb].share * own)  # the part is of the whole
     if own < asked.visible:
         return []  # that nothing moves is told by the amount
-    return [check_limit(asked, "part", other / own, _REST_SHARE[motion.excludes_part], asked.sigma / own)]
+    limit = _PRESSED_REST if motion.kind in AXIAL else _REST_SHARE[motion.excludes_part]
+    return [check_limit(asked, "part", other / own, limit, asked.sigma / own)]
 
 
 def _measure_extent(asked: Asked, end: PartMotion) -> float | None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.judging.asked import Asked
@@ -181,6 +183,8 @@ def check_sway(asked: Asked) -> list[Check]:
     amplitude = (max(path) - min(path)) / 2.0
     tolerance = tolerances.expect_sway(asked.motion, asked.view.anchored, end=asked.end is not None)
     tolerance = asked.view.fit_to_limb(tolerance, asked.motion)
+    if asked.motion.manner == "rock":  # the middle of what is low goes less far as it is tilted
+        tolerance = replace(tolerance, low=tolerance.low * asked.view.brief.extents[1])
     words = f"{amplitude:.2g} body lengths to either side"
     checks = []
     if amount is None or amount.unit == "seconds":

@@ -4,6 +4,7 @@ from physagent_jax.mpm.materials.base import History as History
 from physagent_jax.mpm.materials.base import Material as Material
 from physagent_jax.mpm.materials.base import lame_parameters as lame_parameters
 from physagent_jax.mpm.materials.base import respond as respond
+from physagent_jax.mpm.materials.brittle import Brittle as Brittle
 from physagent_jax.mpm.materials.drucker_prager import DruckerPrager as DruckerPrager
 from physagent_jax.mpm.materials.fixed_corotated import FixedCorotated as FixedCorotated
 from physagent_jax.mpm.materials.fluid import Fluid as Fluid

@@ -50,13 +50,17 @@ class DruckerPrager(HenckyPlasticity):
         """No volume to give back."""
         return jnp.zeros_like(self.friction_angle)
 
+    def find_cone(self) -> tuple[jax.Array, jax.Array]:
+        """Slope alpha [1] and strength k [Pa] of the cone, shape (n,) each."""
+        sine = jnp.sin(self.friction_angle)
+        k = math.sqrt(2 / 3) * 6 * self.cohesion * jnp.cos(self.friction_angle) / (3 - sine)
+        return math.sqrt(2 / 3) * 2 * sine / (3 - sine), k
+
     def flow(self, eps: jax.Array, history: Any, dt: jax.Array) -> tuple[jax.Array, Any]:
         """Return to the cone along the deviator, or to its apex; the history is the volume correction v_c."""
         del dt
         mu, bulk = self.mu, 3 * self.lam + 2 * self.mu  # tr(tau) = bulk tr(eps)
-        sine = jnp.sin(self.friction_angle)
-        alpha = math.sqrt(2 / 3) * 2 * sine / (3 - sine)
-        k = math.sqrt(2 / 3) * 6 * self.cohesion * jnp.cos(self.friction_angle) / (3 - sine)
+        alpha, k = self.find_cone()
         deviation, norm = deviator(eps)
         trace = eps.sum(0)
 

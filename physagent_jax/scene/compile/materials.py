@@ -19,7 +19,10 @@ from physagent_jax.scene.body import Body
 from physagent_jax.scene.burden import find_firmness
 from physagent_jax.scene.compile.select import DTYPE, select_box
 from physagent_jax.scene.damping import Mode, compute_viscosity
+from physagent_jax.scene.fragments import FIRM, find_seams
 
+SEAM = 2.0
+"""Cells of the weak layer between two fragments."""
 _ORDER = {model: rank for rank, model in enumerate(c.MaterialModel)}
 
 
@@ -52,9 +55,12 @@ class ParticleMaterials:
         choice = np.zeros(body.particles.count, np.int32)
         for index, region in enumerate(config.material_regions):
             choice[select_box(body.particles.x, region, f"material_regions[{index}]")] = index + 1
-        firmness = find_firmness(body, config.material, config.anchor, config.bearing, dx=config.domain.dx)
         choices = (config.material, *(region.material for region in config.material_regions))
-        return ParticleMaterials(choices, choice, firmness)
+        numbers = tuple(
+            _find_strength(each, choice == index, body, config) for index, each in enumerate(choices)
+        )
+        firmness = find_firmness(body, config.material, config.anchor, config.bearing, dx=config.domain.dx)
+        return ParticleMaterials(choices, choice, firmness, numbers if any(numbers) else ())
 
     def permute(self, order: np.ndarray) -> ParticleMaterials:
         """The same in another order."""
@@ -170,10 +176,25 @@ def _build_lame(block: ParticleMaterials) -> tuple[jax.Array, jax.Array]:
     return block.leaf(mu), block.leaf(lam)
 
 
-def _build_drucker_prager(block: ParticleMaterials, _: c.Material) -> m.Material:
-    degrees = block.get_values("friction_angle")
-    angle = jnp.radians(degrees) if isinstance(degrees, Tracer) else np.radians(degrees)
-    return m.DruckerPrager(*_build_lame(block), block.leaf(angle), block.leaf(block.get_values("cohesion")))
+def _find_strength(
+    material: c.Material, chosen: np.ndarray, body: Body, config: c.SceneConfig
+) -> Mapping[str, Any]:
+    """The cohesion of what breaks into fragments, shape (n,): it is weak only between them."""
+    if material.fragments is None:
+        return {}
+    cohesion = np.full(len(chosen), material.cohesion)
+    firm = chosen.copy()
+    firm[chosen] = ~find_seams(body.particles.x[chosen], material.fragments, SEAM * config.domain.dx)
+    return {"cohesion": np.where(firm, FIRM, 1.0) * cohesion}
+
+
+def _make_granular_builder(law: Callable) -> Callable[[ParticleMaterials, c.Material], m.Material]:
+    def build(block: ParticleMaterials, _: c.Material) -> m.Material:
+        degrees = block.get_values("friction_angle")
+        angle = jnp.radians(degrees) if isinstance(degrees, Tracer) else np.radians(degrees)
+        return law(*_build_lame(block), block.leaf(angle), block.leaf(block.get_values("cohesion")))
+
+    return build
 
 
 def _build_fluid(block: ParticleMaterials, first: c.Material) -> m.Material:
@@ -190,7 +211,8 @@ _BUILDERS: dict[c.MaterialModel, Callable[[ParticleMaterials, c.Material], m.Mat
     c.MaterialModel.HENCKY: _make_builder(m.Hencky),
     c.MaterialModel.VON_MISES: _make_builder(m.VonMises, "yield_stress", "hardening_modulus"),
     c.MaterialModel.PLASTICINE: _make_builder(m.Plasticine, "yield_stress", "softening_modulus"),
-    c.MaterialModel.DRUCKER_PRAGER: _build_drucker_prager,
+    c.MaterialModel.DRUCKER_PRAGER: _make_granular_builder(m.DruckerPrager),
+    c.MaterialModel.BRITTLE: _make_granular_builder(m.Brittle),
     c.MaterialModel.VISCOPLASTIC: _make_builder(m.Viscoplastic, "yield_stress", "plastic_viscosity"),
     c.MaterialModel.SNOW: _make_builder(
         m.Snow,

@@ -17,8 +17,9 @@ class MaterialModel(enum.StrEnum):
     """Constitutive models.
 
     NEO_HOOKEAN, FIXED_COROTATED, HENCKY: elastic. VON_MISES: metal, hardens. PLASTICINE: yields and softens.
-    DRUCKER_PRAGER: sand, soil. VISCOPLASTIC: foam, paste; flows at a finite rate. SNOW: Stomakhin et al. 2013.
-    FLUID: weakly compressible liquid. RIGID: keeps its shape and moves as one body. STATIONARY: never moves.
+    DRUCKER_PRAGER: sand, soil. BRITTLE: breaks into pieces. VISCOPLASTIC: foam, paste; flows at a finite rate.
+    SNOW: Stomakhin et al. 2013. FLUID: weakly compressible liquid.
+    RIGID: keeps its shape and moves as one body. STATIONARY: never moves.
     """
 
     NEO_HOOKEAN = "neo_hookean"
@@ -27,6 +28,7 @@ class MaterialModel(enum.StrEnum):
     VON_MISES = "von_mises"
     PLASTICINE = "plasticine"
     DRUCKER_PRAGER = "drucker_prager"
+    BRITTLE = "brittle"
     VISCOPLASTIC = "viscoplastic"
     SNOW = "snow"
     FLUID = "fluid"
@@ -47,6 +49,7 @@ MODEL_PARAMETERS: Mapping[MaterialModel, Mapping[str, Any]] = {
     MaterialModel.VON_MISES: {"yield_stress": _REQUIRED, "hardening_modulus": 0.0, **_DAMPING},
     MaterialModel.PLASTICINE: {"yield_stress": _REQUIRED, "softening_modulus": 0.0, **_DAMPING},
     MaterialModel.DRUCKER_PRAGER: {"friction_angle": 30.0, "cohesion": 0.0, **_VISCOSITY},
+    MaterialModel.BRITTLE: {"friction_angle": 30.0, "cohesion": _REQUIRED, "fragments": None, **_DAMPING},
     MaterialModel.VISCOPLASTIC: {"yield_stress": _REQUIRED, "plastic_viscosity": 0.0, **_DAMPING},
     # Stomakhin et al. 2013, table 2; their hardening has no cap, an explicit step needs one.
     MaterialModel.SNOW: {
@@ -97,7 +100,9 @@ class Material(Strict):
         softening_modulus: Its loss per equivalent plastic strain [Pa]; default 0.
         plastic_viscosity: Overstress over the rate of plastic flow [Pa s]; default 0, flow without delay.
         friction_angle: Internal friction [degrees]; default 30.
-        cohesion: Shear strength without pressure [Pa]; default 0.
+        cohesion: Shear strength without pressure [Pa]; default 0 of grains, required of what is brittle.
+        fragments: Number of pieces into which brittle matter breaks, between which alone it is weak
+            (`scene.fragments`); default: it is equally strong everywhere.
         critical_compression: Strain at which snow crushes; default 2.5e-2.
         critical_stretch: Strain at which snow tears; default 7.5e-3.
         hardening_coefficient: xi; crushed snow is exp(xi (1 - J_p)) times as stiff; default 10.
@@ -119,6 +124,7 @@ class Material(Strict):
     plastic_viscosity: _Viscosity | None = None
     friction_angle: Annotated[float, Field(ge=0, lt=90)] | None = None
     cohesion: _Modulus | None = None
+    fragments: Annotated[int, Field(ge=2, le=1000)] | None = None
     critical_compression: _Share | None = None
     critical_stretch: _Share | None = None
     hardening_coefficient: Annotated[float, Field(ge=0, le=1e3)] | None = None

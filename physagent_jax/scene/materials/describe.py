@@ -13,6 +13,7 @@ _NAMES = {
     "plastic_viscosity": ("plastic viscosity", "Pa s"),
     "friction_angle": ("friction angle", "\u00b0"),
     "cohesion": ("cohesion", "Pa"),
+    "fragments": ("fragments", ""),
     "critical_compression": ("critical compression", ""),
     "critical_stretch": ("critical stretch", ""),
     "hardening_coefficient": ("hardening coefficient", ""),

@@ -22,9 +22,12 @@ from physagent_jax.scene.parts.cells import fit_part
 
 _LIMBS = frozenset("head ear horn arm wing leg tail handle spout nose".split())  # the body is the rest
 _FIGURE = frozenset("head leg arm wing tail".split())  # of which something shows that the rest is a body
+_ASIDE = frozenset("arm wing tail".split())  # what an upright figure has beside it
+_FORE = frozenset(("head", "nose"))  # what tells where it looks, if there is one of them
 _OWN = ("head", "skull", "mask")  # what the object is called that is a head as a whole
 _OFF = 0.15  # of the length, by which an animal's head is off its middle in the way that it looks
 _TRIMMED = 2.0  # percent of a parent on either side, that its ends are without
+_CROTCH, _GAP = 0.7, 0.1  # of a region's height, and of its half width, within which two legs leave a gap
 _SHOULDER = 0.15  # of a region that hangs, by which it is held
 _TALL = 1.3  # height over width of a figure whose legs are not seen
 _FEWEST = 24  # particles of a region
@@ -68,13 +71,19 @@ def find_places(
     """
     known = {split_name(part.name)[-1] for part in parts if part.name}
     roles = collections.Counter(role for part in parts for role in part.roles[:1])
+    height = float(np.ptp(points[:, 2]) / np.ptp(points, axis=0).max())  # [body lengths]
+    long: dict[str, float] = {}
+    for part in parts:
+        for role in part.roles[:1]:
+            long[role] = max(long.get(role, 0.0), float(np.linalg.norm(part.arm)) / height)
     said = {
         word: read_places()[word] for each in words for word in (each, each[:-1]) if word in read_places()
     }
     asked = {
         word: row
         for word, row in said.items()
-        if word not in known and roles.keys().isdisjoint(row.get("role", "").split())
+        if word not in known
+        and all(long.get(r, -1) < row.get("short", 0) for r in row.get("role", "").split())
         if roles[row.get("lone", "")] != 1
     }
     if not asked:
@@ -106,6 +115,8 @@ class _Parents:
         found = []
         for parent, part in self._list(row["of"]):
             inside = parent & self._is_within(parent, part, row)
+            if row.get("parted") and not self._is_parted(inside):
+                continue
             across = (self.points - self.points[parent].mean(0)) @ self._side
             sides = (("left ", -1), ("right ", 1)) if "side" in row else (("", 0),)
             for side, sign in sides:
@@ -118,6 +129,7 @@ class _Parents:
                     told |= self._hang(mask, -_UP) if row.get("hangs") else {}
                     told |= self._hang(mask, _UP) if row.get("nods") else {}
                     told |= self._hang(mask, sign * self._side) if row.get("flap") else {}
+                    told |= self._hang(mask, self._front) if row.get("juts") else {}
                     found.append(fit_part(self.points, mask, joined=True).model_copy(update=told))
         return found
 
@@ -148,17 +160,28 @@ class _Parents:
         """The parents of a kind, each as a mask of particles, shape (n,), and as a part; None = it is none."""
         every = np.ones(len(self.points), bool)
         upright = self._count("leg") == 2 or not self._count("leg") and self._is_tall()
-        if of == "whole" or of == "upright" and upright:
+        if of == "whole":
             return [(every, None)]
+        if of == "upright":
+            arms = [m for m, part in zip(self.masks, self.parts) if not _ASIDE.isdisjoint(part.roles[:1])]
+            return [(~np.logical_or.reduce([~every, *arms]), None)] if upright else []
         limbs = [mask for mask, part in zip(self.masks, self.parts) if not _LIMBS.isdisjoint(part.roles[:1])]
         if of == "body":
             body = ~np.logical_or.reduce([~every, *limbs])
-            return [(body, None)] if any(map(self._count, _FIGURE)) and body.any() else []
+            figure = any(map(self._count, _FIGURE)) or upright
+            return [(body, None)] if figure and body.any() else []
         if of == "head" and self._count("handle"):
             return []  # a hammer's head has no face
         found = [(mask, part) for mask, part in zip(self.masks, self.parts) if of in part.roles[:1]]
         if not found and of == "head" and self.name.lower().endswith(_OWN):
             return [(~np.logical_or.reduce([~every, *limbs]), None)]
+        if not found and of == "head":  # of what is one with its body there is a snout at most
+            found = [(mask, part) for mask, part in zip(self.masks, self.parts) if "nose" in part.roles[:1]]
+        if not found and of == "head" and upright:
+            masks = [
+                make_region_mask(each.moved, self.points) for each in self.find("head", read_places()["head"])
+            ]
+            return [(mask, None) for mask in masks]
         if of == "head":  # not that with its neck
             found = sorted(found, key=lambda each: int(each[0].sum()))[:1]
         inner = [
@@ -179,10 +202,17 @@ class _Parents:
             places = [2 * self._measure(parent, way) - 1 for way in np.eye(3)[:2]]
             away = np.hypot(*places)
             mask &= (away >= row["ring"][0]) & (away <= row["ring"][1] * np.sqrt(2))
-        if "side" in row:
+        aside = row.get("side", row.get("centred"))
+        if aside is not None:
             place = np.abs(2 * self._measure(parent, self._side) - 1)
-            mask &= (place >= row["side"][0]) & (place <= row["side"][1])
+            mask &= (place >= aside[0]) & (place <= aside[1])
         return mask
+
+    def _is_parted(self, inside: np.ndarray) -> bool:
+        """Return whether the lower part of a region has a gap in its middle, as two legs have."""
+        low = inside & (self._measure(inside, _UP) < _CROTCH)
+        off = np.abs(2 * self._measure(low, self._side) - 1)[low]
+        return bool((off < _GAP).mean() < 0.4 * _GAP)
 
     def _measure(self, parent: np.ndarray, way: np.ndarray) -> np.ndarray:
         """Places along a way, from 0 to 1 within a parent, beyond what is trimmed off 0 or 1; shape (n,)."""
@@ -193,7 +223,7 @@ class _Parents:
     @functools.cached_property
     def _front(self) -> np.ndarray:
         """The level way in which it looks, shape (3,)."""
-        heads = [mask for mask, part in zip(self.masks, self.parts) if "head" in part.roles[:1]]
+        heads = [m for m, part in zip(self.masks, self.parts) if not _FORE.isdisjoint(part.roles[:1])]
         off = self.points[heads[0]].mean(0) - self.points.mean(0) if len(heads) == 1 else np.zeros(3)
         off[2] = 0.0
         away = float(np.linalg.norm(off))

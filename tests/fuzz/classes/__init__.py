@@ -57,6 +57,7 @@ CLASSES = {
         FuzzClass("motion_files", 200),
         FuzzClass("masks", 160),
         FuzzClass("cards", 120),
+        FuzzClass("ballots", 80),
         FuzzClass("scenes", 400),
         FuzzClass("physgaussian", 160),
         FuzzClass("physgm", 120),

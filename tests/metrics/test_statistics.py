@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from benchmarks.harness import statistics
+from physagent_jax.metrics import statistics
 
 RUNS_X = np.array([[1.0, 2.0], [2.0, 2.0], [1.0, 1.0], [2.0, 1.0]])
 RUNS_Y = np.array([[1.0, 1.0], [2.0, 2.0], [3.0, 3.0]])

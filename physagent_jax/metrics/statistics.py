@@ -89,7 +89,7 @@ def compute_mcnemar(first: int, second: int) -> float:
 
 def compute_wilcoxon(gaps: np.ndarray) -> float:
     """The p value of Wilcoxon's signed ranks, of differences per task."""
-    return float(stats.wilcoxon(gaps).pvalue) if np.any(gaps) else 1.0
+    return float(np.asarray(stats.wilcoxon(gaps))[1]) if np.any(gaps) else 1.0
 
 
 def correct(p_values: Sequence[float]) -> list[float]:

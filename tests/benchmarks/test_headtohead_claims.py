@@ -2,7 +2,8 @@
 
 import pytest
 
-from benchmarks.headtohead import claims, fits
+from baselines import fits
+from benchmarks.headtohead import claims
 
 
 def make_rows(values, family="drop", seeds=1, mark=10.0):

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.harness.statistics import compute_mcnemar, compute_wilcoxon
+from physagent_jax.metrics.statistics import compute_mcnemar, compute_wilcoxon
 
 CAP = 10.0  # [tolerances] at which errors are cut: how far a miss is beyond that says nothing
 Row = Mapping[str, Any]

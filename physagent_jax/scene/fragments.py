@@ -1,0 +1,37 @@
+"""Fragments into which brittle matter breaks: it is weak where two of them meet, and strong inside.
+
+The simulated matter has no flaws, and would fail everywhere at once where it hits the ground. Real matter breaks along
+flaws into pieces. The fragments here are the Voronoi cells of points that are spread over the object.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import KDTree
+
+FIRM = 1e4
+"""Factor of the strength inside a fragment over that between two."""
+_SEED = 7
+_ROUNDS = 2  # of Lloyd's algorithm: cells of different sizes, none of them tiny
+
+
+def find_seams(x: np.ndarray, count: int, width: float) -> np.ndarray:
+    """Particles where two of ``count`` fragments meet, shape (n,).
+
+    Args:
+        x: Positions at rest [m], shape (n, 3).
+        count: Number of fragments.
+        width: Thickness of the weak layer [m]; less than a cell does not part on the grid.
+    """
+    count = min(count, len(x))
+    if count < 2:
+        return np.zeros(len(x), bool)
+    seeds = x[np.random.default_rng(_SEED).choice(len(x), count, replace=False)]
+    for _ in range(_ROUNDS):
+        nearest = KDTree(seeds).query(x)[1]
+        sizes = np.bincount(nearest, minlength=count)
+        sums = np.stack([np.bincount(nearest, x[:, axis], minlength=count) for axis in range(3)], axis=1)
+        seeds = np.where(sizes[:, None] > 0, sums / np.maximum(sizes, 1)[:, None], seeds)
+    distance, pair = map(np.asarray, KDTree(seeds).query(x, k=2))
+    apart = np.linalg.norm(seeds[pair[:, 0]] - seeds[pair[:, 1]], axis=1)
+    return (distance[:, 1] ** 2 - distance[:, 0] ** 2) / np.maximum(2 * apart, 1e-12) < width / 2
