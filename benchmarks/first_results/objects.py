@@ -243,7 +243,8 @@ def _download(file: PinnedFile, path: Path) -> None:
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line."""
-    from benchmarks.first_results import held_back_again, held_back_fourth, held_back_third  # their kind of file is from here
+    # their kind of file is from here
+    from benchmarks.first_results import held_back_again, held_back_fourth, held_back_third
 
     files = {**FILES, **held_back_again.FILES, **held_back_third.FILES, **held_back_fourth.FILES}
     parser = argparse.ArgumentParser(

@@ -127,9 +127,10 @@ def judge_truth(run: FinishedRun) -> Judgement:
     spec, reply, scene, best = run.spec, run.semantic, run.best_scene, run.best
     assert spec and reply and scene and best and best.motion and best.force_field and best.judgement
     assert best.video is not None
-    template = resolve(spec).with_reply(reply)
+    resolved = resolve(spec)
+    template = resolved.with_reply(reply)
     limbs = sorted({each.limb for each in reply.expectations if each.limb is not None})
-    parts = make_scene_body(scene, run.folder).parts if limbs else ()
+    parts = resolved.list_parts(make_scene_body(scene, run.folder)) if limbs else ()
     brief = make_brief(template, frames_fixed=spec.overrides.frame_count is not None, parts=parts)
     if not scene.always_gravity:  # an object that cannot stand has no weight where it leaves its place
         brief = brief.model_copy(update={"world": "free"})
