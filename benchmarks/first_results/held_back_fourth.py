@@ -40,7 +40,7 @@ FILES: Mapping[str, PinnedFile] = {
         "bbb3236269eae96db7d06df6505e068c6ada1022d5ca881f1f6175e96603e370",
         "mesh with texture, Jeremy Edelblut (github.com/jeremytoys/3moji), CC-BY-SA-4.0",
     ),
-    "statue": PinnedFile(
+    "trumpeter": PinnedFile(
         "trumpet.sog",
         STATUES,
         "5b1c7018f8445e9cb8687cdfb4ebcb85d4a9e9ca9a1ceb9f929dd060de8c6a79",
@@ -51,7 +51,7 @@ FILES: Mapping[str, PinnedFile] = {
 _OPTIONS = {  # neither an OBJ nor a SOG tells; pictures show each upright
     "elephant": ("--up", "+y"),
     "couch": ("--up", "+y"),
-    "statue": ("--up", "-y"),
+    "trumpeter": ("--up", "-y"),
 }
 
 THINGS = {
@@ -76,8 +76,8 @@ FOURTH = (
     Case("cactus", "pull the right arm of the cactus down", "bend part"),
     Case("cactus", "the cactus floats up and slowly turns around", "lift spin slight"),
     Case("cactus", "squash a cactus made of clay to half its height", "squeeze material quantity"),
-    Case("statue", "a storm from the left blows the statue over", "wind tip violent"),
-    Case("statue", "turn the statue halfway around", "spin quantity"),
-    Case("statue", "push the statue's head forward", "push part"),
-    Case("statue", "the statue wobbles for a moment and then stands still", "sway stillness sequence"),
+    Case("trumpeter", "a storm from the left blows the statue over", "wind tip violent"),
+    Case("trumpeter", "turn the statue halfway around", "spin quantity"),
+    Case("trumpeter", "push the statue's head forward", "push part"),
+    Case("trumpeter", "the statue wobbles for a moment and then stands still", "sway stillness sequence"),
 )
