@@ -34,16 +34,8 @@ from physagent_jax.scene.config import CameraConfig
 from physagent_jax.simulation.simulate import simulate_frames
 
 Family = Literal["drop", "stretch", "sway", "twist", "impulse", "multi", "recovery", "other"]
-FAMILIES: tuple[Family, ...] = (
-    "drop",
-    "stretch",
-    "sway",
-    "twist",
-    "impulse",
-    "multi",
-    "recovery",
-    "other",
-)
+FAMILIES: tuple[Family, ...] = ("drop", "stretch", "sway", "twist", "impulse", "multi", "recovery")
+"""Those of the published tasks; a task of one's own may be of another."""
 Split = Literal["development", "test"]
 
 WIDTH, HEIGHT = 320, 240

@@ -26,7 +26,7 @@ from physagent_jax.scene.materials.soften import STANDARD_GRAVITY, find_contrast
 # --- the schema ---------------------------------------------------------------------------------------
 
 # A value that every optional parameter accepts.
-VALUES = dict.fromkeys(OPTIONAL_PARAMETERS, 0.5) | {"hardening_cap": 2.0, "tension": True}
+VALUES = dict.fromkeys(OPTIONAL_PARAMETERS, 0.5) | {"hardening_cap": 2.0, "tension": True, "fragments": 8}
 
 
 def of_model(model, **values):
