@@ -37,7 +37,9 @@ _PAIRS = (
 _PAIRS += ("frames",)
 
 HELD_BACK = ("sixty", "twenty", "again", "third", "fourth")
-_UNSHOWN = frozenset(("force_field", "errors", "oddities", "substeps", "particle_count"))
+_UNSHOWN = frozenset(
+    ("force_field", "errors", "oddities", "substeps", "particle_count", "assumptions", "frame_dt")
+)
 _UNSHOWN |= {
     f"{source}_{what}"
     for source in ("perceived", "true")
