@@ -27,7 +27,7 @@ from baselines.tables import format_markdown, read_rows, summarise_methods, writ
 from baselines.task_files import stamp
 from baselines.tasks import TaskSpec, check_spec, load_tasks, make_task, split_available
 from physagent_jax.core.errors import MissingPackageError, UserError
-from physagent_jax.core.files import make_folders
+from physagent_jax.core.files import make_folders, write_text
 from physagent_jax.core.reading import format_validation_error, read_json
 
 MARKS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
@@ -88,6 +88,7 @@ def compare_methods(command: Command) -> list[Row]:
     path = command.out / "fits.jsonl"
     make_folders(command.out)
     kept = {_identify(row): row for row in read_rows(path)}
+    write_text(path, "".join(json.dumps(row) + "\n" for row in kept.values()))  # a line that was cut off goes
     wanted = [
         (spec, label, method, seed)
         for spec in specs  # a task's programs are compiled once
