@@ -33,6 +33,11 @@ _AMOUNTS = frozenset(
     ("pile", "heap", "mound", "lump", "block", "piece", "chunk", "slab", "slice", "bit", "blob", "drop", "puddle",
      "stack", "handful", "pinch", "cube", "sphere", "column")
 )  # fmt: skip
+_SUBSTANCES = frozenset(("sand", "snow", "clay", "liquid"))  # "a coffee grinder" is none of them
+_FILE_WORDS = frozenset(
+    ("ply", "splat", "spz", "sog", "obj", "glb", "gltf", "off", "stl", "mesh", "model", "scan", "splats", "low", "high",
+     "poly", "lowpoly", "highpoly", "resolution", "final", "test")
+)  # fmt: skip
 _PREPOSITIONS = frozenset(("of", "in", "on", "with", "at", "from", "for", "by", "under", "near"))
 
 
@@ -270,7 +275,8 @@ def guess_kind(name: str) -> str:
 
     Words are compared whole (a plural is allowed), so that "carpet" is no car. A name of several nouns goes
     by the last known one before any preposition, its head: "toy robot", "a loaf of rye", "plant in a pot". An
-    amount does not count: "a pile of sand" is sand.
+    amount does not count: "a pile of sand" is sand. A substance before another noun tells what that is for: "coffee
+    grinder" tells nothing.
     """
     words = re.findall(r"[a-z]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", name).lower())
     amounts = [
@@ -278,10 +284,12 @@ def guess_kind(name: str) -> str:
     ]
     words = words[amounts[0] + 1 :] if amounts else words
     cut = next((i for i, word in enumerate(words) if word in _PREPOSITIONS), len(words))
-    for word in reversed(words[:cut]):
+    words = [word for word in words[:cut] if word not in _FILE_WORDS and len(word) > 2]
+    for behind, word in enumerate(reversed(words)):
         for kind, prior in PRIORS.items():
             if {word, word.removesuffix("s"), word.removesuffix("es")} & set(prior.words):
-                return kind
+                before_noun = behind > 0 and words[-1].removesuffix("s") not in _AMOUNTS
+                return UNKNOWN if before_noun and kind in _SUBSTANCES else kind
     return UNKNOWN
 
 

@@ -33,6 +33,10 @@ from physagent_jax.scene.priors import PRIORS, UNKNOWN, choose_anchor, choose_ma
         ("snowman", "snow"),
         ("trash can", "metal"),
         ("splash of water", "liquid"),
+        ("coffee_grinder.glb", UNKNOWN),
+        ("snow plough", UNKNOWN),
+        ("a sand pile", "sand"),
+        ("milk_sh0_lowpoly.ply", "liquid"),
         ("carpet", UNKNOWN),  # no car
         ("point_cloud.ply", UNKNOWN),
         ("", UNKNOWN),
