@@ -1,6 +1,8 @@
 """The offline semantic agent: what sentences lead to, and what no sentence may lead to."""
 
+import collections
 import math
+from collections.abc import Iterator
 
 import pytest
 from hypothesis import example, given, settings
@@ -9,6 +11,7 @@ from hypothesis import strategies as st
 from physagent_jax.agents.compiler.builder import MAX_ACTIONS
 from physagent_jax.agents.grammar.patterns import read_patterns
 from physagent_jax.agents.lexicon import read_lexicon
+from physagent_jax.agents.lexicon.types import Motion
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.motion.schema import MotionKind
@@ -275,9 +278,18 @@ def check_text(text: str, scene) -> None:
     assert reply == read(text, scene)
 
 
+def list_phrases(most: int = 25) -> Iterator[tuple[str, Motion]]:
+    """The phrases of the lexicon's verbs; of those with more optional words than that, some evenly."""
+    variants = collections.defaultdict(list)
+    for phrase, verb in WORDS.motions.items():
+        variants[id(verb), phrase.split()[0]].append((phrase, verb))
+    for each in variants.values():
+        yield from each[:: -(-len(each) // most)]
+
+
 def test_every_verb_of_the_lexicon_does_something():
     """Each lemma alone, said of the object, is understood."""
-    for phrase, verb in WORDS.motions.items():
+    for phrase, verb in list_phrases():
         reply = read(f"{phrase.replace('~', 'it')} the robot to the left")
         moves = reply.force_field.actions or reply.force_field.constraints or reply.force_field.default_drop
         still = {e.kind for e in reply.expectations} <= {MotionKind.STILL, MotionKind.FALL}
