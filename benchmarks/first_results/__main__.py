@@ -40,7 +40,9 @@ class Command(harness.Command):
 
     json: Path = RAW / "first-results.json"
     """File of the raw rows; those of other parts are kept."""
-    parts: tuple[Literal["sentences", "sixty", "twenty", "again", "third", "fourth"], ...] = ("sentences",)
+    parts: tuple[Literal["sentences", "sixty", "twenty", "again", "third", "fourth", "fifth"], ...] = (
+        "sentences",
+    )
     """Sets of sentences to run; no names = run none, for the page, the sheets and the stills of earlier runs."""
     out: Path = Path("runs/first")
     """Folder for the runs."""

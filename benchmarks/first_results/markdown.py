@@ -36,7 +36,7 @@ _PAIRS = (
 )
 _PAIRS += ("frames",)
 
-HELD_BACK = ("sixty", "twenty", "again", "third", "fourth")
+HELD_BACK = ("sixty", "twenty", "again", "third", "fourth", "fifth")
 _UNSHOWN = frozenset(
     ("force_field", "errors", "oddities", "substeps", "particle_count", "assumptions", "frame_dt")
 )
