@@ -19,14 +19,10 @@ from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.agents.trace import Reply
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.motion.schema import DirectionTable, SceneBrief, Verdict
+from physagent_jax.motion.schema import Verdict
 from physagent_jax.output.video import encode_png
 from physagent_jax.perception.measure import perceive
 from physagent_jax.run.key_frames import spread_evenly
-from physagent_jax.scene.broad_side import find_long_axis
-from physagent_jax.scene.camera import find_viewer_directions
-from physagent_jax.scene.compile import CompiledScene
-from physagent_jax.scene.priors import list_nouns
 
 Change = Callable[[ForceField], ForceField]
 
@@ -72,27 +68,6 @@ class PictureSight(Sight):
             pictures.rgb, pictures.depth, pictures.camera, frame_dt=pictures.frame_dt, windows=windows
         )
         return Observation(field, seen.report, PictureFrames(pictures))
-
-
-def make_scene_brief(scene: CompiledScene) -> SceneBrief:
-    """The brief of a task's scene for agents; the clip's length is the task's."""
-    config = scene.config
-    source, timing, anchor = config.source, config.timing, config.anchor
-    stands = config.always_gravity and config.gravity[2] < 0
-    ground = any(boundary.kind == "half_space" for boundary in config.boundaries)
-    return SceneBrief(
-        object_name=source.name,
-        object_kind=source.kind,
-        object_nouns=list_nouns(source.kind),
-        anchored=None if anchor.kind == "none" else anchor.reason or anchor.kind,
-        frame_count=timing.frame_count,
-        frames_fixed=True,
-        frame_dt=timing.frame_dt,
-        size=source.extent,
-        long_axis=find_long_axis(source, config.domain),
-        world="ground" if stands and ground else "free",
-        directions=DirectionTable(**find_viewer_directions(config.camera)),
-    )
 
 
 def read_sentence(evaluator: Evaluator, agents: Agents | None = None) -> SemanticReply:
@@ -167,6 +142,4 @@ def _ask(evaluator: Evaluator, ask: Callable[..., Reply], *arguments) -> Reply:
 def _make_context(
     evaluator: Evaluator, reading: SemanticReply | None = None, rounds: tuple[Round, ...] = ()
 ) -> AgentContext:
-    task = evaluator.task
-    brief = make_scene_brief(task.build(task.start))
-    return AgentContext(task.spec.sentence, brief, describe_skills(), reading, rounds)
+    return AgentContext(evaluator.task.spec.sentence, evaluator.brief, describe_skills(), reading, rounds)

@@ -80,7 +80,8 @@ def compare_methods(command: Command) -> list[Row]:
     if command.seeds < 1:
         raise UserError("there must be at least one seed", got=command.seeds)
     budget = Budget(command.budget).forward_equivalents
-    methods = {_name_method(text): _make_known(text) for text in command.methods}
+    hidden = [command.tasks, command.out, *(Path(text) for text in command.task if text.endswith(".json"))]
+    methods = {_name_method(text): _make_known(text, hidden) for text in command.methods}
     for text in command.object:
         add_object(text)
     specs = list_specs(command)
@@ -99,7 +100,7 @@ def compare_methods(command: Command) -> list[Row]:
     with tempfile.TemporaryDirectory() as folder, path.open("a", encoding="utf-8") as file:
         made = None
         for number, (spec, label, method, seed) in enumerate(wanted, 1):
-            options = dataclasses.asdict(method)
+            options = method.list_options()
             names = {"label": label, "method": method.name, "options": options, "budget": budget}
             key = _identify(names | {"task_hash": spec.task_hash, "seed": seed})
             if key not in kept:
@@ -165,11 +166,11 @@ def read_own_tasks(path: Path) -> list[TaskSpec]:
     return specs
 
 
-def _make_known(text: str) -> Method:
+def _make_known(text: str, hidden: list[Path]) -> Method:
     name, *options = text.split(",")
     if ":" not in name and name not in METHODS.entries:
         raise list_names("a method", name, METHODS.entries)
-    return make_method(name, read_options(tuple(options)))
+    return make_method(name, read_options(tuple(options)), hidden)
 
 
 def _name_method(text: str) -> str:

@@ -11,10 +11,12 @@ import time
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import cached_property
 
 import jax
 import numpy as np
 
+from baselines.brief import make_scene_brief
 from baselines.misses import FAILED, Score
 from baselines.parametrisation import Parametrisation
 from baselines.protocol import Budget, BudgetSpent, Evaluation
@@ -25,6 +27,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.schema import Action, ForceField
 from physagent_jax.forces.skills import get_skill
+from physagent_jax.motion.schema import SceneBrief
 
 GRADIENT_COST = 4.3
 """[forward-equivalents] of a value with its gradient, for clips whose states fit into memory, as the tasks' do.
@@ -81,6 +84,11 @@ class Evaluator:
         self._simulation = Simulation(task) if simulation is None else simulation
         self._rollouts: OrderedDict[str, tuple[ForceField, Rollout]] = OrderedDict()
         self._power = 1
+
+    @cached_property
+    def brief(self) -> SceneBrief:
+        """The scene as agents are told of it."""
+        return make_scene_brief(self.task.build(self.task.start))
 
     @property
     def seconds(self) -> float:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from baselines.protocol import Budget, FitResult, Method
+from baselines.protocol import Budget, FitResult, Method, MethodFailedError
 from baselines.tasks import Task
 from physagent_jax.core.errors import MissingPackageError, UserError
 from physagent_jax.forces.schema import ForceField
@@ -39,6 +39,7 @@ def measure_fit(
 
     Raises:
         MissingPackageError: The method needs a package that is not installed, which says nothing of it.
+        MethodFailedError: It has an error of its own.
     """
     row: Row = {
         **names,
@@ -52,7 +53,7 @@ def measure_fit(
     }
     try:
         result = method.fit(task, Budget(budget), seed)
-    except MissingPackageError:
+    except (MissingPackageError, MethodFailedError):
         raise
     except UserError as error:  # a sentence that the agents refuse, a task without an expert: not solved
         return row | {"refused": " ".join(str(error).split())[:300], "marks": [], "spent": 0.0}

@@ -22,6 +22,10 @@ class BudgetSpent(Exception):
     """Raised by `Evaluator` where a method asks for more than it has; what was recorded until then stands."""
 
 
+class MethodFailedError(UserError):
+    """A method of one's own that has an error, which says nothing of the task."""
+
+
 @dataclasses.dataclass(frozen=True)
 class Budget:
     """The budget of a method on a task.
@@ -161,6 +165,10 @@ class Method:
 
         method = self.with_options(options or {})
         return method.finish(Evaluator(task, budget, seed, oracle=method.oracle, on_evaluation=on_evaluation))
+
+    def list_options(self) -> dict[str, Any]:
+        """The options by name."""
+        return dataclasses.asdict(self)
 
     def with_options(self, options: Mapping[str, Any]) -> Method:
         """The method with other options.

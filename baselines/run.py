@@ -80,12 +80,13 @@ def solve(command: Command) -> RunStore:
     budget = Budget(command.budget, command.seconds)
     if ":" not in command.method and command.method not in METHODS.entries:
         raise list_names("`--method`", command.method, METHODS.entries)
-    method = make_method(command.method, read_options(command.options))
+    hidden = [command.tasks] if command.out is None else [command.tasks, command.out]
+    method = make_method(command.method, read_options(command.options), hidden)
     spec = find_task(command.tasks, command.task)
     out = command.out or Path("runs") / f"{method.name}_{command.task}"
     settings = dict(
         method=command.method,
-        options=dataclasses.asdict(method),
+        options=method.list_options(),
         task=spec.model_dump(mode="json"),
         budget=dataclasses.asdict(budget),
         seed=command.seed,

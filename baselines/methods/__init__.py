@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import importlib.util
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -36,18 +36,26 @@ METHODS = Registry(
 )
 
 
-def make_method(name: str, options: Mapping[str, Any] | None = None) -> Method:
+def make_method(
+    name: str, options: Mapping[str, Any] | None = None, hidden: Sequence[Path] | None = None
+) -> Method:
     """The method of this name with these options.
 
     Args:
         name: A name of `METHODS`; or ``module:Class`` or ``file.py:Class``, for a method of one's own.
         options: Options of the method.
+        hidden: Files that a method of one's own must not read: it runs behind a `door`, in a process of its own. None =
+            it runs in this one.
 
     Raises:
         UserError: There is none, it is no method, it has no such options, or they are out of range.
     """
     if ":" not in name:
         return METHODS.make((name, options or {}))
+    if hidden is not None:
+        from baselines.door import ClosedMethod
+
+        return ClosedMethod(name, options or {}, tuple(hidden))
     place, _, attribute = name.rpartition(":")
     module = _load_file(Path(place)) if place.endswith(".py") else place
     try:

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from baselines.agents import make_scene_brief
+from baselines.brief import make_scene_brief
 from baselines.methods import METHODS, make_method
 from baselines.methods.direction_only import forget_skills
 from baselines.protocol import Budget
