@@ -71,6 +71,7 @@ class TaskSpec(Strict):
         expert: Force field that the scenes of published codes have for this kind of motion; None = none.
         hidden: The force field that made the target of a recovery task; no method sees it.
         begin: Where a method that needs a first force field begins; None = `START`.
+        material: Material of the object, for `baselines.materials.choose_material`.
     """
 
     name: Annotated[str, Field(pattern=r"^[a-z0-9-]{3,60}$")]
@@ -83,11 +84,16 @@ class TaskSpec(Strict):
     expert: ForceField | None = None
     hidden: ForceField | None = None
     begin: ForceField | None = None
+    material: str = OWN
 
     @property
     def split(self) -> Split:
-        """By the name alone, so that nobody chooses: test where the SHA-256 of the name is odd."""
-        return "test" if hashlib.sha256(self.name.encode()).digest()[-1] % 2 else "development"
+        """By the name alone, so that nobody chooses: test where its SHA-256 is odd.
+
+        What stands before "--" counts: tasks that differ only by a number behind it are twins, and stay together.
+        """
+        stem = self.name.partition("--")[0]
+        return "test" if hashlib.sha256(stem.encode()).digest()[-1] % 2 else "development"
 
     @property
     def smooth(self) -> bool:
@@ -274,13 +280,14 @@ def make_task(spec: TaskSpec, folder: Path, data: Path | None = None, material: 
         spec: Which task.
         folder: Where files of objects go that are made.
         data: Folder of captured objects; None = tasks on those cannot be made.
-        material: What the object is made of, as for `choose_material`. The target stays that of the task.
+        material: What the object is made of, as for `choose_material`; `OWN` = what the task says. The target stays
+            that of the task.
 
     Raises:
         UserError: The object needs a folder of data that is not given, or there is no such material.
     """
     thing = OBJECTS[spec.object]
-    made_of = choose_material(material, thing)
+    made_of = choose_material(spec.material if material == OWN else material, thing)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)
         loaded = pa.load_object(

@@ -21,14 +21,14 @@ MOST = 1 << 30
 
 @dataclasses.dataclass(frozen=True)
 class Scene:
-    """What a method is told of its task.
+    """A task as its method is told of it.
 
     Attributes:
         spec: Fields of the task's `TaskSpec` but those that tell the answer.
         start: The first force field of a method that needs one.
         frame_count: Frames of the clip.
         frame_dt: Time between them [s].
-        mass: Of the model's particles [kg], shape (n,).
+        mass: Mass of the model's particles [kg], shape (n,).
         brief: The scene as agents are told of it.
     """
 
