@@ -75,7 +75,7 @@ class World:
         )
 
 
-@pytest.fixture(scope="module", params=["free", "ground"])
+@pytest.fixture(scope="module", params=[pytest.param("free", marks=pytest.mark.slow), "ground"])
 def mixture(request, tmp_path_factory):
     simulation = Simulation(World(tmp_path_factory.mktemp(request.param), request.param))
     return Mixture.of(simulation.simulate(PUSH), OTHERS), simulation

@@ -92,6 +92,7 @@ def test_one_gradient_is_that_of_the_parts(tiny, encoder):
         np.testing.assert_allclose(one.vector, other.vector, atol=0.02 * np.abs(one.vector).max())
 
 
+@pytest.mark.slow  # its gradient is compared above
 def test_a_few_steps_raise_the_similarity(tiny, encoder):
     """The target is never read: with one that cannot be measured everything is as before."""
     blind = dataclasses.replace(

@@ -305,6 +305,7 @@ def test_mirrored_clips_have_mirrored_prompts(nnx):
         assert (shift[0] < 0) == (motion == left) and abs(shift[1]) < 0.02
 
 
+@pytest.mark.slow
 def test_a_training_that_was_cut_off_goes_on_as_if_it_had_not_been(nnx, tmp_path, monkeypatch, capsys):
     import dataclasses
 

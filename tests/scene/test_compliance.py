@@ -120,8 +120,15 @@ def test_the_report_shows_the_push_that_acts():
     assert "1 means 4.08" in show(free)
 
 
-@pytest.mark.parametrize("youngs_modulus", [6e4, 6e5])
-@pytest.mark.parametrize("kind", ["translation", "impulse"])
+@pytest.mark.parametrize(
+    "kind, youngs_modulus",
+    [
+        ("translation", 6e4),
+        ("impulse", 6e5),
+        pytest.param("translation", 6e5, marks=pytest.mark.slow),
+        pytest.param("impulse", 6e4, marks=pytest.mark.slow),
+    ],
+)
 def test_soft_and_stiff_bars_are_bent_alike(bar, kind, youngs_modulus):
     window = {} if kind == "translation" else {"active_time": (0, 2)}
     field = ForceField.model_validate(
@@ -142,7 +149,15 @@ def test_soft_and_stiff_bars_are_bent_alike(bar, kind, youngs_modulus):
     assert 0.55 < way / calibration.EXPECTED_HELD_SHIFT < 1.35
 
 
-@pytest.mark.parametrize("youngs_modulus, half", [(6e4, 3), (6e5, 3), (6e5, 6), (6e5, 12)])
+@pytest.mark.parametrize(
+    "youngs_modulus, half",
+    [
+        (6e4, 3),
+        (6e5, 12),
+        pytest.param(6e5, 3, marks=pytest.mark.slow),
+        pytest.param(6e5, 6, marks=pytest.mark.slow),
+    ],
+)
 def test_soft_and_stiff_bars_sway_alike_at_every_pace(bar, youngs_modulus, half):
     """Far below, near and far above their own pace: an oscillator answers each push otherwise."""
     edges = [0, *(half / 2 + half * i for i in range(5))]
