@@ -79,7 +79,7 @@ class Draft:
         field: The force field.
         scene: Fields of `SceneOptions`.
         ask: From the task under way, and its true paths as a clip, to sentences that all say the same, and clauses.
-        begin, hidden: Of recovery tasks.
+        begin, hidden: Force fields of recovery tasks.
     """
 
     field: ForceField
