@@ -19,7 +19,7 @@ from physagent_jax.metrics.clips import Clip
 from physagent_jax.metrics.task_judge import judge
 
 MATERIALS = {"own": "the ", "softer": "the soft ", "stiffer": "the stiff "}
-"""What objects are made of, and the words before them."""
+"""The words before an object, by what it is made of."""
 
 _TRIES = 40
 _CLEAR = 0.7  # [tolerances] by which the drawn force field may miss its own task

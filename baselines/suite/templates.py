@@ -53,7 +53,7 @@ class Unfit(Exception):
 
 @dataclasses.dataclass(frozen=True)
 class Cell:
-    """What twins have in common: all that is drawn within a cell is in one split.
+    """A set of twins: all that is drawn within a cell is in one split.
 
     Attributes:
         family: Family of tasks.
