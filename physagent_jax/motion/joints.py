@@ -127,7 +127,8 @@ class Turning:
 
     def is_borne(self, way: Vector) -> bool:
         """Return whether it cannot go a way (unit world vector): the ground is there, or what it sits on."""
-        if not SEATED.isdisjoint(self.part.roles[:1]) and dot(self.arm, way) < -_ALONG:
+        seated = not SEATED.isdisjoint(self.part.roles[:1]) and "neck" not in self.part.roles  # that goes over
+        if seated and dot(self.arm, way) < -_ALONG:
             return True
         lowest = min(place[2] for place in self.part.moved.inside)
         return (

@@ -43,7 +43,8 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
         turned = dict(toward=front, away=front and scale(front, -1.0))
         side = add(turned.get(name) or sum_directions((name,), brief) for name in part.place.names)
     known = [
-        each.model_copy(update=dict(roles=(*find_roles(each.name)[:1], *each.roles))) for each in brief.parts
+        each.model_copy(update=dict(roles=(*(find_roles(each.name) or split_name(each.name)[-1:])[:1], *each.roles)))
+        for each in brief.parts
     ]
     return choose_parts(known, roles, side, is_plural(part.text), adjective, brief.directions.toward)
 

@@ -136,7 +136,8 @@ def _find_directions(text: str) -> Names:
 def find_place(word: str) -> Place | None:
     """The place of a part: a noun, a side with a noun ("upper half"), or a side alone ("left")."""
     lexicon, text = read_lexicon(), normalise(word)
-    if place := lexicon.parts.get(text) or lexicon.parts.get(text.removesuffix("s")):
+    said = " ".join(word.lower().split())  # "a corner of"
+    if place := lexicon.parts.get(said) or lexicon.parts.get(text) or lexicon.parts.get(text.removesuffix("s")):
         return place
     side, _, noun = text.rpartition(" ")
     start = lexicon.part_nouns.get(noun) or lexicon.part_nouns.get(noun.removesuffix("s"))

@@ -60,7 +60,7 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
     if not matches:
         return None
     (words, kind, value), used = max(matches, key=lambda match: (len(match[0][0]), GAP not in match[0][0]))
-    if kind is MentionKind.PLACE and reader.is_gripped(at):
+    if kind is MentionKind.PLACE and reader.is_gripped(at) and words[0] != "one":  # by one end, the other stays
         kind, value = MentionKind.FUNCTION, None  # "lift it by the end of its handle": all of it
     elif kind is MentionKind.VERB and isinstance(value, Motion) and _is_means(reader, value, at):
         kind = MentionKind.CAUSE
@@ -142,6 +142,9 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         owned = before in get_set("owners_of_parts") or possessive
         # "Lifts a leg".
         owned |= any(m.kind is MentionKind.VERB and m.first == at - 2 for m in reader.mentions)
+        owned |= before == "one" and reader.get_text(at - 2) not in ("with", "by", "of")
+        if words[0] in ("one", "a", "an") and before in get_set("before_ways") | ({"on"} if words[-1] != "of" else set()):
+            return True  # "it rolls to one side of the room", "stand it on one end"
         if value.names == ("down",) and _is_standing(reader, at):
             return True  # "wobble it on its base"
         another = before in ("a", "an") and not set(words) & LEXICON.one_of_many

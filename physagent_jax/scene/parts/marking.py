@@ -53,13 +53,15 @@ def find_parts(points: np.ndarray) -> tuple[Part, ...]:
     }
     counts = collections.Counter(role for names in roles.values() for role in names)
     known = frozenset(role for role, count in counts.items() if count > 1 or role not in ("arm", "wing"))
+    sections: list[tuple[Limb, tuple[PartRole, ...]]] = []
     for nodes, names in find_ends(lattice, known):
         same = next((index for index, each in enumerate(told) if _is_same(each[0].nodes, nodes)), None)
         limb, had = (measure(lattice, nodes), ()) if same is None else told.pop(same)
         if "stern" in names:  # a tail keeps its name
-            told.append((limb, (*had, *names)))
+            sections.append((limb, (*had, *names)))
         else:  # a stem may be a leg: its place goes first
-            told.append((measure(lattice, nodes), (*(had if names[0] in _UPRIGHT else ()), *names)))
+            sections.append((measure(lattice, nodes), (*(had if names[0] in _UPRIGHT else ()), *names)))
+    told += sections  # the end of a handle is part of it, and no other name for it
     parts = [
         (_make_stem if "stem" in names else _make_part)(lattice, limb, names, low, high)
         for limb, names in told
