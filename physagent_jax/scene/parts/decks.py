@@ -17,7 +17,10 @@ _BAND = 0.05  # of the height, by which a level face may be off its level
 _LEAST = 0.15  # share of what is seen from above
 _LOWEST = 0.15  # of the height, below which a level face is the floor
 _RIVAL = 0.8  # share of the largest from which on another face is as likely
-_SLAB = 0.15  # of the height, that a face is thick, at most
+_GAP = 0.06  # of the height without anything below the face, where it ends
+_SLAB = 0.3  # of the height, that it is thick, at most
+_MARGIN = 3  # columns along its edge, that what presses it leaves out
+_SPARSE = 0.15  # points per column, below which there is hardly anything
 _RISE = 0.08  # of the height, above which something stands beside the face
 _LINED = 0.5  # share of a side of the face, along which something stands there
 
@@ -55,7 +58,8 @@ def find_deck(points: np.ndarray) -> Deck | None:
         return None
     level, area = faces[0]
     place, above = tuple(column.T), (points[:, 2] - low[2]) / size[2] - level
-    face = ndimage.binary_closing(area, iterations=1)[place] & (above > -_SLAB) & (above < 2 * _BAND)
+    inner = ndimage.binary_erosion(ndimage.binary_fill_holes(area), iterations=_MARGIN)
+    face = inner[place] & (above > -_find_depth(above[inner[place]], int(inner.sum()))) & (above < 2 * _BAND)
     sides = _find_sides(tops, area, level)
     lined = [key for key, (share, _) in sides.items() if share > _LINED]
     backs = [key for key in lined if (key[0], -key[1]) not in lined]
@@ -76,6 +80,13 @@ def find_deck(points: np.ndarray) -> Deck | None:
     both = all((1 - axis, sign) in lined for sign in (-1, 1))
     arms = (pick(1 - axis, -1) | pick(1 - axis, 1)) & ~back if both else np.zeros(len(points), bool)
     return Deck(face, back, arms, front)
+
+
+def _find_depth(above: np.ndarray, columns: int) -> float:
+    """The thickness of a face over the height: down to where hardly anything is below it."""
+    edges = np.arange(-_SLAB, 0.5 * _GAP, _GAP)
+    sparse = np.flatnonzero(np.histogram(above, edges)[0] < _SPARSE * columns)
+    return float(-edges[sparse.max() + 1]) if len(sparse) else _SLAB
 
 
 def _list_faces(tops: np.ndarray) -> list[tuple[float, np.ndarray]]:

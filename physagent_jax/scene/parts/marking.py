@@ -14,7 +14,7 @@ from physagent_jax.scene.parts.digits import name_digits
 from physagent_jax.scene.parts.ends import find_ends
 from physagent_jax.scene.parts.evidence import weigh
 from physagent_jax.scene.parts.lattice import Lattice, make_lattice
-from physagent_jax.scene.parts.limbs import Limb, add_blunt, find_limbs, measure
+from physagent_jax.scene.parts.limbs import PLAIN, Limb, add_blunt, find_limbs, measure
 from physagent_jax.scene.parts.roles import Roles
 
 _JOINT, _BEND = 0.3, 0.08  # of the way from neck to tip, and of the object's length, that bends, at most
@@ -44,6 +44,8 @@ def find_parts(points: np.ndarray) -> tuple[Part, ...]:
         other = Roles(fuller, lattice)
         if other.head is not None and len(other.legs) >= len(named.legs):
             limbs, named = fuller, other
+        elif not named.legs and len(plain := add_blunt(limbs, lattice, PLAIN)) > len(limbs):
+            limbs, named = plain, Roles(plain, lattice)
     roles = name_digits(limbs, named.assign(), named.mirrored)
     told = [(limbs[k], roles[k]) for k in sorted(roles)]
     possible = {id(limbs[k]): named.things.list_possible(k, roles) for k in roles}

@@ -18,7 +18,7 @@ import yaml
 
 from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.regions import make_region_mask
-from physagent_jax.scene.parts.cells import fit_part
+from physagent_jax.scene.parts.cells import find_contact, fit_part
 from physagent_jax.scene.parts.decks import Deck, find_deck
 
 _LIMBS = frozenset("head ear horn arm wing leg tail handle spout nose".split())  # the body is the rest
@@ -33,6 +33,8 @@ _SHOULDER = 0.15  # of a region that hangs, by which it is held
 _TALL = 1.3  # height over width of a figure whose legs are not seen
 _DECKS = ("face", "back", "arms")  # of what bears something
 _FINGERS = frozenset(("finger", "thumb"))
+_LAID = 0.5  # of its height, along which a limb touches the body that it lies on
+_HELD = 0.6  # share of a limb that lies in a region, from which on it is what is meant
 _FEWEST = 24  # particles of a region
 _MOST = 0.5  # share of the object
 _UP = np.array([0.0, 0.0, 1.0])
@@ -124,17 +126,28 @@ class _Parents:
             sides = (("left ", -1), ("right ", 1)) if "side" in row else (("", 0),)
             for side, sign in sides:
                 mask = inside & (across * sign >= 0)
+                limb = self._find_limb(mask) if row.get("hangs") and sign else None
+                if limb is not None:
+                    found.append(limb.model_copy(update=dict(name=side + word)))
+                    continue
                 if _FEWEST <= mask.sum() < _MOST * len(mask):
                     told = dict(
                         name=side + word, origin="place", seated=True, arm=self._find_arm(mask, row, sign)
                     )
                     told |= dict(confidence=1.0 if part is None else part.confidence)
-                    told |= self._hang(mask, -_UP) if row.get("hangs") else {}
+                    if row.get("hangs"):
+                        told |= (sign and self._stick_out(mask)) or self._hang(mask, -_UP)
                     told |= self._hang(mask, _UP) if row.get("nods") else {}
                     told |= self._hang(mask, sign * self._side) if row.get("flap") else {}
                     told |= self._hang(mask, self._front) if row.get("juts") else {}
                     found.append(fit_part(self.points, mask, joined=True).model_copy(update=told))
         return found or (self.find(word, row["else"]) if "else" in row else [])
+
+    def _find_limb(self, mask: np.ndarray) -> Part | None:
+        """The limb of which only the place is known that lies in a region: an arm of a cactus."""
+        loose = [(part, m) for part, m in zip(self.parts, self.masks) if part.roles[:1] == ("side",)]
+        inside = [part for part, m in loose if (m & mask).sum() > _HELD * m.sum()]
+        return inside[0] if len(inside) == 1 else None
 
     def _find_arm(self, mask: np.ndarray, row: dict[str, Any], sign: int) -> tuple[float, ...]:
         """The way out of the parent, as long as the region is that way [body lengths]."""
@@ -148,6 +161,18 @@ class _Parents:
         way = np.asarray(way) / max(float(np.linalg.norm(way)), 1e-12)
         length = float(np.ptp(self.points[mask] @ way) / np.ptp(self.points, axis=0).max())
         return tuple(np.round(length * way, 4).tolist())
+
+    def _stick_out(self, mask: np.ndarray) -> dict[str, Any]:
+        """The joint of a region that stands off from the rest, as `_hang`; empty where it lies on it all along."""
+        own, low, size = self.points[mask], self.points.min(0), float(np.ptp(self.points, axis=0).max())
+        contact = find_contact(own, self.points[~mask], size)
+        joint = contact.mean(0)
+        if np.ptp(contact[:, 2]) > _LAID * np.ptp(own[:, 2]):
+            return {}
+        tip = own[np.linalg.norm(own - joint, axis=1).argmax()]
+        box = np.maximum(np.ptp(self.points, axis=0), 1e-12)
+        told = dict(joint=(joint - low) / box, arm=(tip - joint) / size, neck=contact.std(0) / size)
+        return dict(seated=False) | {key: tuple(np.round(each, 4).tolist()) for key, each in told.items()}
 
     def _hang(self, mask: np.ndarray, way: np.ndarray) -> dict[str, Any]:
         """The joint of a region that points a way, from there to its far end, and the spread of the joint."""

@@ -279,7 +279,7 @@ class Roles:
 
     def _find_nose(self, found: Told) -> list[int]:
         """The lone limb on the mirror plane that hangs from a head, or high up in front of a figure: a trunk."""
-        figure = any(role in (("leg",), ("arm",), ("wing",)) for role in found.values())
+        figure = any(role in (("leg",), ("arm",)) for role in found.values())
         fitting = [
             k
             for k, limb in enumerate(self.limbs)
