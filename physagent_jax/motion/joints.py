@@ -55,7 +55,7 @@ _HANGS = 0.7  # cosine to the vertical from which on a limb hangs, or stands upr
 _BESIDE = 0.7  # cosine to the way out from which on a limb points there
 _INWARD = -0.3  # cosine to the way out below which a level way leads into the body
 _SUPPLE = frozenset(
-    ("tail", "wing", "ear", "horn")
+    ("tail", "wing", "ear", "horn", "nose")
 )  # roles of what bends everywhere, and not at its joint alone
 _CURLS = 1.4  # times the angle that a supple limb turns by: its tip goes less far
 _WIDE = 4.0  # standard deviations of a disc in its diameter

@@ -36,7 +36,7 @@ _FINGERS = frozenset(("finger", "thumb"))
 _LAID = 0.5  # of its height, along which a limb touches the body that it lies on
 _HELD = 0.6  # share of a limb that lies in a region, from which on it is what is meant
 _FEWEST = 24  # particles of a region
-_MOST = 0.5  # share of the object
+_MOST, _DECK = 0.5, 0.8  # share of the object, and of a table that is its top
 _UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -130,7 +130,7 @@ class _Parents:
                 if limb is not None:
                     found.append(limb.model_copy(update=dict(name=side + word)))
                     continue
-                if _FEWEST <= mask.sum() < _MOST * len(mask):
+                if _FEWEST <= mask.sum() < (_DECK if row["of"] == "face" else _MOST) * len(mask):
                     told = dict(
                         name=side + word, origin="place", seated=True, arm=self._find_arm(mask, row, sign)
                     )
@@ -193,7 +193,8 @@ class _Parents:
         if of == "whole":
             return [(every, None)]
         if of in _DECKS:
-            return [] if self._deck is None else [(getattr(self._deck, of), None)]
+            mask = ~every if self._deck is None else getattr(self._deck, of)
+            return [(mask, None)] if mask.any() else []
         if of == "hand":
             fingers = [mask for mask, part in zip(self.masks, self.parts) if _FINGERS & {*part.roles}]
             palm = ~np.logical_or.reduce([~every, *fingers])
