@@ -128,8 +128,10 @@ class Turning:
 
     def is_borne(self, way: Vector) -> bool:
         """Return whether it cannot go a way (unit world vector): the ground is there, or what it sits on."""
-        placed = self.part.origin == "place" and self.part.seated and dot(way, self.brief.directions.down) > _ALONG
-        seated = not SEATED.isdisjoint(self.part.roles[:1]) and "neck" not in self.part.roles  # that goes over
+        down = dot(way, self.brief.directions.down) > _ALONG
+        placed = self.part.origin == "place" and self.part.seated and down
+        # A neck goes over.
+        seated = not SEATED.isdisjoint(self.part.roles[:1]) and "neck" not in self.part.roles
         if (seated or placed) and dot(self.arm, way) < -_ALONG:
             return True
         lowest = min(place[2] for place in self.part.moved.inside)

@@ -126,7 +126,7 @@ def test_a_lone_limb_in_front_of_a_figure_is_its_trunk():
 
 
 def test_stout_arms_of_a_column_are_limbs_though_nothing_thin_is_found(monkeypatch):
-    """What sees little of the rest is a limb of a thing, too, where it is clearly apart."""
+    """A thing has limbs, too, that see little of the rest and are clearly apart."""
     monkeypatch.setattr(marking, "find_limbs", lambda points, lattice: [])
     sides = [part for part in find_parts(make(CACTUS, count=12_000)) if part.roles[0] == "side"]
     assert sorted(part.side[0] > 0 for part in sides) == [False, True]

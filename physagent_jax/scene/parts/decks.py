@@ -106,7 +106,9 @@ def _list_faces(tops: np.ndarray) -> list[tuple[float, np.ndarray]]:
     return apart
 
 
-def _find_sides(tops: np.ndarray, area: np.ndarray, level: float) -> dict[tuple[int, int], tuple[float, float]]:
+def _find_sides(
+    tops: np.ndarray, area: np.ndarray, level: float
+) -> dict[tuple[int, int], tuple[float, float]]:
     """By axis and sign, the share of a side of the face along which something stands, and how high that is."""
     first, last = np.argwhere(area).min(0), np.argwhere(area).max(0)
     found = {}
