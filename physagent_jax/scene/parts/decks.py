@@ -19,7 +19,7 @@ _LOWEST = 0.15  # of the height, below which a level face is the floor
 _RIVAL = 0.8  # share of the largest from which on another face is as likely
 _GAP = 0.06  # of the height without anything below the face, where it ends
 _SLAB = 0.3  # of the height, that it is thick, at most
-_MARGIN = 3  # columns along its edge, that what presses it leaves out
+_MARGIN = 3  # columns beside what stands there, that what presses the face leaves out
 _SPARSE = 0.15  # points per column, below which there is hardly anything
 _RISE = 0.08  # of the height, above which something stands beside the face
 _LINED = 0.5  # share of a side of the face, along which something stands there
@@ -58,7 +58,8 @@ def find_deck(points: np.ndarray) -> Deck | None:
         return None
     level, area = faces[0]
     place, above = tuple(column.T), (points[:, 2] - low[2]) / size[2] - level
-    inner = ndimage.binary_erosion(ndimage.binary_fill_holes(area), iterations=_MARGIN)
+    open_air = ndimage.binary_fill_holes(area) | (tops < level)
+    inner = area & ndimage.binary_erosion(open_air, iterations=_MARGIN, border_value=1)
     face = inner[place] & (above > -_find_depth(above[inner[place]], int(inner.sum()))) & (above < 2 * _BAND)
     sides = _find_sides(tops, area, level)
     lined = [key for key, (share, _) in sides.items() if share > _LINED]

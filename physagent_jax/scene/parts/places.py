@@ -36,7 +36,7 @@ _FINGERS = frozenset(("finger", "thumb"))
 _LAID = 0.5  # of its height, along which a limb touches the body that it lies on
 _HELD = 0.6  # share of a limb that lies in a region, from which on it is what is meant
 _FEWEST = 24  # particles of a region
-_MOST, _DECK = 0.5, 0.8  # share of the object, and of a table that is its top
+_MOST, _DECK = 0.5, 0.95  # share of the object, and of a table that is its top
 _UP = np.array([0.0, 0.0, 1.0])
 
 
