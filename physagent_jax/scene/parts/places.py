@@ -138,6 +138,8 @@ class _Parents:
                     if row.get("hangs"):
                         told |= (sign and self._stick_out(mask)) or self._hang(mask, -_UP)
                     told |= self._hang(mask, _UP) if row.get("nods") else {}
+                    if part is not None and row.get("hinged"):
+                        told |= self._hang(mask, np.asarray(part.arm) / max(np.linalg.norm(part.arm), 1e-12))
                     told |= self._hang(mask, sign * self._side) if row.get("flap") else {}
                     told |= self._hang(mask, self._front) if row.get("juts") else {}
                     found.append(fit_part(self.points, mask, joined=True).model_copy(update=told))
