@@ -47,7 +47,7 @@ _PRESSED, _DEEPEST = (
     0.5,
     0.6,
 )  # of its extent, by which a plain word presses what cannot give way, and at most
-_INTO = 0.06  # [body lengths] that a region is pressed into the rest at least, so that it is seen
+_INTO = 0.045  # [body lengths] that a region is pressed into the rest at least, so that it is seen
 _BUCKLES = 0.5  # of that, of what sits on the rest: pressed deeper, it tilts and slips out
 _FOOT = 0.12  # of the object's height, below which a limb lies on what bears the object
 _LIFTED = 1.0  # the same of a lid, which lies loose and comes off
@@ -314,7 +314,7 @@ class Turning:
         if self.is_borne(way):
             depth = min(_PRESSED * motion.strength, _DEEPEST)
             if self.part.origin == "place":
-                depth = clamp(_INTO / max(norm(self.part.arm), 1e-9), depth, _LIMIT)
+                depth = clamp(_INTO / max(norm(self.part.arm), 1e-9), 0.6 * depth, _DEEPEST)
             elif dot(self.arm, way) < -_ALONG:
                 depth *= _BUCKLES
             return self.driver.press(way, depth, window, stop)

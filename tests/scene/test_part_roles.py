@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.scene.parts import find_parts, marking
 
 SIDES = (1, -1)
@@ -131,6 +132,14 @@ def test_stout_arms_of_a_column_are_limbs_though_nothing_thin_is_found(monkeypat
     sides = [part for part in find_parts(make(CACTUS, count=12_000)) if part.roles[0] == "side"]
     assert sorted(part.side[0] > 0 for part in sides) == [False, True]
     assert all(0.08 < part.share < 0.25 for part in sides)
+
+
+def test_a_column_beside_an_upright_arm_is_no_part_of_it():
+    """A narrow gap parts them: seeds on either side of it tell which is which."""
+    points = make(CACTUS, count=12_000)
+    column = (np.abs(points[:, 0]) < 0.15) & (points[:, 2] > 0.1)
+    (arm,) = (part for part in find_parts(points) if part.roles[0] == "side" and part.side[0] > 0)
+    assert not (make_region_mask(arm.moved, points) & column).any()
 
 
 def test_what_no_rule_tells_has_no_wrong_name():

@@ -23,6 +23,7 @@ _SAME = (
 )
 _UPRIGHT = ("stem", "neck")  # sections of what stands
 _FOOT = 0.15  # of a stem, that stays
+_GAP = 0.08  # of the object's length, within which what is beside a part has to be told from it
 _SEEDS = 64  # that mark a part, or what is beside it, at most: fewer leave patches of a large one out
 
 
@@ -95,7 +96,8 @@ def _make_part(
     far = _find_far(lattice, limb, 0.0 if "lid" in roles else _BEND)  # a lid lies loose
     rest = np.setdiff1d(np.arange(len(lattice.places)), nodes)
     moved, joint = mark(nodes[far]), mark(nodes[~far])
-    still = mark(rest) + mark(_find_near(lattice, nodes))
+    across = _find_across(lattice, nodes, rest)
+    still = mark(rest) + mark(_find_near(lattice, nodes)) + (mark(across) if len(across) else ())
     neck = lattice.places[np.concatenate(lattice.find_necks(nodes))].std(0) / float((high - low).max())
     part = _join(roles, (moved, joint, still), limb, (limb.joint, limb.tip), low, high)
     return part.model_copy(update=dict(neck=tuple(np.round(neck, 4).tolist())))
@@ -154,6 +156,16 @@ def _find_far(lattice: Lattice, limb: Limb, most: float) -> np.ndarray:
         return distance > depth
     out = np.linalg.norm(lattice.places[limb.nodes] - limb.joint, axis=1)
     return out > np.median(out)
+
+
+def _find_across(lattice: Lattice, nodes: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """The nodes of the rest that are near a part across a gap, as a stem is beside an upright arm; shape (k,)."""
+    reach = _GAP * float(np.ptp(lattice.places, axis=0).max())
+    necks = np.concatenate(lattice.find_necks(nodes))
+    near, joined = (
+        np.asarray(KDTree(lattice.places[each]).query(lattice.places[rest])[0]) for each in (nodes, necks)
+    )
+    return rest[(near < reach) & (joined > 2 * reach)]
 
 
 def _find_near(lattice: Lattice, nodes: np.ndarray) -> np.ndarray:
