@@ -45,8 +45,11 @@ def find_parts(points: np.ndarray) -> tuple[Part, ...]:
         other = Roles(fuller, lattice)
         if other.head is not None and len(other.legs) >= len(named.legs):
             limbs, named = fuller, other
-        elif not named.legs and len(plain := add_blunt(limbs, lattice, PLAIN)) > len(limbs):
-            limbs, named = plain, Roles(plain, lattice)
+        elif not named.legs:  # a thing may have more limbs, if those that it has keep their names
+            plain = add_blunt(limbs, lattice, PLAIN)
+            more = Roles(plain, lattice)
+            had, has = (collections.Counter(each.assign().values()) for each in (named, more))
+            limbs, named = (limbs, named) if had - has else (plain, more)
     roles = name_digits(limbs, named.assign(), named.mirrored)
     told = [(limbs[k], roles[k]) for k in sorted(roles)]
     possible = {id(limbs[k]): named.things.list_possible(k, roles) for k in roles}
