@@ -58,8 +58,8 @@ def find_deck(points: np.ndarray) -> Deck | None:
         return None
     level, area = faces[0]
     place, above = tuple(column.T), (points[:, 2] - low[2]) / size[2] - level
-    open_air = ndimage.binary_fill_holes(area) | (tops < level)
-    inner = area & ndimage.binary_erosion(open_air, iterations=_MARGIN, border_value=1)
+    open_air = np.asarray(ndimage.binary_fill_holes(area)) | (tops < level)
+    inner = area & np.asarray(ndimage.binary_erosion(open_air, iterations=_MARGIN, border_value=1))
     face = inner[place] & (above > -_find_depth(above[inner[place]], int(inner.sum()))) & (above < 2 * _BAND)
     sides = _find_sides(tops, area, level)
     lined = [key for key, (share, _) in sides.items() if share > _LINED]
@@ -95,7 +95,8 @@ def _list_faces(tops: np.ndarray) -> list[tuple[float, np.ndarray]]:
     seen = np.isfinite(tops)
     found: list[tuple[float, np.ndarray]] = []
     for level in np.arange(_LOWEST, 1.0, 0.5 * _BAND):
-        labels, _ = ndimage.label(np.abs(tops - level) < _BAND)
+        labels = np.zeros(tops.shape, np.int32)
+        ndimage.label(np.abs(tops - level) < _BAND, None, labels)
         sizes = np.bincount(labels.ravel())[1:]
         if len(sizes) and sizes.max() > _LEAST * seen.sum():
             found.append((float(level), labels == sizes.argmax() + 1))
