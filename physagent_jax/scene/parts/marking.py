@@ -48,8 +48,13 @@ def find_parts(points: np.ndarray) -> tuple[Part, ...]:
         elif not named.legs:  # a thing may have more limbs, if those that it has keep their names
             plain = add_blunt(limbs, lattice, PLAIN)
             more = Roles(plain, lattice)
-            had, has = (collections.Counter(each.assign().values()) for each in (named, more))
-            limbs, named = (limbs, named) if had - has else (plain, more)
+            had, has = (
+                collections.Counter(name_digits(own, each.assign(), each.mirrored).values())
+                for own, each in ((limbs, named), (plain, more))
+            )
+            limbs, named = (
+                (plain, more) if not had - has and set(has - had) == {("side",)} else (limbs, named)
+            )
     roles = name_digits(limbs, named.assign(), named.mirrored)
     told = [(limbs[k], roles[k]) for k in sorted(roles)]
     possible = {id(limbs[k]): named.things.list_possible(k, roles) for k in roles}
