@@ -153,11 +153,13 @@ class WorldRequest(Strict):
         gravity: "up" is reversed.
         ground: Whether there is ground under the object.
         obstacles: Walls and blocks that it names.
+        drop_height: Height above the ground from which the object falls [body lengths].
     """
 
     gravity: Literal["down", "up", "none"] | None = None
     ground: bool | None = None
     obstacles: tuple[ObstacleRequest, ...] = ()
+    drop_height: float | None = Field(default=None, ge=0, le=1e5)
     words: str = ""
 
 

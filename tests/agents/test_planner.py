@@ -686,6 +686,65 @@ def test_what_tips_over_goes_to_its_side_as_it_falls():
     assert judge("", dropped, show(turned, turn), ground).judgement.verdict is Verdict.FAIL
 
 
+def lie_down(height, breadth, share=1.0):
+    """The way of the middle of a board that tips to the right over the edge of its foot, by a share of a right angle."""
+    lean, radius = math.atan2(breadth, height), math.hypot(height, breadth) / 2
+
+    def place(t):
+        angle = share * math.pi / 2 * ramp(t, 0, LAST) - lean
+        return radius * math.sin(angle) + breadth / 2, 0.0, radius * math.cos(angle) - height / 2
+
+    return place
+
+
+@pytest.mark.parametrize("strength", [0.4, 1.0, 1.6])
+def test_what_is_tipped_over_lies_however_hard_it_was_pushed(strength):
+    """A quarter turn is all, after a storm as after a nudge; half of a right angle short of it, it leans."""
+    motions = (expected(KINDS.ROTATE, AWAY, strength=strength), expected(KINDS.FALL, None, strength=strength))
+    ground = brief(world="ground", extents=(0.3, 1.0, 0.3))
+    assert passes(motions, show(lie_down(1.0, 0.3), along(AWAY, 90)), ground)
+    assert not passes(motions, show(lie_down(1.0, 0.3, 0.4), along(AWAY, 36)), ground)
+    rolled_on = show(lie_down(1.0, 0.3), along(AWAY, 250), parts=())
+    assert passes(motions, rolled_on, ground)
+    upright_again = show(lie_down(1.0, 0.3), along(AWAY, 350))
+    assert not passes(motions, upright_again, ground)
+
+
+def test_what_is_broad_hardly_gets_lower_as_it_tips_over():
+    """A slab twice as broad as high ends higher than it stood."""
+    motions = (expected(KINDS.ROTATE, AWAY), expected(KINDS.FALL, None))
+    ground = brief(world="ground", extents=(1.0, 0.5, 0.6))
+    assert passes(motions, show(lie_down(0.5, 1.0), along(AWAY, 90)), ground)
+
+
+def test_what_tips_over_may_turn_about_itself_and_start_over_a_corner():
+    """It starts 55 degrees aside and ends 20 degrees aside, half turned about the vertical."""
+    motions = (expected(KINDS.ROTATE, AWAY), expected(KINDS.FALL, None))
+    ground = brief(world="ground", extents=(0.3, 1.0, 0.3))
+
+    def turn(t):
+        share = ramp(t, 0, LAST)
+        aside = math.radians(55 - 35 * share)
+        return 90 * share * math.sin(aside), 90 * share * math.cos(aside), 45 * share
+
+    assert passes(motions, show(lie_down(1.0, 0.3), turn), ground)
+
+
+def test_a_push_that_tips_it_over_need_not_take_it_away():
+    """Its middle goes by half its height; without the toppling that is no strong push."""
+    push = expected(direction=RIGHT, strength=1.3)
+    topple = (expected(KINDS.ROTATE, AWAY), expected(KINDS.FALL, None))
+    ground, seen = brief(world="ground", extents=(0.4, 0.6, 1.0)), show(lie_down(0.6, 0.2), along(AWAY, 90))
+    assert passes((push, *topple), seen, ground)
+    assert not passes(push, seen, ground)
+
+
+def test_a_height_that_is_told_is_how_far_it_falls():
+    fall = expected(KINDS.FALL, None, amount=Amount(value=1.0, unit="lengths"))
+    assert passes(fall, show(along(DOWN, 0.8)), brief(world="ground"))
+    assert not passes(fall, show(along(DOWN, 0.4)), brief(world="ground"))
+
+
 def test_turned_only_means_that_it_stays():
     """A turn on the spot, not on the way to somewhere."""
     turn = expected(KINDS.ROTATE, UP)

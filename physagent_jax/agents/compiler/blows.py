@@ -25,7 +25,7 @@ from physagent_jax.forces.calibration import (
 )
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.motion.axes import find_lean_axis
-from physagent_jax.motion.efforts import find_held_magnitude
+from physagent_jax.motion.efforts import find_held_magnitude, find_lengths
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import add, dot, normalise, scale
 from physagent_jax.motion.windows import divide
@@ -111,6 +111,7 @@ def compile_fall(task: Task) -> None:
         return
     _let_fall(task)
     if event.direction is None or abs(dot(event.direction, up)) >= _UPRIGHT:
+        task.builder.drop_height = task.builder.drop_height or find_lengths(event.amount, task.brief)
         task.expect(MotionKind.FALL, None, task.window)
     elif task.builder.default_drop and (effort := find_effort(event.amount, Effect.PUSH, task.brief)):
         task.expect(MotionKind.FALL, None, task.window, amount=None)  # the quantity is that of the way aside

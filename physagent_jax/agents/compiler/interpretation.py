@@ -205,8 +205,6 @@ def _find_quantities(event: Event, before: Event | None, brief: SceneBrief) -> N
         if quantity.dimension == "strength":
             continue
         found = find_target(quantity, motion, before.amount if before else None, brief)
-        if found.usual:
-            continue
         if found.amount is None or event.amount is not None:
             words = quantity.text or f"{quantity.value:g} {quantity.unit}"
             event.doubts.append(f"'{words}' is a quantity that nothing here is measured in.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from physagent_jax.core.strict import Vector
@@ -16,12 +17,18 @@ from physagent_jax.motion.judging.comparing import (
 )
 from physagent_jax.motion.judging.counting import count_turns
 from physagent_jax.motion.judging.seen import Course, View, find_farthest, find_first_response
-from physagent_jax.motion.matching import is_thrown_up
+from physagent_jax.motion.matching import is_thrown_up, share_time
 from physagent_jax.motion.schema import Check, MotionKind
-from physagent_jax.motion.vectors import cosine, dot, norm, normalise, reject, scale, subtract
+from physagent_jax.motion.vectors import cosine, cross, dot, norm, normalise, reject, scale, subtract
 
 _FIRST = 0.15  # of the farthest excursion: what is seen of a motion first
 _KEPT = 0.4  # of the farthest excursion that a free thing has left where it ends
+_SINKS = 0.4  # share of what its middle sinks by as it tips over that is seen at least
+_ASIDE = 0.22  # [body lengths] that it may wander to either side as it tips over
+_OVERTURNS, _TIPPED = (
+    0.7,
+    0.3,
+)  # cosine of a push and where it tips what it pushes; share of its way that is enough
 _SWING = 0.35  # of the amplitude: smaller turns are ripples
 _RESPONDED = 0.25  # share of the window in which an earlier opposite motion may still go on
 
@@ -79,6 +86,8 @@ def check_move(asked: Asked) -> list[Check]:
     seconds, at_end = view.seconds(first, until), asked.end is not None
     tolerance = tolerances.expect_move(motion, view.anchored, seconds=seconds, drift=coasting, end=at_end)
     tolerance = view.fit_to_limb(tolerance, motion)
+    if direction is not None and any(cosine(way, direction) > _OVERTURNS for way in view.find_topples()):
+        tolerance = tolerance.scaled(_TIPPED, least=tolerances.LEAST)  # what it brings about is judged there
     if asked.obstacle is not None:
         tolerance = tolerance.limited(asked.obstacle.distance)
     lost = any(view.get_places(asked.end)[t] is None for t in range(first, until + 1))
@@ -158,6 +167,13 @@ def check_fall(asked: Asked) -> list[Check]:
     ):
         way = reject(way, other, low=0.0)
     tolerance = tolerances.expect_fall(view.seconds(first, last))
+    if any(view.topples(e) and share_time(e, motion) for e in view.expectations):
+        sinks = _SINKS * _find_sinking(view)
+        if sinks < tolerances.LEAST:
+            return []  # it is broader than high, and hardly gets lower
+        tolerance = replace(tolerance, low=min(tolerance.low, sinks))
+        for across in (cross(each, down) for each in view.find_topples()):
+            way = reject(way, across, -_ASIDE, _ASIDE)
     checks = []
     if norm(way) >= view.visible:
         checks.append(compare_direction(asked, "which way does it fall?", way, wanted=down))
@@ -168,6 +184,17 @@ def check_fall(asked: Asked) -> list[Check]:
         return checks
     fix = {"remedy": "set default_drop to true: nothing makes it fall"}
     return [check if check.passed else check.model_copy(update=fix) for check in checks]
+
+
+def _find_sinking(view: View) -> float:
+    """The way down of the middle of what tips over an edge of its foot onto its side [body lengths]."""
+    (width, height, depth), table = view.brief.extents, view.brief.directions
+    breadths = [
+        abs(dot(way, table.right)) * width + abs(dot(way, table.toward)) * depth
+        for way in view.find_topples()
+    ]
+    breadth = min(breadths, default=min(width, depth))
+    return 0.5 * (math.hypot(height, breadth) - breadth)
 
 
 def check_sway(asked: Asked) -> list[Check]:
