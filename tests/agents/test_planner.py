@@ -687,7 +687,7 @@ def test_what_tips_over_goes_to_its_side_as_it_falls():
 
 
 def lie_down(height, breadth, share=1.0):
-    """The way of the middle of a board that tips to the right over the edge of its foot, by a share of a right angle."""
+    """The way of the middle of a board that tips to the right over an edge, by a share of a right angle."""
     lean, radius = math.atan2(breadth, height), math.hypot(height, breadth) / 2
 
     def place(t):
@@ -737,6 +737,16 @@ def test_a_push_that_tips_it_over_need_not_take_it_away():
     ground, seen = brief(world="ground", extents=(0.4, 0.6, 1.0)), show(lie_down(0.6, 0.2), along(AWAY, 90))
     assert passes((push, *topple), seen, ground)
     assert not passes(push, seen, ground)
+
+
+def test_what_is_set_down_gently_goes_all_the_way_it_was_lifted():
+    half = LAST / 2
+    lift = expected(direction=UP, window=(0, half), words="lift")
+    down = expected(direction=DOWN, window=(half, LAST), strength=0.5, words="set it down gently")
+    seen = show(lambda t: (0, 0, 0.6 * (ramp(t, 0, half) - ramp(t, half, LAST))))
+    assert passes((lift, down), seen, brief(world="ground"))
+    lower = down.model_copy(update={"words": "lower it slightly"})
+    assert not passes((lift, lower), seen, brief(world="ground"))
 
 
 def test_a_height_that_is_told_is_how_far_it_falls():

@@ -15,17 +15,15 @@ from physagent_jax.motion.judging.comparing import (
 )
 from physagent_jax.motion.judging.counting import count_turns
 from physagent_jax.motion.judging.seen import ALONG_END, Signal, View, find_farthest, find_first_response
+from physagent_jax.motion.judging.toppling import check_topple
 from physagent_jax.motion.matching import AXIAL
 from physagent_jax.motion.schema import Check, MotionKind
 from physagent_jax.motion.vectors import (
-    clamp,
     cosine,
     cross,
     dot,
     norm,
     normalise,
-    reject,
-    rotate,
     scale,
     subtract,
 )
@@ -33,8 +31,6 @@ from physagent_jax.perception.reasons import BY_SIZE
 from physagent_jax.perception.schema import PartMotion
 
 _FIRST = 0.2  # of the largest turn or strain: what is seen of it first
-_LIES = 40.0  # [degrees] from upright of what has tipped over, on whatever it then lies
-_OVER = 0.5  # the same of what tips over: it may go over a corner of its foot at first
 _OWN_AXIS = 0.6  # of the asked strain that other directions may show the same way
 _UPRIGHT = 0.7  # cosine
 _FITTED, _OUTLINE = "from the affine fit", "from the outline"
@@ -63,19 +59,14 @@ def check_rotation(asked: Asked) -> list[Check]:
         if view.window(first, last) is None:
             unknown = f"frames {first} to {last} are not in the motion report"
         return [make_unseen_check(asked, view.explain("rotation_degrees", first, last, unknown))]
-    topples, up, end = view.topples(motion), view.brief.directions.up, turns[-1][1]
-    if topples:  # it may turn about itself as it goes over
-        turns = [(t, reject(v, up)) for t, v in turns]
+    if view.topples(motion):
+        return check_topple(asked, turns)
     at, peak = find_farthest(turns)
     angle = norm(peak) if axis is None else dot(peak, axis)
     checks = []
     if axis is not None and norm(peak) >= tolerances.VISIBLE_DEGREES:
         spread = max(view.sigma("axis"), 1.0)
-        threshold = max(
-            tolerances.VISIBLE_DEGREES,
-            (_OVER if topples else _FIRST) * norm(peak),
-            view.uncertainty("rotation"),
-        )
+        threshold = max(tolerances.VISIBLE_DEGREES, _FIRST * norm(peak), view.uncertainty("rotation"))
         response = find_first_response(turns, threshold)
         if response and response[0] < at:
             question = "about which axis does it start to turn?"
@@ -87,7 +78,6 @@ def check_rotation(asked: Asked) -> list[Check]:
     if motion.amount is not None and motion.amount.unit == "degrees":
         return checks
     tolerance = tolerances.expect_rotation(motion, view.anchored, seconds=view.seconds(first, until))
-    tolerance = tolerances.expect_topple(motion) if topples else tolerance
     moved = view.course(first, last)
     shift = norm(find_farthest(moved)[1]) if moved else 0.0
     words = f"{angle:.0f} degrees about its axis"
@@ -95,10 +85,7 @@ def check_rotation(asked: Asked) -> list[Check]:
         words += f", but a displacement by {shift:.2g} body lengths"
     checks.append(compare_amount(asked, "how far does it turn?", tolerance, angle, words))
     free = not view.anchored and asked.end is None and motion.repeats == 1
-    if topples:
-        tilt = math.degrees(math.acos(clamp(cosine(rotate(up, end), up), -1.0, 1.0)))
-        checks.append(check_limit(asked, "lies", tilt, _LIES, asked.sigma))
-    elif free and axis and angle >= tolerance.low:
+    if free and axis and angle >= tolerance.low:
         left = dot(turns[-1][1], axis) / angle
         checks.append(check_limit(asked, "keeps_turn", left, _KEPT, asked.sigma / angle))
     return checks

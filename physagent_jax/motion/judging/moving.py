@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import re
 from dataclasses import replace
 
 from physagent_jax.core.strict import Vector
@@ -17,6 +17,7 @@ from physagent_jax.motion.judging.comparing import (
 )
 from physagent_jax.motion.judging.counting import count_turns
 from physagent_jax.motion.judging.seen import Course, View, find_farthest, find_first_response
+from physagent_jax.motion.judging.toppling import find_sinking
 from physagent_jax.motion.matching import is_thrown_up, share_time
 from physagent_jax.motion.schema import Check, MotionKind
 from physagent_jax.motion.vectors import cosine, cross, dot, norm, normalise, reject, scale, subtract
@@ -24,6 +25,8 @@ from physagent_jax.motion.vectors import cosine, cross, dot, norm, normalise, re
 _FIRST = 0.15  # of the farthest excursion: what is seen of a motion first
 _KEPT = 0.4  # of the farthest excursion that a free thing has left where it ends
 _SINKS = 0.4  # share of what its middle sinks by as it tips over that is seen at least
+_PUT_BACK = re.compile(r"\b(set|put|place|lay|bring|return|let)\b.*\b(down|back)\b")
+_ALL_BACK = 1.25  # of the way that it had come: something that is put back where it was may go so far
 _ASIDE = 0.22  # [body lengths] that it may wander to either side as it tips over
 _OVERTURNS, _TIPPED = (
     0.7,
@@ -90,6 +93,10 @@ def check_move(asked: Asked) -> list[Check]:
         tolerance = tolerance.scaled(_TIPPED, least=tolerances.LEAST)  # what it brings about is judged there
     if asked.obstacle is not None:
         tolerance = tolerance.limited(asked.obstacle.distance)
+    if direction is not None and _PUT_BACK.search(motion.words.lower()):
+        there = asked.course(0, first)  # however gently, it goes all the way back
+        come = -dot(there[-1][1], direction) if there else 0.0
+        tolerance = replace(tolerance, high=max(tolerance.high, _ALL_BACK * come))
     lost = any(view.get_places(asked.end)[t] is None for t in range(first, until + 1))
     if lost and 0 < along < tolerance.low:
         return [make_unseen_check(asked, _explain_lost(view, first, until))]
@@ -168,7 +175,7 @@ def check_fall(asked: Asked) -> list[Check]:
         way = reject(way, other, low=0.0)
     tolerance = tolerances.expect_fall(view.seconds(first, last))
     if any(view.topples(e) and share_time(e, motion) for e in view.expectations):
-        sinks = _SINKS * _find_sinking(view)
+        sinks = _SINKS * find_sinking(view, view.find_topples())
         if sinks < tolerances.LEAST:
             return []  # it is broader than high, and hardly gets lower
         tolerance = replace(tolerance, low=min(tolerance.low, sinks))
@@ -184,17 +191,6 @@ def check_fall(asked: Asked) -> list[Check]:
         return checks
     fix = {"remedy": "set default_drop to true: nothing makes it fall"}
     return [check if check.passed else check.model_copy(update=fix) for check in checks]
-
-
-def _find_sinking(view: View) -> float:
-    """The way down of the middle of what tips over an edge of its foot onto its side [body lengths]."""
-    (width, height, depth), table = view.brief.extents, view.brief.directions
-    breadths = [
-        abs(dot(way, table.right)) * width + abs(dot(way, table.toward)) * depth
-        for way in view.find_topples()
-    ]
-    breadth = min(breadths, default=min(width, depth))
-    return 0.5 * (math.hypot(height, breadth) - breadth)
 
 
 def check_sway(asked: Asked) -> list[Check]:
