@@ -749,6 +749,17 @@ def test_what_is_set_down_gently_goes_all_the_way_it_was_lifted():
     assert not passes((lift, lower), seen, brief(world="ground"))
 
 
+@pytest.mark.parametrize(("aside", "right"), [(55, True), (80, False)])
+def test_a_start_may_be_farther_off_than_the_way_itself(aside, right):
+    """A viewer goes by the way that it takes in the end, unless it starts another way."""
+
+    def place(t):
+        angle = math.radians(aside) if t < LAST / 4 else math.radians(15)
+        return -0.012 * t * math.cos(angle), 0.012 * t * math.sin(angle), 0.0
+
+    assert passes(expected(), show(place)) is right
+
+
 def test_a_height_that_is_told_is_how_far_it_falls():
     fall = expected(KINDS.FALL, None, amount=Amount(value=1.0, unit="lengths"))
     assert passes(fall, show(along(DOWN, 0.8)), brief(world="ground"))

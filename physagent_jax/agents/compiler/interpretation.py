@@ -24,7 +24,7 @@ from physagent_jax.motion.vectors import clamp, dot, normalise, scale
 
 # What each kind of way means nothing for; nor does a part for what all of the object does.
 _NO_WAYS = (Effect.SWELL, Effect.BURST, Effect.STILL)
-_NO_LINES = (*_NO_WAYS, Effect.TOPPLE, Effect.RELEASE)
+_NO_LINES = (*_NO_WAYS, Effect.RELEASE)
 _NO_SIDES = (Effect.LEAN, Effect.TURN, Effect.ROLL, Effect.FALL, Effect.TOPPLE, Effect.JUMP, *_NO_LINES[2:])
 _USELESS = {
     **dict.fromkeys(WAYS, _NO_WAYS),

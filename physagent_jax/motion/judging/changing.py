@@ -8,6 +8,7 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.comparing import (
+    START,
     check_limit,
     compare_amount,
     compare_direction,
@@ -70,7 +71,7 @@ def check_rotation(asked: Asked) -> list[Check]:
         response = find_first_response(turns, threshold)
         if response and response[0] < at:
             question = "about which axis does it start to turn?"
-            checks.append(compare_direction(asked, question, response[1], spread))
+            checks.append(compare_direction(asked, question, response[1], spread, within=START))
         checks.append(compare_direction(asked, "about which axis does it turn?", peak, spread))
     if motion.repeats > 1:
         path = [dot(v, axis or peak) for _, v in view.turns(first, view.last, asked.end)]

@@ -9,6 +9,7 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.comparing import (
+    START,
     check_limit,
     compare_amount,
     compare_direction,
@@ -90,7 +91,8 @@ def check_move(asked: Asked) -> list[Check]:
     tolerance = tolerances.expect_move(motion, view.anchored, seconds=seconds, drift=coasting, end=at_end)
     tolerance = view.fit_to_limb(tolerance, motion)
     if direction is not None and any(cosine(way, direction) > _OVERTURNS for way in view.find_topples()):
-        tolerance = tolerance.scaled(_TIPPED, least=tolerances.LEAST)  # what it brings about is judged there
+        # What it brings about is judged there.
+        tolerance = replace(tolerance.scaled(_TIPPED, least=tolerances.LEAST), high=2.0 * tolerance.high)
     if asked.obstacle is not None:
         tolerance = tolerance.limited(asked.obstacle.distance)
     if direction is not None and _PUT_BACK.search(motion.words.lower()):
@@ -128,7 +130,8 @@ def _check_direction(
     checks = []
     if found:
         frame, first = max(found, key=lambda response: cosine(response[1], direction))
-        checks.append(compare_direction(asked, "which way does it start?", first, how=f", at frame {frame}"))
+        question, how = "which way does it start?", f", at frame {frame}"
+        checks.append(compare_direction(asked, question, first, how=how, within=START))
     checks.append(compare_direction(asked, "which way does it go?", peak))
     return checks
 
