@@ -1,4 +1,4 @@
-"""What stands and tips over: which way its top goes, how far it leans, and whether it lies in the end."""
+"""Toppling: the way that the top goes, how far it leans, and whether it lies in the end."""
 
 from __future__ import annotations
 
