@@ -30,6 +30,8 @@ _SHATTERS = re.compile(
     r"(?<!not )(?<!without )\b(shatter|break(s|ing)?\b(?! free| away)|splinter|crumbl|melt|dissolv|\w+ pieces)"
 )
 """Words of who asks that its matter gives way, in whichever clause."""
+_SQUASHED = re.compile(r"\b(clay|dough|snow|mud|putty|plasticine|wax|butter|sand|slime)\b")
+"""Matter that stays as a blow has squashed it."""
 _TRAVELS = (MotionKind.MOVE, MotionKind.FALL, MotionKind.SWAY)
 _VIOLENT = 1.3  # strength from which leaving the picture at the end is part of it
 _LATE, _END = 0.75, 0.95  # share of the clip
@@ -220,7 +222,7 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     ]
     left = (
         _find_left(view, strains)
-        if (swings or tumbles) and not view.anchored and not _is_partial(asked)
+        if (swings or tumbles) and not view.anchored and not _is_partial(asked) and not _stays_squashed(view)
         else []
     )
     if left and min(v for _, v in left) > _STRAIN:  # it swings or lands, and is out of shape from then on
@@ -230,6 +232,11 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         _STRAIN_TUMBLING if tumbles else _STRAIN_TWISTED if twists else _STRAIN_HIT if yielding else _STRAIN
     )
     return _check_lasting(view, "shape", strains, limit, sigma)
+
+
+def _stays_squashed(view: View) -> bool:
+    """Return whether it is said to be of what keeps the shape that a fall gives it."""
+    return _SQUASHED.search(view.sentence.lower()) is not None
 
 
 def _list_unseen_sides(view: View) -> set[int]:
