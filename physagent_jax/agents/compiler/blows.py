@@ -151,6 +151,7 @@ def compile_topple(task: Task) -> None:
     """Gravity and a turn of the top towards the direction, past the balance: gravity goes on with it."""
     if not task.builder.grounded:
         task.builder.enable_gravity(task.event.words, "a toppling object needs gravity")
+        task.builder.drop_height = task.builder.drop_height or 0.0  # it stands on what it falls onto
     axis, (first, last), dt = find_lean_axis(task.direction, task.brief), task.window, task.brief.frame_dt
     magnitude, seconds = find_tipping(task.event.strength, (last - first) * dt, task.brief.seconds)
     task.act(ActionType.TORQUE, axis, magnitude, (first, first + seconds / dt))
