@@ -149,7 +149,7 @@ def test_a_tilt_that_comes_back_is_led_there_and_back(prompt):
 
 @pytest.mark.parametrize("world", ["ground", "free"])
 def test_what_topples_is_not_let_fall_from_above(world):
-    """What cannot stand is without weight until then, and falls over where it is."""
+    """An object that cannot stand is without weight until then, and falls over where it is."""
     reply = compile_whole("the statue topples to the left", world=world)
     assert not reply.force_field.default_drop or reply.world.drop_height == 0.0
 

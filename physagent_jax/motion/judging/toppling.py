@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 
@@ -15,6 +16,8 @@ from physagent_jax.motion.vectors import clamp, cosine, cross, dot, norm, normal
 
 _OVER = 0.5  # of its largest lean, from where on it goes over: it may go over a corner of its foot at first
 _LIES = 40.0  # [degrees] from upright of what has tipped over, on whatever it then lies
+_SLIM, _ON_ITS_HEAD = 1.3, 150.0  # times its breadth; [degrees] from where on what is slim stands on its head
+_VIOLENT = 1.3  # strength from which it may go over its head and roll on
 _ALL_ROUND = 180.0  # [degrees], beyond which a lean gets less again
 
 
@@ -40,6 +43,9 @@ def check_topple(asked: Asked, turns: Course) -> list[Check]:
     angle = rolled if rolled > _ALL_ROUND else farthest
     words = f"{angle:.0f} degrees from upright"
     tolerance = tolerances.expect_topple(asked.motion)
+    width, height, depth = view.brief.extents
+    if height > _SLIM * max(width, depth) and asked.motion.strength < _VIOLENT:
+        tolerance = dataclasses.replace(tolerance, high=min(tolerance.high, _ON_ITS_HEAD))
     checks.append(compare_amount(asked, "how far does it tip over?", tolerance, angle, words))
     return [*checks, check_limit(asked, "lies", norm(leans[-1][1]), _LIES, asked.sigma)]
 
