@@ -29,7 +29,14 @@ from physagent_jax.forces.schema import ConstraintType, ForceField, Region, Velo
 from physagent_jax.forces.skills import list_skills
 from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.axes import find_lean_axis
-from physagent_jax.motion.efforts import MOVING, find_pace, find_strain, find_wanted_way, spread_effort
+from physagent_jax.motion.efforts import (
+    MOVING,
+    find_pace,
+    find_strain,
+    find_wanted_way,
+    spins_round,
+    spread_effort,
+)
 from physagent_jax.motion.matching import (
     AXIAL,
     Cause,
@@ -461,9 +468,9 @@ def _lead(wish: Wish) -> _Replaced:
     reason = "at one speed" if expectation.even else "no force in range starts and stops it in that time"
     reason = "a torque would let it tumble" if over or spins else "it is kept up" if hands else reason
     reason = "it would fall over by itself" if tilts else reason
-    if quick:
+    if quick or spins_round(expectation.amount, way if turns else None, brief):
         hand = hand.model_copy(
-            update={"gain": clamp(round(effort / (size * (until - first)), 3), 1.0, GAIN_MAX)}
+            update={"gain": clamp(round(effort / (size * (until - first)), 4), 1.0, GAIN_MAX)}
         )
     far = effort <= 1.01 * hand.gain * MAGNITUDE_MAX * (until - first)
     short = "" if far else ", as far as the fastest goes in that time"

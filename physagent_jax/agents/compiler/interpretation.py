@@ -50,7 +50,7 @@ def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     if before is not None:
         _take_over_direction(event, before, lies(brief))
     _find_quantities(event, before, brief)
-    _count_turns(event)
+    _count_turns(event, brief)
     _resolve_again(event, before)
     event.doubts += _find_unused(event)
     event.sources["action_type"] = ValueSource(event.words, f"'{event.phrase}' is a {event.effect.value}")
@@ -79,6 +79,8 @@ def _choose_motion(event: Event, brief: SceneBrief) -> tuple[Motion, str]:
         phrase = "shuttle" if effect is Effect.STRIKE else "bob"
     elif motion.bounces and (counted or event.is_upwards):
         phrase = "jump"  # "it bounces three times"
+    elif motion.tumbles and event.is_upwards:
+        return replace(motions["toss"], tumbles=True), phrase  # "flip it into the air"
     elif motion.coasts and told:
         phrase = "move"  # "it coasts to the left"; else it goes on by itself
     elif effect is Effect.ROLL and has_wheels(brief):
@@ -219,9 +221,12 @@ def _find_quantities(event: Event, before: Event | None, brief: SceneBrief) -> N
             event.direction = normalise(sum_directions(found.names, brief))
 
 
-def _count_turns(event: Event) -> None:
-    """Counts turns ("spin three times"); a somersault is a whole one."""
+def _count_turns(event: Event, brief: SceneBrief) -> None:
+    """Counts turns ("spin three times"); a somersault is a whole one, and so is a spin of what can turn freely."""
     repeat, angle = event.repeat, event.motion.angle
+    free = brief.world == "ground" and brief.anchored is None and not (event.parts or event.is_timed)
+    if event.motion.direction == "up" and (repeat.alternate or event.is_in_wind or not free):
+        angle = 0.0
     counts = event.effect is Effect.TURN and repeat.count is not None and not repeat.alternate
     if counts and event.amount is None:
         event.repeat = replace(repeat, count=None)

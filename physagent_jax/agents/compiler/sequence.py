@@ -57,6 +57,8 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         way = event.direction if level else _find_level_way(events, builder)
         event = replace(event, motion=read_lexicon().motions["fall over"], phrase="fall over", direction=way)
         event.sources |= {} if level else {"vector": ValueSource(event.words, BY_DEFAULT)}
+    if events and _leans_until(events[-1], event):
+        event = _join_lean(events.pop(), event)
     thrown = bool(events) and (events[-1].motion.gravity or events[-1].effect is Effect.JUMP)
     if thrown and event.phrase in ("come back down", "go back down"):
         event = _make_another(event, "land")  # "toss it up and let it come back down"
@@ -72,6 +74,26 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     if event.effect is Effect.FALL and builder.gravity is None and event.is_upwards:
         builder.gravity = "up"  # "it falls upwards"
     events.append(event)
+
+
+def _leans_until(lean: Event, event: Event) -> bool:
+    """Return whether what leans tips over that way in the end: "it slowly tilts to the left and falls over"."""
+    whole = lean.motion.manner == "rock" and not (
+        lean.parts or lean.repeat.count or lean.amount or lean.stays
+    )
+    by_default = event.sources["vector"].why.endswith(BY_DEFAULT)
+    same = by_default or dot(lean.direction or (0, 0, 0), event.direction or (0, 0, 0)) > _LEVEL
+    timed = lean.is_timed or event.is_timed or event.clause.pace == "sudden"
+    return lean.effect is Effect.LEAN and event.effect is Effect.TOPPLE and whole and same and not timed
+
+
+def _join_lean(lean: Event, event: Event) -> Event:
+    """The fall over with the way and, where it tells none of its own, the strength of the lean."""
+    told = {key: lean.sources[key] for key in ("vector", "magnitude")}
+    strength = event.strength if event.strengths else lean.strength
+    return replace(
+        event, direction=lean.direction, strength=strength, notes=lean.notes, sources=event.sources | told
+    )
 
 
 def _find_level_way(events: list[Event], builder: ForceFieldBuilder) -> Vector:

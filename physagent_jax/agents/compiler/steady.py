@@ -16,10 +16,10 @@ from physagent_jax.agents.compiler.events import BY_DEFAULT, Event
 from physagent_jax.agents.compiler.schedule import find_frames, has_to_stop
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, find_magnitude
+from physagent_jax.forces.calibration import GAIN_MAX, MAGNITUDE_MAX, MAGNITUDE_MIN, find_magnitude
 from physagent_jax.forces.description import describe_entry
 from physagent_jax.forces.schema import Action, ActionType
-from physagent_jax.motion.efforts import find_held_magnitude
+from physagent_jax.motion.efforts import find_held_magnitude, spins_round
 from physagent_jax.motion.schema import Amount, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import clamp, normalise, scale
 from physagent_jax.motion.windows import Window, halve
@@ -57,8 +57,10 @@ class Task:
         assert self.event.direction is not None
         return self.event.direction
 
-    def act(self, kind: ActionType, vector: Vector, magnitude: float, window: Window) -> None:
-        """Adds an action with its evidence; windows are kept inside the clip."""
+    def act(
+        self, kind: ActionType, vector: Vector, magnitude: float, window: Window, *, gains: bool = False
+    ) -> None:
+        """Adds an action with its evidence; windows are kept inside the clip, and magnitudes in range but for gains."""
         builder, event = self.builder, self.event
         if len(builder.actions) >= MAX_ACTIONS:
             builder.notes.append(f"More than {MAX_ACTIONS} actions: the rest of the sentence is left out.")
@@ -68,6 +70,7 @@ class Task:
             action_type=kind,
             vector=vector,
             magnitude=size if magnitude > 0 else -size,
+            gain=round(clamp(abs(magnitude) / size, 1.0, GAIN_MAX), 3) if gains else 1.0,
             active_time=builder.fit_window(window),
             region=event.region,
         )
@@ -186,8 +189,9 @@ def add_steady(task: Task, kind: ActionType, vector: Vector, magnitude: float) -
     if builder.anchored and task.is_reached_within and not task.after:
         task.act(kind, vector, magnitude, (window[0], builder.brief.last))
     elif brakes:
-        task.act(kind, vector, magnitude, speed_up)
-        task.act(kind, scale(vector, -1.0), magnitude, slow_down)
+        gains = spins_round(event.amount, vector, builder.brief)
+        task.act(kind, vector, magnitude, speed_up, gains=gains)
+        task.act(kind, scale(vector, -1.0), magnitude, slow_down, gains=gains)
         builder.notes.append(BRAKED_BEFORE)
     else:
         task.act(kind, vector, magnitude, window)

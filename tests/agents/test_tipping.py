@@ -1,0 +1,122 @@
+"""Tipping over, spinning and flipping as sentences tell them: how slowly, how far, and in the air."""
+
+import math
+
+import pytest
+
+from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent
+from physagent_jax.forces.calibration import GRAVITY, REFERENCE_TIME, TURN
+from physagent_jax.forces.schema import ActionType, ConstraintType
+from physagent_jax.motion.efforts import find_span
+from physagent_jax.motion.schema import MotionKind
+from physagent_jax.motion.tipping import tip
+from tests.agents.scenes import asked, brief
+
+ON_THE_GROUND = brief(object_name="statue", object_kind="object", world="ground", frames_fixed=False)
+SLIM, BROAD = (0.3, 1.0, 0.3), (1.0, 0.5, 1.0)
+LEFT, RIGHT = (0.0, -1.0, 0.0), (0.0, 1.0, 0.0)
+
+
+def compile_whole(prompt: str, **changes):
+    scene = ON_THE_GROUND.model_copy(update=dict(extents=SLIM) | changes)
+    return GrammarSemanticAgent().compile(asked(prompt, scene)).value
+
+
+def find_degrees(turn, reply):
+    """Angle and time [s] of a turn that is led."""
+    seconds = (turn.active_time[1] - turn.active_time[0]) * ON_THE_GROUND.frame_dt
+    clip = ((reply.frame_count or ON_THE_GROUND.frame_count) - 1) * ON_THE_GROUND.frame_dt
+    rate = math.degrees(TURN) * turn.magnitude * turn.gain / min(REFERENCE_TIME, clip)
+    return rate * seconds, seconds
+
+
+@pytest.mark.parametrize(
+    ("prompt", "axis"),
+    [
+        ("the statue slowly tilts to the left and falls over", LEFT),
+        ("the statue slowly topples over to the right", RIGHT),
+        ("gently tip the statue over to the left", LEFT),
+        ("tilt the statue slowly to the right until it tips over", RIGHT),
+        ("the statue leans further and further to the right until it falls over", RIGHT),
+    ],
+)
+def test_what_tips_over_slowly_is_led_over_its_edge(prompt, axis):
+    """It lay within half a second, however slowly it was to tip."""
+    reply = compile_whole(prompt)
+    (turn,) = reply.force_field.constraints
+    degrees, seconds = find_degrees(turn, reply)
+    assert not reply.force_field.actions and turn.region is None and turn.pivot is None
+    assert turn.vector == axis and 40 < degrees < 66 and seconds > 1.4 and turn.held_until is None
+    assert reply.frame_count * ON_THE_GROUND.frame_dt > seconds + 1.2  # it is then seen to fall, and to lie
+    assert {each.kind for each in reply.expectations} == {MotionKind.ROTATE, MotionKind.FALL}
+
+
+@pytest.mark.parametrize("extents", [SLIM, BROAD])
+def test_what_tips_over_at_once_or_is_broad_is_turned_by_a_torque(extents):
+    scene = ON_THE_GROUND.model_copy(update=dict(extents=extents))
+    way, window = scene.directions.left, (0.0, 80.0)
+    assert bool(tip(scene, way, 0.6, window)) == (extents == SLIM)
+    assert not tip(scene, way, 1.0, window)
+    prompt = "knock the statue over" if extents == SLIM else "slowly tip the statue over"
+    (action,) = compile_whole(prompt, extents=extents).force_field.actions
+    assert action.action_type is ActionType.TORQUE
+
+
+@pytest.mark.parametrize("prompt", ["gently tip it over", "knock it over", "a violent storm blows it over"])
+def test_what_tips_over_turns_until_it_lies_however_hard(prompt):
+    (turn,) = [each for each in compile_whole(prompt).expectations if each.kind is MotionKind.ROTATE]
+    assert turn.strength == 1.0
+
+
+def test_a_lean_another_way_or_at_another_time_is_no_beginning_of_a_fall():
+    for prompt in ("it tilts to the left, then suddenly falls over", "it tilts left, then falls over right"):
+        first = compile_whole(prompt).expectations[0]
+        assert first.manner == "rock" and first.kind is MotionKind.ROTATE
+
+
+@pytest.mark.parametrize(
+    ("prompt", "degrees"),
+    [("the statue spins around", 360), ("it turns around", 180), ("it twirls", 360), ("it spins twice", 720)],
+)
+def test_what_spins_on_the_ground_turns_all_the_way(prompt, degrees):
+    """A quarter turn was shown."""
+    reply = compile_whole(prompt)
+    (turn,) = reply.force_field.constraints
+    assert turn.constraint_type is ConstraintType.PARTICLE_ROTATION
+    shown, seconds = find_degrees(turn, reply)
+    assert shown == pytest.approx(degrees, rel=0.02)
+    assert 1.0 < seconds < 3.5
+    amount = reply.expectations[0].amount
+    assert amount is not None and amount.value == degrees
+
+
+def test_a_slow_spin_takes_longer_and_a_part_turns_as_before():
+    replies = [compile_whole(f"the statue spins {way}") for way in ("quickly", "", "slowly")]
+    times = [find_degrees(each.force_field.constraints[0], each)[1] for each in replies]
+    assert times[0] < times[1] < times[2]
+    assert compile_whole("turn the statue").expectations[0].amount is None
+    assert find_span(4.0, 1.5, ON_THE_GROUND, turning=360.0) == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    ["flip the statue into the air", "toss it into the air so that it spins", "it jumps up and spins around"],
+)
+def test_what_is_flipped_into_the_air_turns_once_while_it_is_there(prompt):
+    """It was tipped over, or hardly turned."""
+    reply = compile_whole(prompt)
+    blow, turn = reply.force_field.actions
+    assert blow.action_type is ActionType.IMPULSE and turn.action_type is ActionType.TORQUE
+    push = (turn.active_time[1] - turn.active_time[0]) * ON_THE_GROUND.frame_dt
+    rate = 2 * TURN / ON_THE_GROUND.reference_seconds**2 * turn.magnitude * turn.gain * push  # [rad/s]
+    aloft = math.sqrt(8 * blow.magnitude * ON_THE_GROUND.size / GRAVITY)
+    assert turn.active_time[0] == blow.active_time[1] and push < 0.2
+    assert math.degrees(rate * aloft) == pytest.approx(360, rel=0.1)
+    kinds = {each.kind for each in reply.expectations}
+    assert kinds == {MotionKind.MOVE, MotionKind.ROTATE, MotionKind.FALL}
+
+
+def test_what_is_picked_up_and_thrown_is_thrown_from_where_it_is():
+    reply = compile_whole("pick the statue up and throw it to the right")
+    lift, throw = reply.expectations[:2]
+    assert lift.window[1] <= throw.window[0]
