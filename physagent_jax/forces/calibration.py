@@ -114,6 +114,12 @@ FRICTION = 0.4
 DROP_HEIGHT = 0.5
 """[L] of clear height under what can fall: it is seen to fall, and lands within a clip."""
 
+HIGH_DROP = 1.2
+"""[L] the same of what falls from high up: more than its own height."""
+
+MOST_DROP = 1.3
+"""[L] the same at most: the domain of a preset has no more room below an object."""
+
 SWEEP = MAGNITUDE_MAX * TRAVEL
 """[L] that the camera looks ahead of a free object, at most: the travel of the strongest push."""
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
+from physagent_jax.core.strict import Vector
 from physagent_jax.forces import calibration
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.motion.schema import Amount, ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.motion.tolerances import expect_move, expect_strain, find_told
-from physagent_jax.core.strict import Vector
+from physagent_jax.motion.schema import Amount, ExpectedMotion, MotionKind, SceneBrief, SeenManner
+from physagent_jax.motion.tolerances import SPIN, expect_move, expect_strain, find_told
 from physagent_jax.motion.vectors import clamp, dot
 
 _STRAIN_PER_M = 0.2
@@ -16,6 +16,7 @@ _STRAIN_PER_M = 0.2
 
 
 _UPRIGHT = 0.7  # cosine
+_SPIN_TIME = 1.5  # [s] of a whole turn with a strength of 1
 _FAR = 120.0  # [degrees] from which on a turn takes more than the strongest force does in a step
 
 MOVING = 0.6
@@ -58,10 +59,27 @@ def find_lengths(amount: Amount | None, brief: SceneBrief) -> float | None:
     return amount.value / (brief.size if amount.unit == "metres" else 1.0)
 
 
-def spins_round(amount: Amount | None, axis: Vector | None, brief: SceneBrief) -> bool:
-    """Return whether a turn by an amount about an axis (unit world vector) is one that shows the far side, standing."""
-    upright = axis is not None and abs(dot(axis, brief.directions.up)) > _UPRIGHT
-    return upright and amount is not None and amount.unit == "degrees" and amount.value > _FAR
+def find_spin(
+    amount: Amount | None, manner: SeenManner, axis: Vector | None, brief: SceneBrief
+) -> float | None:
+    """The angle of a turn that shows what stands from its far side [degrees]; None if it does not.
+
+    Args:
+        amount: Quantity that the sentence tells, or None.
+        manner: What spins turns once, unless an angle is told.
+        axis: Unit world vector.
+        brief: The scene.
+    """
+    if axis is None or abs(dot(axis, brief.directions.up)) <= _UPRIGHT or brief.anchored is not None:
+        return None
+    if amount is not None and amount.unit == "degrees":
+        return amount.value if amount.value > _FAR else None
+    return SPIN if manner == "spin" and brief.world == "ground" else None
+
+
+def find_spin_time(degrees: float, strength: float) -> float:
+    """The time that a spin takes; the strength says how fast it is [s]."""
+    return _SPIN_TIME / strength * max(degrees / SPIN, 1.0)
 
 
 def find_span(
@@ -70,7 +88,7 @@ def find_span(
     """The time for which an object is pushed and then braked, so that a magnitude in range brings it there [s].
 
     Half of the time it is pushed, half braked: it gets M (t / T)^2 / 2 of what M = 1 does in T. If it is led instead,
-    it gets M t / T. What `spins_round` is led as fast as it needs: ``turning`` [degrees] takes ``usual`` for each turn.
+    it gets M t / T. What spins is led as fast as it needs: ``turning`` [degrees] takes ``usual`` for each turn.
     """
     if turning is not None:
         return usual * max(turning / 360.0, 1.0)

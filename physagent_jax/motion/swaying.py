@@ -190,6 +190,7 @@ def _divide(window: Window, strokes: Sequence[float]) -> list[Window]:
 
 
 def make_upper(brief: SceneBrief) -> Part:
+    """All but its foot, which turns about that."""
     upper = CellsRegion(inside=_HIGH, outside=_LOW, label="all but its foot")
     up = brief.directions.up
     return Part(moved=upper, rest=FOOT, joint=(0.5, 0.5, _FOOT), arm=up, side=up, share=1.0)

@@ -17,7 +17,7 @@ from physagent_jax.motion.swaying import lies, make_upper
 from physagent_jax.motion.vectors import dot
 from physagent_jax.motion.windows import Window
 
-_SLOW = 0.75  # strength below which tipping over is to be seen to be slow
+SLOW = 0.75  # strength below which tipping over is to be seen to be slow
 _LED, _MOST = (
     45.0,
     65.0,
@@ -37,7 +37,7 @@ def find_tipping_time(way: Vector, strength: float, brief: SceneBrief) -> float:
         brief: The scene.
     """
     angle = _find_angle(way, brief)
-    return angle / (_RATE * strength) + _FALLS if angle and strength < _SLOW else 0.0
+    return angle / (_RATE * strength) + _FALLS if angle and strength < SLOW else 0.0
 
 
 def tip(brief: SceneBrief, way: Vector, strength: float, window: Window) -> list[VelocityConstraint]:

@@ -45,6 +45,8 @@ REACHED = 0.8  # of the way to an obstacle, from where on it counts as met
 _TOLD_STRAIN = 0.04  # [1] within which perception tells nine strains of ten
 _TOLD_TURN = 60.0  # [degrees] off an angle that the sentence names, however large
 _WRUNG = 0.85  # of the largest angle of its word that a free end turns by: it lessens towards the held one
+_SPUN_LEAST = 60.0  # [degrees] less is a turn, and no spin
+SPIN = 360.0  # [degrees] that what spins turns by, unless the sentence says
 _UNHURRIED = 1.0  # [s] what lasts for less time may do less
 _STRENGTHS = (0.4, 1.0, 1.6)
 
@@ -175,7 +177,9 @@ def expect_move(
 
 
 def expect_rotation(expectation: ExpectedMotion, anchored: bool, *, seconds: float = 2.0) -> Tolerance:
-    """Angle about the axis [degrees]."""
+    """Angle about the axis [degrees]; what spins freely may go on as it likes."""
+    if expectation.manner == "spin" and not anchored and not expectation.partial:
+        return Tolerance(_SPUN_LEAST, SPIN, 4.0 * SPIN, "degrees")
     band = pick_band(TURN_HELD if anchored else TURN, expectation.strength, "degrees")
     share = _PART if expectation.partial and expectation.part is None else 1.0
     return band.scaled(share * clamp(seconds / _UNHURRIED, 0.3, 1.0), least=VISIBLE_DEGREES)

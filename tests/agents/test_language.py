@@ -213,7 +213,7 @@ def test_a_twist_of_what_is_held_turns_its_free_end():
     assert ends("twist it", plant()) == [(UP, UP, None)]
     assert ends("twist it", plant().model_copy(update=dict(long_axis=RIGHT))) == [(UP, UP, None)]
     assert ends("twist the top", ground()) == [(UP, UP, None)]
-    assert ends("turn it", ground()) == [(None, UP, None)]
+    assert ends("spin it", ground()) == [(None, UP, None)]
 
 
 @pytest.mark.parametrize("degrees", [60, 120])

@@ -27,7 +27,7 @@ LEAST = 0.1  # of a length: the least change of shape that is seen without compa
         ("the robot rises, hovers, then drops", "move up; still; fall"),
         ("squash the robot and let it pop back up", "squeeze up"),
         ("knock the robot over so that it lies on its back", "rotate left & fall"),
-        ("push the robot to the left until it topples", "move left & rotate toward & fall"),
+        ("push the robot to the left until it topples", "rotate toward & fall"),
         ("toss the robot into the air so that it falls back down", "hit up; fall"),
     ],
 )

@@ -47,23 +47,25 @@ class Target(NamedTuple):
 def find_target(quantity: Quantity, motion: Motion, before: Amount | None, brief: SceneBrief) -> Target:
     """The target that ``quantity`` sets for ``motion``; ``before`` is the target of the event before."""
     value, effect, unit = quantity.value, motion.effect, quantity.unit
+    becomes = quantity.relation in ("to", "is")  # "pull it to twice its length", "until it is half as tall"
     if quantity.dimension == "far" and before is not None:  # "twice as far"
         value, unit = before.value * value, before.unit
     if not _LEAST <= value <= MOST:
         return Target()
+    sides: dict[str, float] = dict(zip(("width", "height", "depth"), brief.extents))
+    if effect is Effect.FALL and (unit in ("lengths", "metres") or unit == "share" and not becomes):
+        value *= sides.get(quantity.dimension, 1.0) if unit == "share" else 1.0
+        usual = abs(value - calibration.DROP_HEIGHT) <= _SAME_HEIGHT and unit != "metres"
+        return Target(Amount(value=value, unit="metres" if unit == "metres" else "lengths"), usual=usual)
     if effect in _UNITS.get(unit, ()):
         return Target(Amount.model_validate({"value": value, "unit": unit}))
-    if effect is Effect.FALL and (unit == "lengths" or unit == "share" and quantity.dimension == "length"):
-        return Target(usual=abs(value - calibration.DROP_HEIGHT) <= _SAME_HEIGHT)
     if unit != "share" or quantity.dimension in ("far", "volume"):
         return Target()
-    becomes = quantity.relation in ("to", "is")  # "pull it to twice its length", "until it is half as tall"
     if (
         effect in _TRAVELS
         and quantity.dimension
         and (motion.direction == "up" and quantity.relation == "to" or not becomes)
     ):
-        sides: dict[str, float] = dict(zip(("width", "height", "depth"), brief.extents))
         return Target(Amount(value=round(value * sides.get(quantity.dimension, 1.0), 6), unit="lengths"))
     return _find_scale(quantity, motion) if effect in _SCALES else Target()
 

@@ -19,7 +19,9 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
     DROP_HEIGHT,
     GRAVITY,
+    HIGH_DROP,
     MAGNITUDE_MAX,
+    MOST_DROP,
     find_highest_leap,
     find_reference_time,
     find_spin_aloft,
@@ -27,7 +29,7 @@ from physagent_jax.forces.calibration import (
 )
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.motion.axes import find_lean_axis
-from physagent_jax.motion.efforts import find_held_magnitude
+from physagent_jax.motion.efforts import find_held_magnitude, find_lengths
 from physagent_jax.motion.schema import Amount, MotionKind
 from physagent_jax.motion.tipping import tip
 from physagent_jax.motion.vectors import add, dot, normalise, scale
@@ -41,6 +43,7 @@ _ASIDE = 0.9  # cosine below which a leap goes aside
 # Of a blow, with which what is thrown comes down about as far aside as one along the ground goes, and a leap rises by a
 # third of a length and comes down six tenths aside; and with which a leap comes down as far aside as is told.
 _THROWN, _LED = 0.45, 0.77
+_FLUNG = 0.6  # of a blow, with which a throw is seen as one: it comes down a length aside
 _SPUN_UP = 3.0  # frames in which what is thrown up is set spinning
 
 
@@ -63,6 +66,9 @@ def compile_strike(task: Task) -> None:
         strength = min(strength, find_highest_leap(each) / task.brief.size)
     if event.motion.gravity and builder.grounded and not builder.anchored and abs(dot(way, up)) < most:
         share = _LED if event.effect is Effect.JUMP and event.amount else _THROWN
+        share = (
+            _FLUNG * math.sqrt(strength) if event.effect is Effect.STRIKE and event.amount is None else share
+        )
         flown, strength = normalise(add([way, scale(up, lift)])) or way, share * strength
     for index, part in enumerate(divide(window, [1.0] * count)):
         blow = scale(flown, -1.0 if swings and index % 2 else 1.0)
@@ -99,7 +105,8 @@ def spin_aloft(task: Task, axis: Vector) -> bool:
         return False
     size = find_spin_aloft(amount.value, rise, _SPUN_UP * brief.frame_dt, brief.seconds)
     task.act(ActionType.TORQUE, axis, size, (at, at + _SPUN_UP), gains=True)
-    task.expect(MotionKind.ROTATE, axis, task.window, amount=amount)
+    # It lands as it comes.
+    task.expect(MotionKind.ROTATE, axis, task.window, amount=None, strength=MAGNITUDE_MAX)
     return True
 
 
@@ -132,7 +139,7 @@ def compile_fall(task: Task) -> None:
         return
     _let_fall(task)
     if event.direction is None or abs(dot(event.direction, up)) >= _UPRIGHT:
-        task.expect(MotionKind.FALL, None, task.window)
+        task.expect(MotionKind.FALL, None, task.window, amount=None)
     elif task.builder.default_drop and (effort := find_effort(event.amount, Effect.PUSH, task.brief)):
         task.expect(MotionKind.FALL, None, task.window, amount=None)  # the quantity is that of the way aside
         _throw_aside(task, effort)
@@ -159,6 +166,15 @@ def _let_fall(task: Task) -> None:
     falls = thrown or builder.default_drop and Effect.STILL not in earlier
     if falls and builder.gravity != "none":
         if not (builder.grounded and raised):
+            event, height = task.event, HIGH_DROP if task.event.strength > 1 else None
+            if event.direction is None or abs(dot(event.direction, task.brief.directions.up)) >= _UPRIGHT:
+                height = find_lengths(event.amount, task.brief) or height
+            if height is not None and height > MOST_DROP:
+                builder.notes.append(
+                    f"'{event.text}': there is room for a fall of {MOST_DROP:g} body lengths."
+                )
+                event.amount, height = None, MOST_DROP
+            builder.drop_height = height
             builder.enable_gravity(task.event.words, "a falling object needs gravity")
     elif not builder.grounded:
         task.act(ActionType.TRANSLATION, builder.brief.directions.down, MAGNITUDE_MAX, task.window)

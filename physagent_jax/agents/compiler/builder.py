@@ -25,6 +25,7 @@ class ForceFieldBuilder:
         brief, anchored: The scene, with the clip's length.
         rooted: Whether its foot is held, whoever says so.
         gravity: What the sentence says about gravity: "down", "up", "none"; None = nothing.
+        drop_height: What it lets fall is so high [body lengths]; None = the usual height.
         room: Frame at which what follows the present event is over: its brake ends there.
         earlier: What the slots before do.
         notes, unsure: What was assumed; what was not understood and matters. Either may be told twice.
@@ -34,6 +35,7 @@ class ForceFieldBuilder:
     brief: SceneBrief
     anchored: bool
     gravity: Literal["down", "up", "none"] | None = None
+    drop_height: float | None = None
     room: float = 0.0
     earlier: list[Effect] = field(default_factory=list)
     default_drop: bool = False

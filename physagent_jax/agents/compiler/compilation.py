@@ -86,6 +86,7 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
             gravity=builder.gravity,
             ground=intent.surroundings.ground,
             obstacles=tuple(builder.obstacles),
+            drop_height=builder.drop_height,
             words=", ".join(dict.fromkeys(filter(None, words))),
         ),
         frame_count=None if frame_count == brief.frame_count else frame_count,

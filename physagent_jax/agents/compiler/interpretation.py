@@ -209,7 +209,8 @@ def _find_quantities(event: Event, before: Event | None, brief: SceneBrief) -> N
         found = find_target(quantity, motion, before.amount if before else None, brief)
         if found.usual:
             continue
-        if found.amount is None or event.amount is not None:
+        aside = event.effect is Effect.FALL and not event.lands_aside and event.goes_aside
+        if found.amount is None or event.amount is not None or aside:
             words = quantity.text or f"{quantity.value:g} {quantity.unit}"
             event.doubts.append(f"'{words}' is a quantity that nothing here is measured in.")
             continue
@@ -222,7 +223,7 @@ def _find_quantities(event: Event, before: Event | None, brief: SceneBrief) -> N
 
 
 def _count_turns(event: Event, brief: SceneBrief) -> None:
-    """Counts turns ("spin three times"); a somersault is a whole one, and so is a spin of what can turn freely."""
+    """Counts turns ("spin three times"); a somersault is a whole one, and what is free turns around by half of one."""
     repeat, angle = event.repeat, event.motion.angle
     free = brief.world == "ground" and brief.anchored is None and not (event.parts or event.is_timed)
     if event.motion.direction == "up" and (repeat.alternate or event.is_in_wind or not free):

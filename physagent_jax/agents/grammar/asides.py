@@ -227,7 +227,8 @@ def _find_model(mentions: list[Mention]) -> str | None:
 
 def _is_telling(verb: Motion) -> bool:
     """Return whether a verb says what form its motion has; which way a stretch goes, a comparison may tell."""
-    return not verb.generic and verb.effect in _SHAPED and not (verb.effect is Effect.SCALE and verb.sign > 0)
+    shaped = verb.effect in _SHAPED or verb.direction in ("up", "down")  # "floats like a feather"
+    return not verb.generic and shaped and not (verb.effect is Effect.SCALE and verb.sign > 0)
 
 
 def _find_end(mentions: list[Mention], index: int) -> int:

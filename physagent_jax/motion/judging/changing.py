@@ -50,7 +50,8 @@ def check_rotation(asked: Asked) -> list[Check]:
         if view.window(first, last) is None:
             unknown = f"frames {first} to {last} are not in the motion report"
         return [make_unseen_check(asked, view.explain("rotation_degrees", first, last, unknown))]
-    at, peak = find_farthest(turns)
+    landed = view.find_landing(motion)
+    at, peak = find_farthest([each for each in turns if each[0] <= landed] or turns)
     angle = norm(peak) if axis is None else dot(peak, axis)
     checks = []
     if axis is not None and norm(peak) >= tolerances.VISIBLE_DEGREES:

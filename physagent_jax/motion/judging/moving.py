@@ -20,6 +20,7 @@ from physagent_jax.motion.matching import is_thrown_up
 from physagent_jax.motion.schema import Check, MotionKind
 from physagent_jax.motion.vectors import cosine, dot, norm, normalise, reject, scale, subtract
 
+_DOWN = 0.7  # cosine
 _FIRST = 0.15  # of the farthest excursion: what is seen of a motion first
 _KEPT = 0.4  # of the farthest excursion that a free thing has left where it ends
 _SWING = 0.35  # of the amplitude: smaller turns are ripples
@@ -81,6 +82,9 @@ def check_move(asked: Asked) -> list[Check]:
     tolerance = view.fit_to_limb(tolerance, motion)
     if asked.obstacle is not None:
         tolerance = tolerance.limited(asked.obstacle.distance)
+    lowers = direction is not None and dot(direction, up) < -_DOWN and first > 0
+    if lowers and view.grounded and not at_end and (before := view.course(0, first)):
+        tolerance = tolerance.limited(dot(before[-1][1], up))  # to the ground, and no farther
     lost = any(view.get_places(asked.end)[t] is None for t in range(first, until + 1))
     if lost and 0 < along < tolerance.low:
         return [make_unseen_check(asked, _explain_lost(view, first, until))]

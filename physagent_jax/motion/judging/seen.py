@@ -38,6 +38,7 @@ TO_SIGMA = 1 / 1.645
 _UNKNOWN = Uncertainty(displacement=0.04, along=0.2, rotation=8.0, axis=12.0, stretch=0.08, frequency=0.2)
 ALONG_END = 0.65  # cosine: the end nearest to a direction that lies between two of them is taken
 SAME_LINE = 0.97  # cosine
+_LIES = 0.95  # of its way down, from where on what tips over lies: what it rolls by from there is its own
 _TOPPLES = 0.5  # sine of an axis to the vertical
 _ZERO = (0.0, 0.0, 0.0)
 
@@ -127,18 +128,30 @@ class View:
 
     def find_topples(self) -> list[Vector]:
         """Ways that the top of what stands goes as it tips over: a turn about a level axis whose end is a fall."""
-        if not self.grounded or self.anchored or self.force_field.default_drop:
-            return []
-        falls = [e for e in self.expectations if e.kind is MotionKind.FALL]
-        turns = [e for e in self.expectations if e.kind is MotionKind.ROTATE]
-        topples = [e for e in turns if any(share_time(e, f) for f in falls)]
-        up = self.brief.directions.up
+        topples, up = self._list_topples(), self.brief.directions.up
         ways = [cross(e.direction, up) for e in topples if e.direction]
         for each in (e for e in topples if e.direction is None):  # no way is told: where it went from then on
             course = self.course(self.span(each)[0], self.last)
             gone = subtract(course[-1][1], course[0][1]) if course else up
             ways += [way] if (way := normalise(reject(gone, up))) else []
         return [normalise(way) or way for way in ways if norm(way) > _TOPPLES]
+
+    def find_landing(self, motion: ExpectedMotion) -> int:
+        """The frame at which what ``motion`` tips over lies; the clip's last for any other motion."""
+        course = self.course(*self.span(motion)) if motion in self._list_topples() else []
+        heights = [(frame, dot(place, self.brief.directions.up)) for frame, place in course]
+        top = max(heights, key=lambda each: each[1], default=(0, 0.0))
+        low = min((height for _, height in heights), default=0.0)
+        down = top[1] - _LIES * (top[1] - low)
+        return next((frame for frame, height in heights if frame > top[0] and height <= down), self.last)
+
+    def _list_topples(self) -> list[ExpectedMotion]:
+        """The turns by which what stands tips over."""
+        if not self.grounded or self.anchored or self.force_field.default_drop:
+            return []
+        falls = [e for e in self.expectations if e.kind is MotionKind.FALL]
+        turns = [e for e in self.expectations if e.kind is MotionKind.ROTATE]
+        return [e for e in turns if any(share_time(e, f) for f in falls)]
 
     def fit_to_limb(self, tolerance: Tolerance, motion: ExpectedMotion) -> Tolerance:
         """A way's tolerance in lengths of the limb that is asked about; unchanged where none is.
