@@ -186,3 +186,21 @@ def test_what_falls_from_high_up_is_let_fall_from_there(prompt, height):
 def test_a_fall_that_there_is_no_room_for_is_told():
     reply = compile_whole("drop it from five times its height")
     assert reply.world.drop_height == MOST_DROP and any("room" in note for note in reply.notes)
+
+
+def test_what_is_thrown_hard_flies_farther_than_it_hops():
+    """It hopped aside by less than its height, and landed on its feet."""
+    (plain,) = compile_whole("throw the statue to the left").force_field.actions
+    (hard,) = compile_whole("throw the statue hard to the left").force_field.actions
+    assert hard.magnitude > 1.7 * plain.magnitude
+
+
+@pytest.mark.parametrize(
+    "prompt", ["a statue made of honey collapses", "the statue is made of sand and collapses"]
+)
+def test_what_flows_collapses_where_it_stands(prompt):
+    """It fell from the air."""
+    reply = compile_whole(prompt)
+    assert not reply.force_field.default_drop and not reply.unsure
+    assert [each.kind for each in reply.expectations] == [MotionKind.SQUEEZE]
+    assert compile_whole("the wooden statue collapses").force_field.default_drop

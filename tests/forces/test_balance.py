@@ -171,3 +171,8 @@ def test_what_was_pressed_and_let_go_stands_upright_again():
     (balance,) = find_balance(topple, constraints=pair("moving_plate", (1, 0, 0), 0, 15))
     assert float(balance.end) == pytest.approx(1.0)
     assert not find_balance(constraints=pair("moving_plate", (1, 0, 0), 0, 15), lever=0.0)
+
+
+def test_what_is_thrown_aside_tumbles_and_what_leaps_aside_does_not():
+    assert not find_balance(act("impulse", (0.53, 0.0, 0.848), 0, 1))
+    assert find_balance(act("impulse", (0.38, 0.0, 0.925), 0, 1))

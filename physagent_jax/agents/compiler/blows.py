@@ -43,7 +43,7 @@ _ASIDE = 0.9  # cosine below which a leap goes aside
 # Of a blow, with which what is thrown comes down about as far aside as one along the ground goes, and a leap rises by a
 # third of a length and comes down six tenths aside; and with which a leap comes down as far aside as is told.
 _THROWN, _LED = 0.45, 0.77
-_FLUNG = 0.6  # of a blow, with which a throw is seen as one: it comes down a length aside
+_FLUNG = 1.5  # power of a strength by which what is flung hard goes farther: it flies, and does not hop
 _SPUN_UP = 3.0  # frames in which what is thrown up is set spinning
 
 
@@ -66,9 +66,8 @@ def compile_strike(task: Task) -> None:
         strength = min(strength, find_highest_leap(each) / task.brief.size)
     if event.motion.gravity and builder.grounded and not builder.anchored and abs(dot(way, up)) < most:
         share = _LED if event.effect is Effect.JUMP and event.amount else _THROWN
-        share = (
-            _FLUNG * math.sqrt(strength) if event.effect is Effect.STRIKE and event.amount is None else share
-        )
+        flung = event.effect is Effect.STRIKE and event.amount is None
+        share *= max(strength, 1.0) ** _FLUNG if flung else 1.0
         flown, strength = normalise(add([way, scale(up, lift)])) or way, share * strength
     for index, part in enumerate(divide(window, [1.0] * count)):
         blow = scale(flown, -1.0 if swings and index % 2 else 1.0)
