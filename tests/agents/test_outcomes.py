@@ -4,8 +4,8 @@ import pytest
 
 from physagent_jax.agents.compiler.compilation import compile_intent
 from physagent_jax.agents.llm.forms import SentenceForm, make_intent
-from physagent_jax.agents.rules import edits
-from physagent_jax.agents.rules.edits import Case
+from physagent_jax.motion import edits
+from physagent_jax.motion.edits import Case
 from physagent_jax.motion.kinds import choose_kinds
 from physagent_jax.motion.matching import find_own_causes
 from physagent_jax.motion.tolerances import expect_strain
