@@ -9,7 +9,7 @@ from physagent_jax.forces.calibration import GRAVITY, MOST_DROP, REFERENCE_TIME,
 from physagent_jax.forces.schema import ActionType, ConstraintType
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.tipping import tip
-from tests.agents.scenes import asked, brief
+from tests.agents.scenes import asked, brief, judge, make_report, ramp
 
 ON_THE_GROUND = brief(object_name="statue", object_kind="object", world="ground", frames_fixed=False)
 SLIM, BROAD = (0.3, 1.0, 0.3), (1.0, 0.5, 1.0)
@@ -204,3 +204,44 @@ def test_what_flows_collapses_where_it_stands(prompt):
     assert not reply.force_field.default_drop and not reply.unsure
     assert [each.kind for each in reply.expectations] == [MotionKind.SQUEEZE]
     assert compile_whole("the wooden statue collapses").force_field.default_drop
+
+
+def find_failures(prompt, show):
+    """Questions of the checks that fail of what ``show`` tells of a frame: place [body lengths], turn [degrees]."""
+    reply = compile_whole(prompt)
+    scene = ON_THE_GROUND.model_copy(update=dict(extents=SLIM, frame_count=reply.frame_count))
+    shown = [show(frame / scene.last) for frame in range(scene.frame_count)]
+    windows = [tuple(map(round, each.window)) for each in reply.expectations]
+    seen = make_report([place for place, _ in shown], [turn for _, turn in shown], windows=windows)
+    checks = judge(prompt, reply, seen, scene).judgement.checks
+    return [each.question for each in checks if each.passed is False]
+
+
+@pytest.mark.parametrize(("rolled", "wrong"), [(0.0, 0), (90.0, 0), (-90.0, 0)])
+def test_a_fall_over_is_judged_until_it_lies(rolled, wrong):
+    """Rolling about itself afterwards made its whole turn one about another axis."""
+
+    def show(share):
+        down, roll = ramp(share, 0.3, 0.6), ramp(share, 0.65, 0.9)
+        return (0.4 * down, 0.0, -0.4 * down), (rolled * roll, 85.0 * down, 0.0)
+
+    assert len(find_failures("gently tip the statue over to the right", show)) == wrong
+
+
+def test_a_fall_over_another_way_is_none_that_was_asked_for():
+    def show(share):
+        down = ramp(share, 0.3, 0.6)
+        return (0.0, 0.4 * down, -0.4 * down), (-85.0 * down, 0.0, 0.0)
+
+    assert find_failures("gently tip the statue over to the right", show)
+
+
+@pytest.mark.parametrize(("back", "met"), [(1.0, True), (0.2, False)])
+def test_what_is_put_down_goes_as_far_as_it_was_lifted(back, met):
+    """It was asked for a quarter of its length, and had been lifted by less."""
+
+    def show(share):
+        return (0.0, 0.0, 0.24 * (ramp(share, 0.0, 0.3) - back * ramp(share, 0.5, 0.75))), (0.0, 0.0, 0.0)
+
+    failed = find_failures("lift the statue slowly, then put it down again", show)
+    assert ("how far does it move?" not in failed) == met

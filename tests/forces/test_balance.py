@@ -160,7 +160,7 @@ def pair(kind, way, first, last, held_until=None):
 
 
 def test_what_was_pressed_and_let_go_stands_upright_again():
-    """What is soft did not come to rest as it stood before: it fell over a second after the plates let go."""
+    """A soft toy that was let go fell over a second later."""
     (balance,) = find_balance(constraints=pair("moving_plate", (1, 0, 0), 0, 15, held_until=25))
     assert float(balance.start) == pytest.approx(1.0) and float(balance.end) > 100
     (balance,) = find_balance(constraints=pair("moving_plate", (1, 0, 0), 0, 15))

@@ -85,8 +85,8 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
 def _goes_over(before: Event, event: Event) -> bool:
     """Return whether a lean, or a push until then, is how it tips over: "it tilts to the left and falls over"."""
     whole = not (before.parts or before.repeat.count or before.amount or before.stays)
-    told = event.sources["vector"].why.endswith(BY_DEFAULT)
-    same = told or dot(before.direction or (0, 0, 0), event.direction or (0, 0, 0)) > _LEVEL
+    untold = any(each.sources["vector"].why.endswith(BY_DEFAULT) for each in (before, event))
+    same = untold or dot(before.direction or (0, 0, 0), event.direction or (0, 0, 0)) > _LEVEL
     timed = before.is_timed or event.is_timed or event.clause.pace == "sudden"
     until = event.clause.order == "together" or "so" in before.clause.strength
     slowly = event.clause.order != "then" or before.strength < SLOW
