@@ -46,6 +46,7 @@ def test_what_tips_over_slowly_is_led_over_its_edge(prompt, axis):
     degrees, seconds = find_degrees(turn, reply)
     assert not reply.force_field.actions and turn.region is None and turn.pivot is None
     assert turn.vector == axis and 40 < degrees < 66 and seconds > 1.4 and turn.held_until is None
+    assert reply.frame_count is not None
     assert reply.frame_count * ON_THE_GROUND.frame_dt > seconds + 1.2  # it is then seen to fall, and to lie
     assert {each.kind for each in reply.expectations} == {MotionKind.ROTATE, MotionKind.FALL}
 
@@ -103,6 +104,7 @@ def test_what_is_flipped_into_the_air_turns_once_while_it_is_there(prompt):
     reply = compile_whole(prompt)
     blow, turn = reply.force_field.actions
     assert blow.action_type is ActionType.IMPULSE and turn.action_type is ActionType.TORQUE
+    assert turn.active_time is not None and blow.active_time is not None
     push = (turn.active_time[1] - turn.active_time[0]) * ON_THE_GROUND.frame_dt
     rate = 2 * TURN / ON_THE_GROUND.reference_seconds**2 * turn.magnitude * turn.gain * push  # [rad/s]
     aloft = math.sqrt(8 * blow.magnitude * ON_THE_GROUND.size / GRAVITY)
@@ -211,7 +213,7 @@ def find_failures(prompt, show):
     reply = compile_whole(prompt)
     scene = ON_THE_GROUND.model_copy(update=dict(extents=SLIM, frame_count=reply.frame_count))
     shown = [show(frame / scene.last) for frame in range(scene.frame_count)]
-    windows = [tuple(map(round, each.window)) for each in reply.expectations]
+    windows = [(round(each.window[0]), round(each.window[1])) for each in reply.expectations]
     seen = make_report([place for place, _ in shown], [turn for _, turn in shown], windows=windows)
     checks = judge(prompt, reply, seen, scene).judgement.checks
     return [each.question for each in checks if each.passed is False]
