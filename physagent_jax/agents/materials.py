@@ -18,6 +18,20 @@ from physagent_jax.motion.schema import SceneBrief
 _UNKNOWN_KIND = "object"
 SOFT = ("jelly", "ecoflex")
 """Presets of what wobbles when it is tapped."""
+FLOWS = (
+    "honey",
+    "liquid",
+    "melt",
+    "molten_chocolate",
+    "mud",
+    "olive_oil",
+    "sand",
+    "snow",
+    "soil",
+    "toothpaste",
+    "wet_sand",
+)
+"""Presets of what does not stand by itself."""
 _LONGEST = 3  # words of the longest name of a material
 _TOKEN = re.compile(r"[^\W\d_]+(?:'[^\W\d_]+)?|\d+|[^\w\s]")
 

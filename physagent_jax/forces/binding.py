@@ -283,10 +283,13 @@ class Binding:
         balance, _ = find_balance(self._rest.astype(float), self._volume.astype(float), axis)
         return STEADY * opposition.weight * math.tan(min(balance, 1.0))
 
-    def keep_balance(self) -> list:
+    def keep_balance(self, *, released: bool = False) -> list:
         """The force that keeps upright what stood and is pushed, lifted or thrown up, until something else acts.
 
         What is pushed to and fro may rock until it is let go. What turns meanwhile, or rolls, is left alone.
+
+        Args:
+            released: Whether it is only kept upright once the entry lets it go: what was out of shape until then.
         """
         opposition = self._opposition_of_the_whole
         if opposition is None or not opposition.lever or self._turned:
@@ -297,7 +300,8 @@ class Binding:
         most = BALANCING * opposition.weight * opposition.lever / spread
         swings = self.stroke is not None and self.stroke.swings
         slack = 0.0 if self.upwards >= RISES else ROCKS
-        start, end = self.window[1 if swings else 0], self.leaf(self._until)
+        start, end = self.window[1 if swings or released else 0], self.leaf(self._until)
+        start = start if self._held_until is None else self._held_until
         return [Balance(self.leaf(self._rest), self.leaf(most), self.leaf(slack), start, end)]
 
     def _find_foot_edge(self, axis: np.ndarray) -> np.ndarray:

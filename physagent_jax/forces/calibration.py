@@ -114,6 +114,12 @@ FRICTION = 0.4
 DROP_HEIGHT = 0.5
 """[L] of clear height under what can fall: it is seen to fall, and lands within a clip."""
 
+HIGH_DROP = 1.2
+"""[L] the same of what falls from high up: more than its own height."""
+
+MOST_DROP = 1.3
+"""[L] the same at most: the domain of a preset has no more room below an object."""
+
 SWEEP = MAGNITUDE_MAX * TRAVEL
 """[L] that the camera looks ahead of a free object, at most: the travel of the strongest push."""
 
@@ -176,3 +182,18 @@ def find_highest_leap(seconds: float) -> float:
         seconds: Time from one leap to the next [s].
     """
     return GRAVITY * (ALOFT * seconds) ** 2 / 8.0
+
+
+def find_spin_aloft(degrees: float, rise: float, push: float, duration: float) -> float:
+    """M of a torque that turns what is thrown up so far until it comes down; out of range if only a gain can.
+
+    It is in the air for sqrt(8 h / g).
+
+    Args:
+        degrees: Turn until then [degrees].
+        rise: Height that it rises by [m].
+        push: Time for which the torque acts [s].
+        duration: Duration of the clip [s].
+    """
+    rate = math.radians(degrees) / math.sqrt(8.0 * rise / GRAVITY)
+    return find_magnitude(rate * push / 2.0 / TURN, push, duration, braked=False)

@@ -77,6 +77,7 @@ def compile_force_field(
                 pair = pairs[index]
                 other = None if pair.second is None else bind(group, pair.second)
                 constraints += skill.make_pair(bound, other, pair.sign)
+                forces += bound.keep_balance(released=True)
     return tuple(forces), tuple(constraints)
 
 

@@ -4,15 +4,20 @@ from __future__ import annotations
 
 import math
 
+from physagent_jax.core.strict import Vector
 from physagent_jax.forces import calibration
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.motion.schema import Amount, ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.motion.tolerances import expect_move, expect_strain, find_told
-from physagent_jax.motion.vectors import clamp
+from physagent_jax.motion.schema import Amount, ExpectedMotion, MotionKind, SceneBrief, SeenManner
+from physagent_jax.motion.tolerances import SPIN, expect_move, expect_strain, find_told
+from physagent_jax.motion.vectors import clamp, dot
 
 _STRAIN_PER_M = 0.2
 """[1] that a stretch or squeeze shows for M = 1: between the linear 0.15 and what soft solids do at full strength."""
 
+
+_UPRIGHT = 0.7  # cosine
+_SPIN_TIME = 1.5  # [s] of a whole turn with a strength of 1
+_FAR = 120.0  # [degrees] from which on a turn takes more than the strongest force does in a step
 
 MOVING = 0.6
 """[1] share of its window in which an end or a plate moves; in the rest it is held."""
@@ -54,12 +59,39 @@ def find_lengths(amount: Amount | None, brief: SceneBrief) -> float | None:
     return amount.value / (brief.size if amount.unit == "metres" else 1.0)
 
 
-def find_span(effort: float, usual: float, brief: SceneBrief, led: bool = False) -> float:
+def find_spin(
+    amount: Amount | None, manner: SeenManner, axis: Vector | None, brief: SceneBrief
+) -> float | None:
+    """The angle of a turn that shows what stands from its far side [degrees]; None if it does not.
+
+    Args:
+        amount: Quantity that the sentence tells, or None.
+        manner: What spins turns once, unless an angle is told.
+        axis: Unit world vector.
+        brief: The scene.
+    """
+    if axis is None or abs(dot(axis, brief.directions.up)) <= _UPRIGHT or brief.anchored is not None:
+        return None
+    if amount is not None and amount.unit == "degrees":
+        return amount.value if amount.value > _FAR else None
+    return SPIN if manner == "spin" and brief.world == "ground" else None
+
+
+def find_spin_time(degrees: float, strength: float) -> float:
+    """The time that a spin takes; the strength says how fast it is [s]."""
+    return _SPIN_TIME / strength * max(degrees / SPIN, 1.0)
+
+
+def find_span(
+    effort: float, usual: float, brief: SceneBrief, led: bool = False, turning: float | None = None
+) -> float:
     """The time for which an object is pushed and then braked, so that a magnitude in range brings it there [s].
 
     Half of the time it is pushed, half braked: it gets M (t / T)^2 / 2 of what M = 1 does in T. If it is led instead,
-    it gets M t / T.
+    it gets M t / T. What spins is led as fast as it needs: ``turning`` [degrees] takes ``usual`` for each turn.
     """
+    if turning is not None:
+        return usual * max(turning / 360.0, 1.0)
     reference = calibration.REFERENCE_TIME
     shortest, longest = (reference * math.sqrt(2.0 * effort / m) for m in (MAGNITUDE_MAX, MAGNITUDE_MIN))
     shortest = max(shortest, reference * effort / MAGNITUDE_MAX) if led else shortest

@@ -47,6 +47,7 @@ _PRESSED, _DEEPEST = (
     0.5,
     0.6,
 )  # of its extent, by which a plain word presses what cannot give way, and at most
+_INTO = 0.045  # [body lengths] that a region is pressed into the rest at least, so that it is seen
 _BUCKLES = 0.5  # of that, of what sits on the rest: pressed deeper, it tilts and slips out
 _FOOT = 0.12  # of the object's height, below which a limb lies on what bears the object
 _LIFTED = 1.0  # the same of a lid, which lies loose and comes off
@@ -54,7 +55,7 @@ _HANGS = 0.7  # cosine to the vertical from which on a limb hangs, or stands upr
 _BESIDE = 0.7  # cosine to the way out from which on a limb points there
 _INWARD = -0.3  # cosine to the way out below which a level way leads into the body
 _SUPPLE = frozenset(
-    ("tail", "wing", "ear", "horn")
+    ("tail", "wing", "ear", "horn", "nose")
 )  # roles of what bends everywhere, and not at its joint alone
 _CURLS = 1.4  # times the angle that a supple limb turns by: its tip goes less far
 _WIDE = 4.0  # standard deviations of a disc in its diameter
@@ -127,7 +128,11 @@ class Turning:
 
     def is_borne(self, way: Vector) -> bool:
         """Return whether it cannot go a way (unit world vector): the ground is there, or what it sits on."""
-        if not SEATED.isdisjoint(self.part.roles[:1]) and dot(self.arm, way) < -_ALONG:
+        down = dot(way, self.brief.directions.down) > _ALONG
+        placed = self.part.origin == "place" and self.part.seated and down
+        # A neck goes over.
+        seated = not SEATED.isdisjoint(self.part.roles[:1]) and "neck" not in self.part.roles
+        if (seated or placed) and dot(self.arm, way) < -_ALONG:
             return True
         lowest = min(place[2] for place in self.part.moved.inside)
         return (
@@ -307,8 +312,12 @@ class Turning:
             stop: Frame until which it is held there; None = not.
         """
         if self.is_borne(way):
-            share = 1.0 if dot(self.arm, way) > -_ALONG else _BUCKLES
-            return self.driver.press(way, share * min(_PRESSED * motion.strength, _DEEPEST), window, stop)
+            depth = min(_PRESSED * motion.strength, _DEEPEST)
+            if self.part.origin == "place":
+                depth = clamp(_INTO / max(norm(self.part.arm), 1e-9), 0.6 * depth, _DEEPEST)
+            elif dot(self.arm, way) < -_ALONG:
+                depth *= _BUCKLES
+            return self.driver.press(way, depth, window, stop)
         axis = None if self.slides else self.find_axis(way, sudden=motion.sudden)
         if axis is not None:
             return self.turn(axis, angle, window, stop)

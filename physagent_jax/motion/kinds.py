@@ -29,7 +29,15 @@ from physagent_jax.forces.schema import ConstraintType, ForceField, Region, Velo
 from physagent_jax.forces.skills import list_skills
 from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.axes import find_lean_axis
-from physagent_jax.motion.efforts import MOVING, find_pace, find_strain, find_wanted_way, spread_effort
+from physagent_jax.motion.efforts import (
+    MOVING,
+    find_pace,
+    find_spin,
+    find_spin_time,
+    find_strain,
+    find_wanted_way,
+    spread_effort,
+)
 from physagent_jax.motion.matching import (
     AXIAL,
     Cause,
@@ -436,10 +444,12 @@ def _lead(wish: Wish) -> _Replaced:
     usual = brief.seconds if quick else seconds  # what is sudden goes as far as in all of the clip
     level = turns and abs(cosine(way, brief.directions.up)) < _VERTICAL
     lengthwise = abs(cosine(way, brief.long_axis or _NO_WAY)) > _VERTICAL
+    spun = find_spin(expectation.amount, expectation.manner, way if turns else None, brief)
     spins = turns and (lengthwise or not level) and _stands_alone(wish)
     if turns:
-        usually = expect_rotation(expectation, False, seconds=usual)
-        angle = told.target if told else _SPUN * usually.high if spins and level else usually.target
+        usually = expect_rotation(expectation.model_copy(update=dict(manner="")), False, seconds=usual)
+        angle = _SPUN * usually.high if spins and level else usually.target
+        angle = told.target if told else spun or angle
         effort = math.radians(angle) / TURN
     else:
         effort = find_wanted_way(expectation, brief, usual) / TRAVEL
@@ -452,6 +462,8 @@ def _lead(wish: Wish) -> _Replaced:
     kept_up = hands or not turns and cosine(way, brief.directions.up) > _VERTICAL
     # What is let go at the end would be seen to fall.
     stop = max(min(end, brief.last - 1.0), first + 1.0) if kept_up else end
+    if spun is not None:
+        stop = min(stop, first + brief.count_frames(find_spin_time(spun, expectation.strength)))
     size, until = spread_effort(effort, first, stop, share=MOVING if tilts else 1.0)
     hand = _prescribe(causes[0], way, size, (first, until), _find_next(wish, end))
     if tilts and expectation.released and end + until - first <= brief.last:
@@ -461,9 +473,9 @@ def _lead(wish: Wish) -> _Replaced:
     reason = "at one speed" if expectation.even else "no force in range starts and stops it in that time"
     reason = "a torque would let it tumble" if over or spins else "it is kept up" if hands else reason
     reason = "it would fall over by itself" if tilts else reason
-    if quick:
+    if quick or spun is not None:
         hand = hand.model_copy(
-            update={"gain": clamp(round(effort / (size * (until - first)), 3), 1.0, GAIN_MAX)}
+            update={"gain": clamp(round(effort / (size * (until - first)), 4), 1.0, GAIN_MAX)}
         )
     far = effort <= 1.01 * hand.gain * MAGNITUDE_MAX * (until - first)
     short = "" if far else ", as far as the fastest goes in that time"

@@ -20,6 +20,8 @@ Manner = Literal["", "bend", "rock", "wobble", "shake", "fly", "fold", "crumple"
 """The manner of a motion: it bends over its foot, which stays; it tilts over the edges of its foot as a whole; its foot
 stays and its own stiffness does the rest; it goes to and fro, foot and all; it leaves the ground; one half
 goes over the other; it is pressed from one side after another; or any ("")."""
+SeenManner = Manner | Literal["spin"]
+"""The same of what is to be seen; what spins shows all of its sides."""
 LAST_FRAME = 1e5
 _Frame = Annotated[float, Field(ge=0, le=LAST_FRAME)]
 
@@ -153,11 +155,13 @@ class WorldRequest(Strict):
         gravity: "up" is reversed.
         ground: Whether there is ground under the object.
         obstacles: Walls and blocks that it names.
+        drop_height: Height above the ground from which the object falls [body lengths].
     """
 
     gravity: Literal["down", "up", "none"] | None = None
     ground: bool | None = None
     obstacles: tuple[ObstacleRequest, ...] = ()
+    drop_height: float | None = Field(default=None, ge=0, le=1e5)
     words: str = ""
 
 
@@ -213,7 +217,7 @@ class ExpectedMotion(Strict):
     stays: bool = False
     even: bool = False
     leaves_place: bool = False
-    manner: Manner = ""
+    manner: SeenManner = ""
     amount: Amount | None = None
     words: str = ""
 

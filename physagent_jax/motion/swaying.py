@@ -73,7 +73,7 @@ def sway(
         turn
         for stroke, span, stop in zip(strokes, _divide((window[0], end), strokes), stops)
         for turn in _turn(
-            brief, [_make_upper(brief)], way, stroke * strength**_MILD * _ANGLE, span, stop, _DEPTH
+            brief, [make_upper(brief)], way, stroke * strength**_MILD * _ANGLE, span, stop, _DEPTH
         )
     ]
 
@@ -95,7 +95,7 @@ def bend(
     """
     told = amount is not None and amount.unit == "degrees"
     angle = min(amount.value, _MOST) if amount and told else min(_BENT * strength, _FARTHEST)
-    bodies = [_make_half(brief, 1.0), _make_half(brief, -1.0)] if lies(brief) else [_make_upper(brief)]
+    bodies = [_make_half(brief, 1.0), _make_half(brief, -1.0)] if lies(brief) else [make_upper(brief)]
     angle = angle / len(bodies) if told else angle
     end = min(window[1], window[0] + max(brief.count_frames(_TIME), 2.0))
     last, frames = float(brief.last), brief.count_frames(_SWING)
@@ -174,7 +174,7 @@ def rock(
     strokes = [1.0, -1.0, -1.0, 1.0] * count
     axis, last = normalise(cross(brief.directions.up, way)), float(brief.last)
     assert axis is not None  # the way is level
-    driver = PartDriver(_make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
+    driver = PartDriver(make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
     spans = _divide(window, strokes)
     made = [driver.turn(axis, s * strength**_MILD * _TILT, span, None) for s, span in zip(strokes, spans)]
     rest = min(window[1] + brief.count_frames(_SETTLED), last)
@@ -189,7 +189,8 @@ def _divide(window: Window, strokes: Sequence[float]) -> list[Window]:
     return list(itertools.pairwise(edges))
 
 
-def _make_upper(brief: SceneBrief) -> Part:
+def make_upper(brief: SceneBrief) -> Part:
+    """All but its foot, which turns about that."""
     upper = CellsRegion(inside=_HIGH, outside=_LOW, label="all but its foot")
     up = brief.directions.up
     return Part(moved=upper, rest=FOOT, joint=(0.5, 0.5, _FOOT), arm=up, side=up, share=1.0)

@@ -13,6 +13,8 @@ does not enter. The yardstick is the object itself (its longest extent L), which
   two thirds of a turn; "violent" spinning goes on to three eighths of a turn or more.
 - Length: a tenth is about the least change of proportions that is seen without a ruler, a half is plain, twice is
   violent. Squeezing ends at 1.
+- Tipping over: from half of a quarter turn on something lies, on its rim or on what sticks out of it; however it was
+  pushed, it lies then. What is pushed violently may roll on.
 
 Ranges of neighbouring words overlap by a factor of at most `LARGEST_OVERLAP`, because words do not have sharper edges
 (turns by `LARGEST_OVERLAP_OF_TURNS`: a plain "spin" goes farther than a plain "turn", and is the same kind of motion);
@@ -44,7 +46,10 @@ _PART = 0.3  # how much less the whole shows if only a part is acted on
 REACHED = 0.8  # of the way to an obstacle, from where on it counts as met
 _TOLD_STRAIN = 0.04  # [1] within which perception tells nine strains of ten
 _TOLD_TURN = 60.0  # [degrees] off an angle that the sentence names, however large
+_FALLEN = 0.4  # of a height that the sentence names, that a fall may differ by: nothing beside it shows where it was
 _WRUNG = 0.85  # of the largest angle of its word that a free end turns by: it lessens towards the held one
+_SPUN_LEAST = 60.0  # [degrees] less is a turn, and no spin
+SPIN = 360.0  # [degrees] that what spins turns by, unless the sentence says
 _UNHURRIED = 1.0  # [s] what lasts for less time may do less
 _STRENGTHS = (0.4, 1.0, 1.6)
 
@@ -58,6 +63,7 @@ MOVE_HELD_END: Bands = ((0.03, 0.08, 0.2), (0.13, 0.3, 0.7), (0.45, 0.7, 1.6))
 SWAY: Bands = ((0.02, 0.045, 0.07), (0.045, 0.12, 0.35), (0.23, 0.35, 1.0))
 SWAY_HELD: Bands = ((0.01, 0.03, 0.065), (0.041, 0.09, 0.2), (0.13, 0.2, 0.5))
 TURN: Bands = ((5.0, 14.0, 30.0), (20.0, 85.0, 260.0), (135.0, 240.0, 1100.0))
+TOPPLE: Bands = ((45.0, 90.0, 260.0), (45.0, 90.0, 260.0), (45.0, 90.0, 1100.0))
 TURN_HELD: Bands = ((4.0, 10.0, 24.0), (15.0, 35.0, 75.0), (48.0, 75.0, 180.0))
 STRETCH: Bands = ((0.1, 0.15, 0.22), (0.15, 0.25, 0.55), (0.35, 0.6, 2.0))
 SQUEEZE: Bands = ((0.1, 0.13, 0.19), (0.13, 0.2, 0.42), (0.28, 0.45, 0.92))
@@ -174,8 +180,15 @@ def expect_move(
     return Tolerance(band.low, band.target + max(drift, 0.0), more * band.high + max(drift, 0.0), band.unit)
 
 
+def expect_topple(expectation: ExpectedMotion) -> Tolerance:
+    """Angle by which what stands tips over [degrees]: how hard it is pushed does not tell how far down it lies."""
+    return pick_band(TOPPLE, expectation.strength, "degrees")
+
+
 def expect_rotation(expectation: ExpectedMotion, anchored: bool, *, seconds: float = 2.0) -> Tolerance:
-    """Angle about the axis [degrees]."""
+    """Angle about the axis [degrees]; what spins freely may go on as it likes."""
+    if expectation.manner == "spin" and not anchored and not expectation.partial:
+        return Tolerance(_SPUN_LEAST, SPIN, 4.0 * SPIN, "degrees")
     band = pick_band(TURN_HELD if anchored else TURN, expectation.strength, "degrees")
     share = _PART if expectation.partial and expectation.part is None else 1.0
     return band.scaled(share * clamp(seconds / _UNHURRIED, 0.3, 1.0), least=VISIBLE_DEGREES)
@@ -238,5 +251,6 @@ def expect_quantity(amount: Amount, kind: MotionKind, brief: SceneBrief) -> Tole
         case unit:
             value = {"metres": value / brief.size, "factor": abs(value - 1.0)}.get(unit, value)
             name = "of its length" if axial else "body lengths"
-            width = max(0.2 * value, _TOLD_STRAIN if axial else LEAST)
+            share = _FALLEN if kind is MotionKind.FALL else 0.2
+            width = max(share * value, _TOLD_STRAIN if axial else LEAST)
     return Tolerance(max(value - width, least * value), value, value + width, name)

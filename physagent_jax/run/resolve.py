@@ -345,7 +345,8 @@ def resolve_world(world: World, said: WorldRequest) -> World:
     if ground is None:
         ground = gravity == "down" if said.gravity is not None else world.ground
     obstacles = tuple(Obstacle(each.kind, each.direction, each.distance) for each in said.obstacles)
-    return dataclasses.replace(world, gravity=gravity, ground=ground, obstacles=obstacles)
+    height = world.drop_height if said.drop_height is None else said.drop_height
+    return dataclasses.replace(world, gravity=gravity, ground=ground, obstacles=obstacles, drop_height=height)
 
 
 def _choose_damping_ratio(spec: RunSpec, kind: str, preset: Preset, material: Material) -> float:

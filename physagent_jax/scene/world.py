@@ -45,12 +45,14 @@ class World:
         gravity: Where to; "none" = it acts only on what a force field lets fall.
         ground: Whether the object stands on the ground. Without, what falls finds one below it all the same.
         obstacles: Walls and blocks.
+        drop_height: Clear height under what falls or hangs [L], as far as the domain has room.
         weight: Share of gravity that acts: an object may be too weak for all of it (`scene.standing`).
     """
 
     gravity: Literal["down", "up", "none"] = "none"
     ground: bool = False
     obstacles: tuple[Obstacle, ...] = ()
+    drop_height: float = calibration.DROP_HEIGHT
     weight: float = 1.0
 
 
@@ -73,7 +75,7 @@ def build_boundaries(
         world: Which of them there are.
         body: The object at rest.
         anchor: What of it is held.
-        drop: Whether it falls: the ground is then `calibration.DROP_HEIGHT` below it.
+        drop: Whether it falls: the ground is then `World.drop_height` below it.
         friction: Friction of ground and obstacles.
     """
     boundaries: list[Boundary] = [DomainBox()]
@@ -85,14 +87,14 @@ def build_boundaries(
 
 
 def find_ground_height(world: World, body: Body, anchor: Anchor, *, drop: bool) -> float:
-    """Height of the ground [m]: under the object's feet, or `calibration.DROP_HEIGHT` below what falls or hangs.
+    """Height of the ground [m]: under the object's feet, or `World.drop_height` below what falls or hangs.
 
     What is held at its foot does not fall: its ground is right under it.
     """
     foot = find_foot(body) if world.ground else float(body.low[2])
     lifted = anchor.kind == "top" if world.ground else drop
     lifted = (lifted or drop) and anchor.kind != "base"
-    height = foot - (calibration.DROP_HEIGHT * body.extent if lifted else 0.0)
+    height = foot - (world.drop_height * body.extent if lifted else 0.0)
     return max(round(height, 4), LOWEST_FLOOR)
 
 

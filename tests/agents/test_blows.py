@@ -147,6 +147,13 @@ def test_a_tilt_that_comes_back_is_led_there_and_back(prompt):
     assert hand.vector == (0.0, -1.0, 0.0) and back.vector == (0.0, 1.0, 0.0)
 
 
+@pytest.mark.parametrize("world", ["ground", "free"])
+def test_what_topples_is_not_let_fall_from_above(world):
+    """An object that cannot stand is without weight until then, and falls over where it is."""
+    reply = compile_whole("the statue topples to the left", world=world)
+    assert not reply.force_field.default_drop or reply.world.drop_height == 0.0
+
+
 def test_what_is_thrown_to_the_ground_falls_fast():
     """It stood on the ground, where a blow downwards shows nothing."""
     field = compile_whole("throw the statue to the ground").force_field

@@ -57,9 +57,9 @@ def test_a_turn_reaches_its_angle(degrees):
     actions = read(f"spin it by {degrees} degrees counterclockwise", ground()).force_field.actions
     (a, b) = actions
     seconds = 0.04 * (a.active_time[1] - a.active_time[0])
-    rate = 2 * calibration.TURN / calibration.REFERENCE_TIME**2 * a.magnitude
+    rate = 2 * calibration.TURN / calibration.REFERENCE_TIME**2 * a.magnitude * a.gain
     assert math.degrees(rate * seconds**2) == pytest.approx(degrees, rel=0.06)
-    assert a.magnitude == b.magnitude and a.vector[2] == -b.vector[2]
+    assert a.magnitude == b.magnitude and a.gain == b.gain and a.vector[2] == -b.vector[2]
 
 
 @pytest.mark.parametrize(("prompt", "window"), TABLE["times"].items())

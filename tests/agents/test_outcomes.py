@@ -4,8 +4,8 @@ import pytest
 
 from physagent_jax.agents.compiler.compilation import compile_intent
 from physagent_jax.agents.llm.forms import SentenceForm, make_intent
-from physagent_jax.agents.rules import edits
-from physagent_jax.agents.rules.edits import Case
+from physagent_jax.motion import edits
+from physagent_jax.motion.edits import Case
 from physagent_jax.motion.kinds import choose_kinds
 from physagent_jax.motion.matching import find_own_causes
 from physagent_jax.motion.tolerances import expect_strain
@@ -27,7 +27,14 @@ LEAST = 0.1  # of a length: the least change of shape that is seen without compa
         ("the robot rises, hovers, then drops", "move up; still; fall"),
         ("squash the robot and let it pop back up", "squeeze up"),
         ("knock the robot over so that it lies on its back", "rotate left & fall"),
-        ("push the robot to the left until it topples", "move left & rotate toward & fall"),
+        ("push the robot until it tips over to the right", "rotate away & fall"),
+        ("shove the robot so that it falls on its back", "rotate left & fall"),
+        ("kick the robot so that it tips over to the right", "hit right & rotate away & fall"),
+        ("drop the robot so that it lands on its side", "fall & rotate toward"),
+        ("the robot tips forward and stays lying on its face", "rotate right & fall"),
+        ("flip the robot over onto its roof", "rotate toward"),
+        ("the robot falls over sideways", "rotate away & fall"),
+        ("push the robot to the left until it topples", "rotate toward & fall"),
         ("toss the robot into the air so that it falls back down", "hit up; fall"),
     ],
 )

@@ -28,6 +28,8 @@ TABLE = brief().directions
         ("push the base to the left", "down", 0.3),
         ("pull the left end down", "left", 0.25),
         ("lift the right side", "right", 0.5),
+        ("push down on one end of the robot", "right", 0.25),
+        ("pull one side of it up", "right", 0.4),
     ],
 )
 def test_a_region_lies_where_its_word_says(sentence, way, share):
@@ -41,6 +43,23 @@ def test_a_region_lies_where_its_word_says(sentence, way, share):
     along = (GRID - 0.5) @ np.asarray(getattr(TABLE, way))
     assert along[mask].min() >= along[~mask].max() - 1e-9  # all that lies beyond a plane across the way
     assert 0.04 < mask.mean() <= share + 0.05
+
+
+@pytest.mark.parametrize(
+    ("sentence", "part"),
+    [
+        ("lift one end of the robot", True),
+        ("lift the robot by one end", True),
+        ("raise a corner of the robot", True),
+        ("push the robot to one side", False),
+        ("push the robot to one side of the room", False),
+        ("push the robot from one end of the table to the left", False),
+    ],
+)
+def test_an_end_of_it_is_a_part_and_a_way_there_is_none(sentence, part):
+    about = brief()
+    reply = compile_intent(read_intent(sentence, about), about)
+    assert all((each.part is not None) == part for each in reply.expectations) and reply.expectations
 
 
 def test_the_middle_is_between_the_ends():

@@ -144,3 +144,35 @@ def test_gradients_of_the_balance_are_finite_also_where_nothing_is_off():
 
     for x in (TOWER, turned(6)):
         assert np.isfinite(np.asarray(jax.grad(find)(jnp.asarray(x, jnp.float32)))).all()
+
+
+def pair(kind, way, first, last, held_until=None):
+    return [
+        dict(
+            constraint_type=kind,
+            vector=tuple(sign * each for each in way),
+            magnitude=1.0,
+            active_time=(first, last),
+            held_until=held_until,
+        )
+        for sign in (1.0, -1.0)
+    ]
+
+
+def test_what_was_pressed_and_let_go_stands_upright_again():
+    """A soft toy that was let go fell over a second later."""
+    (balance,) = find_balance(constraints=pair("moving_plate", (1, 0, 0), 0, 15, held_until=25))
+    assert float(balance.start) == pytest.approx(1.0) and float(balance.end) > 100
+    (balance,) = find_balance(constraints=pair("moving_plate", (1, 0, 0), 0, 15))
+    assert float(balance.start) == pytest.approx(0.6)
+    again = [*pair("moving_plate", (1, 0, 0), 0, 15), *pair("moving_plate", (1, 0, 0), 25, 40)]
+    assert sorted(float(each.end) for each in find_balance(constraints=again))[0] == pytest.approx(1.0)
+    topple = act("torque", (1, 0, 0), 25, 50)
+    (balance,) = find_balance(topple, constraints=pair("moving_plate", (1, 0, 0), 0, 15))
+    assert float(balance.end) == pytest.approx(1.0)
+    assert not find_balance(constraints=pair("moving_plate", (1, 0, 0), 0, 15), lever=0.0)
+
+
+def test_what_is_thrown_aside_tumbles_and_what_leaps_aside_does_not():
+    assert not find_balance(act("impulse", (0.53, 0.0, 0.848), 0, 1))
+    assert find_balance(act("impulse", (0.38, 0.0, 0.925), 0, 1))

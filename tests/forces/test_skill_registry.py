@@ -13,7 +13,6 @@ import pytest
 from baselines.parametrisation import Parametrisation
 from baselines.starts import KINDS, turn_into
 from physagent_jax.agents.hard_rules import apply_hard_rules
-from physagent_jax.agents.rules.edits import Case, retime, shorten
 from physagent_jax.agents.rules.remedies import list_remedies
 from physagent_jax.forces import calibration
 from physagent_jax.forces.compilation import compile_force_field
@@ -25,6 +24,7 @@ from physagent_jax.forces.schema import Action, ActionType, ForceField, Oppositi
 from physagent_jax.forces.skills import Skill, find_skill, list_skills, register_skill, unregister_skill
 from physagent_jax.forces.skills.vortex import CORE
 from physagent_jax.forces.terms import UniformAcceleration
+from physagent_jax.motion.edits import Case, retime, shorten
 from physagent_jax.motion.matching import agrees, find_causes
 from physagent_jax.motion.schema import Check, ExpectedMotion, MotionKind
 from physagent_jax.motion.tolerances import list_windows

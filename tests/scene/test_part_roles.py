@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from physagent_jax.scene.parts import find_parts
+from physagent_jax.forces.regions import make_region_mask
+from physagent_jax.scene.parts import find_parts, marking
 
 SIDES = (1, -1)
 
@@ -77,6 +78,12 @@ BIG_EARS = [
     *(((0, 0.15 * k, 0.1), (0, 0.28 * k, -0.1), 0.04) for k in SIDES),
     *(((-0.02, 0.1 * k, -0.3), (0.12, 0.1 * k, -0.3), 0.07) for k in SIDES),
 ]
+TRUNK = ((0.2, 0, 0.4), (0.38, 0, 0.12), 0.05)
+CACTUS = [
+    ((0, 0, -0.5), (0, 0, 0.5), 0.15),
+    *(((0.05 * k, 0, z), (0.28 * k, 0, z), 0.1) for k, z in ((1, -0.2), (-1, 0.1))),
+    *(((0.28 * k, 0, z), (0.28 * k, 0, z + 0.25), 0.1) for k, z in ((1, -0.2), (-1, 0.1))),
+]
 HAND = [
     ((0, 0, -0.5), (0, 0, -0.3), 0.12),
     ((0, 0, 0), (0.08, 0.25, 0.3)),
@@ -113,6 +120,26 @@ def list_roles(points):
 def test_limbs_are_called_what_a_person_calls_them(shapes, roles, degrees):
     """A tail that stands up is no head, a tailplane no wing, an arm no ear; whichever way the thing is turned."""
     assert list_roles(turn(make(shapes), degrees)) == roles.split()
+
+
+def test_a_lone_limb_in_front_of_a_figure_is_its_trunk():
+    assert list_roles(make([*BIG_EARS, TRUNK], count=8000)).count("nose") == 1
+
+
+def test_stout_arms_of_a_column_are_limbs_though_nothing_thin_is_found(monkeypatch):
+    """A thing has limbs, too, that see little of the rest and are clearly apart."""
+    monkeypatch.setattr(marking, "find_limbs", lambda points, lattice: [])
+    sides = [part for part in find_parts(make(CACTUS, count=12_000)) if part.roles[0] == "side"]
+    assert sorted(part.side[0] > 0 for part in sides) == [False, True]
+    assert all(0.08 < part.share < 0.25 for part in sides)
+
+
+def test_a_column_beside_an_upright_arm_is_no_part_of_it():
+    """A narrow gap parts them: seeds on either side of it tell which is which."""
+    points = make(CACTUS, count=12_000)
+    column = (np.abs(points[:, 0]) < 0.15) & (points[:, 2] > 0.1)
+    (arm,) = (part for part in find_parts(points) if part.roles[0] == "side" and part.side[0] > 0)
+    assert not (make_region_mask(arm.moved, points) & column).any()
 
 
 def test_what_no_rule_tells_has_no_wrong_name():

@@ -75,6 +75,16 @@ def test_each_limb_has_its_own_middle(known):
         assert -0.38 < height.min() and height.max() < -0.1
 
 
+def test_a_hand_turns_at_the_wrist(known):
+    """It is the end of the arm, and its joint is where the arm goes on."""
+    points, wrists = find(known, "man", "wrist")
+    low, box = points.min(0), np.ptp(points, axis=0)
+    for wrist in wrists:
+        own, joint = points[make_region_mask(wrist.moved, points)], low + np.asarray(wrist.joint) * box
+        assert not wrist.seated and abs(joint[0]) < abs(own[:, 0]).mean() < abs(own[:, 0]).max()
+        assert np.dot(wrist.arm, own.mean(0) - joint) > 0
+
+
 def test_its_edges_are_soft_and_the_rest_stays(known):
     points, (region,) = find(known, "cat", "muzzle")
     size = float(np.ptp(points, axis=0).max())

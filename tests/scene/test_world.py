@@ -7,16 +7,24 @@ import numpy as np
 import pytest
 
 from physagent_jax.agents.schema import SemanticReply
-from physagent_jax.forces.calibration import DROP_HEIGHT, FRICTION, GRAVITY, REFERENCE_TIME, SWEEP, TRAVEL
+from physagent_jax.forces.calibration import (
+    DROP_HEIGHT,
+    FRICTION,
+    GRAVITY,
+    MOST_DROP,
+    REFERENCE_TIME,
+    SWEEP,
+    TRAVEL,
+)
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.schema import ObstacleRequest, WorldRequest
 from physagent_jax.run.brief import make_brief
-from physagent_jax.run.resolve import resolve
+from physagent_jax.run.resolve import resolve, resolve_world
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.fuse import estimate_sweep, fuse
-from physagent_jax.scene.world import rolls
+from physagent_jax.scene.world import GROUND, find_ground_height, rolls
 
 
 def resolved(path, **parts):
@@ -57,6 +65,26 @@ def test_what_drops_is_lifted_and_what_hangs_is_clear_of_the_ground(robot_path, 
     hung = planes(fused(robot_path, body, world="ground", anchor={"kind": "top"}))[0].point[2]
     assert standing - dropped == pytest.approx(DROP_HEIGHT * body.extent, abs=2e-4)
     assert hung == dropped
+
+
+def test_a_sentence_tells_how_high_it_falls_from():
+    told = resolve_world(GROUND, WorldRequest(drop_height=1.2))
+    assert (resolve_world(GROUND, WorldRequest()).drop_height, told.drop_height) == (DROP_HEIGHT, 1.2)
+
+
+def test_what_falls_from_a_told_height_has_its_ground_so_far_below(body):
+    world, free = dataclasses.replace(GROUND, drop_height=0.8), c.Anchor(kind="none")
+    standing, falling = (find_ground_height(world, body, free, drop=drop) for drop in (False, True))
+    assert standing - falling == pytest.approx(0.8 * body.extent, abs=2e-4)
+
+
+@pytest.mark.parametrize("height", [0.8, MOST_DROP])
+def test_what_drops_from_a_told_height_has_so_much_room_below(robot_path, body, height):
+    standing = planes(fused(robot_path, body, world="ground"))[0].point[2]
+    said = WorldRequest(drop_height=height)
+    config = fused(robot_path, body, ForceField(default_drop=True), world="ground", said=said)
+    assert standing - planes(config)[0].point[2] == pytest.approx(height * body.extent, abs=2e-4)
+    assert planes(fused(robot_path, body, world="ground", said=said))[0].point[2] == standing
 
 
 def test_the_free_world_has_neither_until_something_drops(robot_path, body):

@@ -21,11 +21,9 @@ _AXES: dict[str, Names] = {"height": ("up",), "width": ("right",), "depth": ("to
 _TRAVELS = (Effect.PUSH, Effect.STRIKE, Effect.ROLL, Effect.SWAY, Effect.LEAN, Effect.JUMP)
 _TURNS = (Effect.TURN, Effect.LEAN, Effect.SWAY, Effect.TOPPLE, Effect.ROLL)
 _SCALES = (Effect.SCALE, Effect.SWELL)
-_UNITS = {"lengths": _TRAVELS, "metres": _TRAVELS, "degrees": _TURNS}
+_WAYS = (*_TRAVELS, Effect.FALL)
+_UNITS = {"lengths": _WAYS, "metres": _WAYS, "degrees": _TURNS}
 _SPUN = (Effect.TURN, Effect.LEAN, Effect.ROLL)  # turned by a torque
-
-_SAME_HEIGHT = 0.1
-"""[body lengths] by which a height may differ from the one that everything is dropped from."""
 
 
 class Target(NamedTuple):
@@ -35,13 +33,11 @@ class Target(NamedTuple):
         amount: The target.
         names: The axis that it names; empty = none.
         everywhere: Whether all dimensions change.
-        usual: Whether the quantity is what the motion has by itself: there is nothing to aim at.
     """
 
     amount: Amount | None = None
     names: Names = ()
     everywhere: bool = False
-    usual: bool = False
 
 
 def find_target(quantity: Quantity, motion: Motion, before: Amount | None, brief: SceneBrief) -> Target:
@@ -53,16 +49,11 @@ def find_target(quantity: Quantity, motion: Motion, before: Amount | None, brief
         return Target()
     if effect in _UNITS.get(unit, ()):
         return Target(Amount.model_validate({"value": value, "unit": unit}))
-    if effect is Effect.FALL and (unit == "lengths" or unit == "share" and quantity.dimension == "length"):
-        return Target(usual=abs(value - calibration.DROP_HEIGHT) <= _SAME_HEIGHT)
     if unit != "share" or quantity.dimension in ("far", "volume"):
         return Target()
     becomes = quantity.relation in ("to", "is")  # "pull it to twice its length", "until it is half as tall"
-    if (
-        effect in _TRAVELS
-        and quantity.dimension
-        and (motion.direction == "up" and quantity.relation == "to" or not becomes)
-    ):
+    reached = motion.direction == "up" and quantity.relation == "to" or effect is Effect.FALL
+    if effect in _WAYS and quantity.dimension and (reached or not becomes):
         sides: dict[str, float] = dict(zip(("width", "height", "depth"), brief.extents))
         return Target(Amount(value=round(value * sides.get(quantity.dimension, 1.0), 6), unit="lengths"))
     return _find_scale(quantity, motion) if effect in _SCALES else Target()
@@ -80,7 +71,7 @@ def _find_scale(quantity: Quantity, motion: Motion) -> Target:
 def find_effort(amount: Amount | None, effect: Effect, brief: SceneBrief) -> float | None:
     """The effort for a free object: 1 is what M = 1 does from rest in the reference time; None = no matter."""
     lengths = find_lengths(amount, brief)
-    if lengths is not None:
+    if lengths is not None and effect is not Effect.FALL:
         return lengths / calibration.TRAVEL
     turned = amount is not None and amount.unit == "degrees" and effect in _SPUN
     return math.radians(amount.value) / calibration.TURN if amount and turned else None

@@ -15,18 +15,23 @@ from physagent_jax.agents.compiler.steady import (
     make_impulse_window,
 )
 from physagent_jax.agents.lexicon import Effect
+from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
     DROP_HEIGHT,
     GRAVITY,
+    HIGH_DROP,
     MAGNITUDE_MAX,
+    MOST_DROP,
     find_highest_leap,
     find_reference_time,
+    find_spin_aloft,
     find_tipping,
 )
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.motion.axes import find_lean_axis
-from physagent_jax.motion.efforts import find_held_magnitude
-from physagent_jax.motion.schema import MotionKind
+from physagent_jax.motion.efforts import find_held_magnitude, find_lengths
+from physagent_jax.motion.schema import Amount, MotionKind
+from physagent_jax.motion.tipping import tip
 from physagent_jax.motion.vectors import add, dot, normalise, scale
 from physagent_jax.motion.windows import divide
 
@@ -38,6 +43,8 @@ _ASIDE = 0.9  # cosine below which a leap goes aside
 # Of a blow, with which what is thrown comes down about as far aside as one along the ground goes, and a leap rises by a
 # third of a length and comes down six tenths aside; and with which a leap comes down as far aside as is told.
 _THROWN, _LED = 0.45, 0.77
+_FLUNG = 1.5  # power of a strength by which what is flung hard goes farther: it flies, and does not hop
+_SPUN_UP = 3.0  # frames in which what is thrown up is set spinning
 
 
 def compile_strike(task: Task) -> None:
@@ -59,6 +66,8 @@ def compile_strike(task: Task) -> None:
         strength = min(strength, find_highest_leap(each) / task.brief.size)
     if event.motion.gravity and builder.grounded and not builder.anchored and abs(dot(way, up)) < most:
         share = _LED if event.effect is Effect.JUMP and event.amount else _THROWN
+        flung = event.effect is Effect.STRIKE and event.amount is None
+        share *= max(strength, 1.0) ** _FLUNG if flung else 1.0
         flown, strength = normalise(add([way, scale(up, lift)])) or way, share * strength
     for index, part in enumerate(divide(window, [1.0] * count)):
         blow = scale(flown, -1.0 if swings and index % 2 else 1.0)
@@ -67,6 +76,8 @@ def compile_strike(task: Task) -> None:
         stop = make_impulse_window(window[1] - IMPULSE_FRAMES)
         task.act(ActionType.IMPULSE, scale(way, -1.0), strength, stop)
         builder.notes.append(BRAKED_BEFORE)
+    if rises and event.motion.tumbles:
+        spin_aloft(task, find_lean_axis(task.brief.directions.toward, task.brief))
     rise, fall = divide(window, [1.0, 1.0])
     task.expect(
         MotionKind.SWAY if swings else MotionKind.MOVE,
@@ -80,6 +91,22 @@ def compile_strike(task: Task) -> None:
     thrown = event.motion.gravity or builder.default_drop
     if rises and thrown and not any(each.effect in (Effect.FALL, Effect.TOPPLE) for each in task.after):
         task.expect(MotionKind.FALL, None, fall, amount=None)
+
+
+def spin_aloft(task: Task, axis: Vector) -> bool:
+    """Adds the turn of what the action before throws up, once until it comes down; return whether one does."""
+    brief, last = task.brief, task.builder.actions[-1] if task.builder.actions else None
+    if last is None or last.action_type is not ActionType.IMPULSE or last.active_time is None:
+        return False
+    rise = last.magnitude * dot(last.vector, brief.directions.up) * brief.size
+    at, amount = last.active_time[1], task.event.amount or Amount(value=360.0, unit="degrees")
+    if rise <= 0 or abs(last.active_time[0] - task.window[0]) > 0.5 or amount.unit != "degrees":
+        return False
+    size = find_spin_aloft(amount.value, rise, _SPUN_UP * brief.frame_dt, brief.seconds)
+    task.act(ActionType.TORQUE, axis, size, (at, at + _SPUN_UP), gains=True)
+    # It lands as it comes.
+    task.expect(MotionKind.ROTATE, axis, task.window, amount=None, strength=MAGNITUDE_MAX)
+    return True
 
 
 def _find_blow(task: Task, count: int, rises: bool) -> float:
@@ -138,6 +165,15 @@ def _let_fall(task: Task) -> None:
     falls = thrown or builder.default_drop and Effect.STILL not in earlier
     if falls and builder.gravity != "none":
         if not (builder.grounded and raised):
+            event, height = task.event, HIGH_DROP if task.event.strength > 1 else None
+            if event.direction is None or abs(dot(event.direction, task.brief.directions.up)) >= _UPRIGHT:
+                height = find_lengths(event.amount, task.brief) or height
+            if height is not None and height > MOST_DROP:
+                builder.notes.append(
+                    f"'{event.text}': there is room for a fall of {MOST_DROP:g} body lengths."
+                )
+                event.amount, height = None, MOST_DROP
+            builder.drop_height = height
             builder.enable_gravity(task.event.words, "a falling object needs gravity")
     elif not builder.grounded:
         task.act(ActionType.TRANSLATION, builder.brief.directions.down, MAGNITUDE_MAX, task.window)
@@ -150,9 +186,15 @@ def compile_topple(task: Task) -> None:
     """Gravity and a turn of the top towards the direction, past the balance: gravity goes on with it."""
     if not task.builder.grounded:
         task.builder.enable_gravity(task.event.words, "a toppling object needs gravity")
+        task.builder.drop_height = task.builder.drop_height or 0.0  # it stands on what it falls onto
     axis, (first, last), dt = find_lean_axis(task.direction, task.brief), task.window, task.brief.frame_dt
     magnitude, seconds = find_tipping(task.event.strength, (last - first) * dt, task.brief.seconds)
-    task.act(ActionType.TORQUE, axis, magnitude, (first, first + seconds / dt))
+    untouched = task.builder.grounded and not (task.builder.actions or task.builder.constraints)
+    led = tip(task.brief, task.direction, task.event.strength, task.window) if untouched else []
+    task.builder.constraints += led
+    if not led:
+        task.act(ActionType.TORQUE, axis, magnitude, (first, first + seconds / dt))
     told = BY_DEFAULT not in task.event.sources["vector"].why
-    task.expect(MotionKind.ROTATE, axis if told else None, task.window)
+    # However hard or slowly, it turns until it lies.
+    task.expect(MotionKind.ROTATE, axis if told else None, task.window, strength=1.0)
     task.expect(MotionKind.FALL, None, task.window)

@@ -29,6 +29,7 @@ class ForceFieldBuilder:
         earlier: What the slots before do.
         notes, unsure: What was assumed; what was not understood and matters. Either may be told twice.
         obstacles: Walls and blocks that it names.
+        drop_height: Height from which it falls [body lengths]; None = none is told.
     """
 
     brief: SceneBrief
@@ -37,6 +38,7 @@ class ForceFieldBuilder:
     room: float = 0.0
     earlier: list[Effect] = field(default_factory=list)
     default_drop: bool = False
+    drop_height: float | None = None
     rooted: bool = False
     actions: list[Action] = field(default_factory=list)
     constraints: list[VelocityConstraint] = field(default_factory=list)

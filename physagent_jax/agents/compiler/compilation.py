@@ -16,7 +16,7 @@ from physagent_jax.agents.compiler.skills import compile_slots
 from physagent_jax.agents.compiler.words import look_up, suggest_motions
 from physagent_jax.agents.intent import Intent
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.materials import SOFT, find_meaning
+from physagent_jax.agents.materials import FLOWS, SOFT, find_meaning
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_entry
@@ -46,7 +46,12 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     Raises:
         UserError: No motion is known, and nothing is said about holding or gravity.
     """
-    told = [look_up(clause, list_names(brief)) for clause in intent.clauses]
+    flows = _is_of(FLOWS, intent)  # it collapses where it stands
+    clauses = [
+        each.model_copy(update=dict(motion="melt")) if flows and each.motion == "collapse" else each
+        for each in intent.clauses
+    ]
+    told = [look_up(clause, list_names(brief)) for clause in clauses]
     known = [event for event in told if event.is_known]
     unknown = [event for event in told if not event.is_known]
     if not known and intent.held is None and intent.surroundings.gravity is None:
@@ -86,6 +91,7 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
             gravity=builder.gravity,
             ground=intent.surroundings.ground,
             obstacles=tuple(builder.obstacles),
+            drop_height=builder.drop_height,
             words=", ".join(dict.fromkeys(filter(None, words))),
         ),
         frame_count=None if frame_count == brief.frame_count else frame_count,
@@ -101,8 +107,13 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
 
 def _is_soft(intent: Intent, brief: SceneBrief) -> bool:
     """Return whether a tap makes the object wobble."""
+    return brief.object_kind in SOFT or _is_of(SOFT, intent)
+
+
+def _is_of(presets: tuple[str, ...], intent: Intent) -> bool:
+    """Return whether the sentence says that the object is of one of some presets."""
     meanings = map(find_meaning, intent.materials)
-    return brief.object_kind in SOFT or any(each is not None and each.preset in SOFT for each in meanings)
+    return any(each is not None and each.preset in presets for each in meanings)
 
 
 def _refuse(unknown: list[Event], brief: SceneBrief) -> UserError:

@@ -179,8 +179,12 @@ class Event:
     @property
     def lands_aside(self) -> bool:
         """Return whether it tells where something comes down: "as it reaches the ground it is farther to the right"."""
-        lands = self.verb is not None and self.verb.lands and not self.clause.negated
-        return lands and any(way.names not in (("up",), ("down",)) for way in self.pick(WayKind.TO))
+        return self.verb is not None and self.verb.lands and not self.clause.negated and self.goes_aside
+
+    @property
+    def goes_aside(self) -> bool:
+        """Return whether a way is told that is neither up nor down."""
+        return any(way.names not in (("up",), ("down",)) for way in self.pick(WayKind.TO))
 
     @property
     def is_in_wind(self) -> bool:

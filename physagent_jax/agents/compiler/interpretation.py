@@ -24,7 +24,7 @@ from physagent_jax.motion.vectors import clamp, dot, normalise, scale
 
 # What each kind of way means nothing for; nor does a part for what all of the object does.
 _NO_WAYS = (Effect.SWELL, Effect.BURST, Effect.STILL)
-_NO_LINES = (*_NO_WAYS, Effect.TOPPLE, Effect.RELEASE)
+_NO_LINES = (*_NO_WAYS, Effect.RELEASE)
 _NO_SIDES = (Effect.LEAN, Effect.TURN, Effect.ROLL, Effect.FALL, Effect.TOPPLE, Effect.JUMP, *_NO_LINES[2:])
 _USELESS = {
     **dict.fromkeys(WAYS, _NO_WAYS),
@@ -50,7 +50,7 @@ def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     if before is not None:
         _take_over_direction(event, before, lies(brief))
     _find_quantities(event, before, brief)
-    _count_turns(event)
+    _count_turns(event, brief)
     _resolve_again(event, before)
     event.doubts += _find_unused(event)
     event.sources["action_type"] = ValueSource(event.words, f"'{event.phrase}' is a {event.effect.value}")
@@ -79,6 +79,8 @@ def _choose_motion(event: Event, brief: SceneBrief) -> tuple[Motion, str]:
         phrase = "shuttle" if effect is Effect.STRIKE else "bob"
     elif motion.bounces and (counted or event.is_upwards):
         phrase = "jump"  # "it bounces three times"
+    elif motion.tumbles and event.is_upwards:
+        return replace(motions["toss"], tumbles=True), phrase  # "flip it into the air"
     elif motion.coasts and told:
         phrase = "move"  # "it coasts to the left"; else it goes on by itself
     elif effect is Effect.ROLL and has_wheels(brief):
@@ -205,8 +207,6 @@ def _find_quantities(event: Event, before: Event | None, brief: SceneBrief) -> N
         if quantity.dimension == "strength":
             continue
         found = find_target(quantity, motion, before.amount if before else None, brief)
-        if found.usual:
-            continue
         if found.amount is None or event.amount is not None:
             words = quantity.text or f"{quantity.value:g} {quantity.unit}"
             event.doubts.append(f"'{words}' is a quantity that nothing here is measured in.")
@@ -219,9 +219,12 @@ def _find_quantities(event: Event, before: Event | None, brief: SceneBrief) -> N
             event.direction = normalise(sum_directions(found.names, brief))
 
 
-def _count_turns(event: Event) -> None:
-    """Counts turns ("spin three times"); a somersault is a whole one."""
+def _count_turns(event: Event, brief: SceneBrief) -> None:
+    """Counts turns ("spin three times"); a somersault is a whole one, and what is free turns around by half of one."""
     repeat, angle = event.repeat, event.motion.angle
+    free = brief.world == "ground" and brief.anchored is None and not (event.parts or event.is_timed)
+    if event.motion.direction == "up" and (repeat.alternate or event.is_in_wind or not free):
+        angle = 0.0
     counts = event.effect is Effect.TURN and repeat.count is not None and not repeat.alternate
     if counts and event.amount is None:
         event.repeat = replace(repeat, count=None)

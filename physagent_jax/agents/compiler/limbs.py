@@ -42,9 +42,8 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     if adjective:
         turned = dict(toward=front, away=front and scale(front, -1.0))
         side = add(turned.get(name) or sum_directions((name,), brief) for name in part.place.names)
-    known = [
-        each.model_copy(update=dict(roles=(*find_roles(each.name)[:1], *each.roles))) for each in brief.parts
-    ]
+    told = [(find_roles(p.name) or split_name(p.name)[-1:] * (p.origin == "place"), p) for p in brief.parts]
+    known = [each.model_copy(update=dict(roles=(*words[:1], *each.roles))) for words, each in told]
     return choose_parts(known, roles, side, is_plural(part.text), adjective, brief.directions.toward)
 
 

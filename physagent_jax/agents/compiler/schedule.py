@@ -15,8 +15,9 @@ from physagent_jax.agents.intent import Duration
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.agents.lexicon.types import is_end
 from physagent_jax.core.strict import Vector
-from physagent_jax.motion.efforts import find_span
+from physagent_jax.motion.efforts import find_span, find_spin, find_spin_time
 from physagent_jax.motion.schema import SceneBrief
+from physagent_jax.motion.tipping import find_tipping_time
 from physagent_jax.motion.vectors import clamp, dot
 from physagent_jax.motion.windows import Window
 
@@ -107,6 +108,8 @@ def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, la
             seconds = max(
                 seconds, usual, _STROKE * event.count, swings if event.effect is Effect.SWAY else 0.0
             )
+            if event.effect is Effect.TOPPLE and event.direction:
+                seconds = max(seconds, find_tipping_time(event.direction, event.strength, brief))
             effort = find_effort(event.amount, event.effect, brief)
             after = following.events if following else []
             stops = has_to_stop(event, after, brief.directions.up, grounded)
@@ -118,7 +121,11 @@ def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, la
             if effort is not None and not anchored:
                 # "slowly, by a quarter turn"
                 pace = event.strength if event.amount and event.strengths else 1.0
-                seconds = max(find_span(effort, STEP / pace, brief, led), STEP if len(slots) > 1 else 0.0)
+                span = find_span(effort, STEP / pace, brief, led)
+                seconds = max(span, STEP if len(slots) > 1 else 0.0)
+            spun = None if event.parts else find_spin(event.amount, event.motion.manner, line, brief)
+            if spun is not None and not anchored and not event.repeat.alternate:
+                seconds = max(find_spin_time(spun, event.strength), STEP if len(slots) > 1 else 0.0)
         slot.need = slot.length if slot.length is not None else seconds / brief.frame_dt
     return slots
 
@@ -198,7 +205,10 @@ def follows(before: Event, event: Event) -> bool:
     if later or event.clause.pace == "sudden" and before.clause.pace != "sudden":
         return True  # "rolls left and tips over at the end", "stands still and suddenly spins"
     rests = effect is Effect.STILL and (not event.motion.generic or event.is_timed)
-    lifted = before.effect is Effect.PUSH and effect is Effect.FALL and before.phrase != event.phrase
+    thrown = effect is Effect.STRIKE and event.motion.gravity and before.motion.direction == "up"
+    over = effect is Effect.TURN and event.motion.angle == 180 and before.motion.direction == "up"
+    falls = effect is Effect.FALL or thrown or over  # "pick it up and throw it"
+    lifted = before.effect is Effect.PUSH and falls and before.phrase != event.phrase
     return (
         effect is Effect.RELEASE or rests or lifted or _carries_on(before, event) or _contrary(before, event)
     )
@@ -214,6 +224,7 @@ def _carries_on(before: Event, event: Event) -> bool:
 _SUCCESSIONS = (
     (Effect.FALL, Effect.SWAY),  # "drops and jiggles"
     (Effect.STRIKE, Effect.FALL),
+    (Effect.PUSH, Effect.TOPPLE),  # "slides to the left and falls over"
     (Effect.TOPPLE, Effect.ROLL),
     (Effect.JUMP, Effect.FALL),  # "jumps and lands"
     (Effect.JUMP, Effect.TOPPLE),  # "jumps and lands on its back"

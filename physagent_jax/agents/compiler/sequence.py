@@ -15,12 +15,14 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.schema import AnchorRequest
 from physagent_jax.motion.swaying import lies
+from physagent_jax.motion.tipping import SLOW
 from physagent_jax.motion.vectors import dot
 
 _AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
 _LEVEL = 0.5  # cosine to the vertical below which what stands falls aside
 _ALOFT = (Effect.FALL, Effect.JUMP)  # or thrown, or lifted
 _RESTING = (Effect.STILL, Effect.RELEASE)
+_UPSETTING = (Effect.PUSH, Effect.STRIKE, Effect.LEAN)
 _RISING = (Effect.PUSH, Effect.STRIKE, Effect.JUMP)
 
 
@@ -52,11 +54,16 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     event = _put_under_gravity(event, builder.gravity)
     level = event.direction is not None and abs(dot(event.direction, builder.brief.directions.up)) < _LEVEL
     aloft = (e.effect in _ALOFT or e.motion.gravity or _is_lifted([e], builder) for e in events)
-    ends = bool(events) and is_end(events[-1].motion, event.motion) and event.clause.order != "together"
+    before = events[-1] if events else None
+    ends = before and is_end(before.motion, event.motion) and event.clause.order != "together"
+    lower = all(way.names == ("down",) for way in event.ways) and not event.clause.quantities
+    ends = ends or before and before.effect in _UPSETTING and lower and event.clause.order != "then"
     if event.motion.topples and (level or ends) and builder.grounded and not any(aloft):  # it stands
         way = event.direction if level else _find_level_way(events, builder)
         event = replace(event, motion=read_lexicon().motions["fall over"], phrase="fall over", direction=way)
         event.sources |= {} if level else {"vector": ValueSource(event.words, BY_DEFAULT)}
+    if before and _goes_over(before, event):
+        event = _join_fall(events.pop(), event)
     thrown = bool(events) and (events[-1].motion.gravity or events[-1].effect is Effect.JUMP)
     if thrown and event.phrase in ("come back down", "go back down"):
         event = _make_another(event, "land")  # "toss it up and let it come back down"
@@ -69,9 +76,31 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
             last.doubts += event.doubts
             last.sources |= event.sources
             return  # "drop it; as it reaches the ground it is farther to the right"
-    if event.effect is Effect.FALL and builder.gravity is None and event.is_upwards:
+    above = event.is_upwards and not event.clause.quantities  # "from a metre up"
+    if event.effect is Effect.FALL and builder.gravity is None and above:
         builder.gravity = "up"  # "it falls upwards"
     events.append(event)
+
+
+def _goes_over(before: Event, event: Event) -> bool:
+    """Return whether a lean, or a push until then, is how it tips over: "it tilts to the left and falls over"."""
+    whole = not (before.parts or before.repeat.count or before.amount or before.stays)
+    untold = any(each.sources["vector"].why.endswith(BY_DEFAULT) for each in (before, event))
+    same = untold or dot(before.direction or (0, 0, 0), event.direction or (0, 0, 0)) > _LEVEL
+    timed = before.is_timed or event.is_timed or event.clause.pace == "sudden"
+    until = event.clause.order == "together" or "so" in before.clause.strength
+    slowly = event.clause.order != "then" or before.strength < SLOW
+    goes = before.motion.manner == "rock" and slowly if before.effect is Effect.LEAN else until
+    goes = goes if before.effect in (Effect.LEAN, Effect.PUSH) else before.effect is Effect.TOPPLE
+    return event.effect is Effect.TOPPLE and goes and whole and same and not timed
+
+
+def _join_fall(before: Event, event: Event) -> Event:
+    """The fall over with the way and, where it tells none of its own, the strength of what leads to it."""
+    own = not event.sources["vector"].why.endswith(BY_DEFAULT)
+    told = {key: before.sources[key] for key in ("vector", "magnitude")}
+    way = {} if own else dict(direction=before.direction, notes=before.notes, sources=event.sources | told)
+    return replace(event, strength=event.strength if event.strengths else before.strength, **way)
 
 
 def _find_level_way(events: list[Event], builder: ForceFieldBuilder) -> Vector:

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from physagent_jax.agents.compiler.blows import compile_fall, compile_jump, compile_strike, compile_topple
+from physagent_jax.agents.compiler.blows import (
+    compile_fall,
+    compile_jump,
+    compile_strike,
+    compile_topple,
+    spin_aloft,
+)
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
 from physagent_jax.agents.compiler.schedule import Slot
 from physagent_jax.agents.compiler.steady import Task, add_steady, make_impulse_window, shorten
@@ -182,6 +188,8 @@ def _compile_turn(task: Task) -> None:
 
 
 def _turn_steadily(task: Task) -> None:
+    if spin_aloft(task, task.direction):
+        return
     acted = add_steady(task, ActionType.TORQUE, task.direction, task.event.strength)
     task.expect(MotionKind.ROTATE, task.direction, acted, released=task.is_released)
 

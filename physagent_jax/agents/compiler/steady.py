@@ -16,10 +16,10 @@ from physagent_jax.agents.compiler.events import BY_DEFAULT, Event
 from physagent_jax.agents.compiler.schedule import find_frames, has_to_stop
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, find_magnitude
+from physagent_jax.forces.calibration import GAIN_MAX, MAGNITUDE_MAX, MAGNITUDE_MIN, TURN, find_magnitude
 from physagent_jax.forces.description import describe_entry
 from physagent_jax.forces.schema import Action, ActionType
-from physagent_jax.motion.efforts import find_held_magnitude
+from physagent_jax.motion.efforts import find_held_magnitude, find_spin
 from physagent_jax.motion.schema import Amount, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import clamp, normalise, scale
 from physagent_jax.motion.windows import Window, halve
@@ -57,8 +57,10 @@ class Task:
         assert self.event.direction is not None
         return self.event.direction
 
-    def act(self, kind: ActionType, vector: Vector, magnitude: float, window: Window) -> None:
-        """Adds an action with its evidence; windows are kept inside the clip."""
+    def act(
+        self, kind: ActionType, vector: Vector, magnitude: float, window: Window, *, gains: bool = False
+    ) -> None:
+        """Adds an action with its evidence; windows are kept inside the clip, and magnitudes in range but for gains."""
         builder, event = self.builder, self.event
         if len(builder.actions) >= MAX_ACTIONS:
             builder.notes.append(f"More than {MAX_ACTIONS} actions: the rest of the sentence is left out.")
@@ -68,6 +70,7 @@ class Task:
             action_type=kind,
             vector=vector,
             magnitude=size if magnitude > 0 else -size,
+            gain=round(clamp(abs(magnitude) / size, 1.0, GAIN_MAX), 3) if gains else 1.0,
             active_time=builder.fit_window(window),
             region=event.region,
         )
@@ -127,6 +130,13 @@ class Task:
         return self._is_let_go or ends_early or self.event.motion.brief
 
     @property
+    def spin(self) -> float | None:
+        """The angle by which a spin of all of it shows its far side [degrees]; None = it is none."""
+        event, whole = self.event, self.event.region is None and not self.event.limbs
+        turns = whole and event.effect is Effect.TURN and not self.builder.anchored
+        return find_spin(event.amount, event.motion.manner, event.direction, self.brief) if turns else None
+
+    @property
     def needs_brake(self) -> bool:
         """Return whether a free object must be stopped before what comes next can be seen."""
         up, grounded = self.brief.directions.up, self.builder.grounded
@@ -181,16 +191,17 @@ def add_steady(task: Task, kind: ActionType, vector: Vector, magnitude: float) -
     told = lasts is not None and lasts.unit != "clip" and not event.when.within
     brakes = stops and not told
     speed_up, slow_down = halve(window)
+    gains = kind is ActionType.TORQUE and task.spin is not None
     frames = slow_down[1] - speed_up[0] if brakes else window[1] - window[0]
     magnitude *= _find_dose(task, magnitude, frames * builder.brief.frame_dt, brakes)
     if builder.anchored and task.is_reached_within and not task.after:
         task.act(kind, vector, magnitude, (window[0], builder.brief.last))
     elif brakes:
-        task.act(kind, vector, magnitude, speed_up)
-        task.act(kind, scale(vector, -1.0), magnitude, slow_down)
+        task.act(kind, vector, magnitude, speed_up, gains=gains)
+        task.act(kind, scale(vector, -1.0), magnitude, slow_down, gains=gains)
         builder.notes.append(BRAKED_BEFORE)
     else:
-        task.act(kind, vector, magnitude, window)
+        task.act(kind, vector, magnitude, window, gains=gains)
         if (
             stops
             and window[1] < builder.brief.last
@@ -224,7 +235,9 @@ def _find_dose(task: Task, magnitude: float, seconds: float, braked: bool) -> fl
         wanted = find_held_magnitude(event.amount, brief, event.effect is Effect.SWAY)
     else:
         effort = find_effort(event.amount, event.effect, brief)
-        if event.amount is None and braked:
+        if event.amount is None and task.spin is not None:
+            effort = math.radians(task.spin) / TURN
+        elif event.amount is None and braked:
             effort = find_word_effort(event.strength, event.effect)
         shortest = max(seconds, brief.frame_dt)
         wanted = effort and find_magnitude(effort, shortest, brief.seconds, braked=braked)

@@ -136,7 +136,8 @@ def _find_directions(text: str) -> Names:
 def find_place(word: str) -> Place | None:
     """The place of a part: a noun, a side with a noun ("upper half"), or a side alone ("left")."""
     lexicon, text = read_lexicon(), normalise(word)
-    if place := lexicon.parts.get(text) or lexicon.parts.get(text.removesuffix("s")):
+    forms = (" ".join(word.lower().split()), text, text.removesuffix("s"))  # "a corner of" has its article
+    if place := next(filter(None, map(lexicon.parts.get, forms)), None):
         return place
     side, _, noun = text.rpartition(" ")
     start = lexicon.part_nouns.get(noun) or lexicon.part_nouns.get(noun.removesuffix("s"))
@@ -152,13 +153,10 @@ def find_strength(word: str) -> tuple[str, float] | None:
     if text.startswith("not "):
         told = find_strength(text.removeprefix("not "))
         return told and ("absolute", _NOT_LESS if told[1] > 1 else _NOT_MORE)
-    kinds = (
-        ("degree", lexicon.degrees),
-        ("absolute", lexicon.intensities),
-        ("relative", lexicon.comparatives),
-    )
+    tables = (lexicon.degrees, lexicon.intensities, lexicon.comparatives)
+    kinds = zip(("degree", "absolute", "relative"), tables)
     forms = (text, normalise(text))
-    return next(((kind, table[said]) for said in forms for kind, table in kinds if said in table), None)
+    return next(((kind, table[said]) for kind, table in kinds for said in forms if said in table), None)
 
 
 def suggest_motions(word: str) -> list[str]:

@@ -227,7 +227,8 @@ def _find_model(mentions: list[Mention]) -> str | None:
 
 def _is_telling(verb: Motion) -> bool:
     """Return whether a verb says what form its motion has; which way a stretch goes, a comparison may tell."""
-    return not verb.generic and verb.effect in _SHAPED and not (verb.effect is Effect.SCALE and verb.sign > 0)
+    shaped = verb.effect in _SHAPED or verb.direction in ("up", "down")  # "floats like a feather"
+    return not verb.generic and shaped and not (verb.effect is Effect.SCALE and verb.sign > 0)
 
 
 def _find_end(mentions: list[Mention], index: int) -> int:
@@ -278,7 +279,9 @@ def read_landings(mentions: list[Mention], _names: frozenset[str]) -> list[Menti
         if on.form not in ("on", "onto") or owner.form not in get_set("pronouns_of_owners"):
             continue
         lies = mentions[verbs[-1]].phrase == "lie" and len(verbs) > 1
-        acts = verbs[-2] if lies else verbs[-1]
+        moving = [at for at in verbs[:-1] if (m := mentions[at].motion) and m.effect is not Effect.STILL]
+        lies = lies and bool(moving)  # "tips over and stays lying on its face"
+        acts = moving[-1] if lies else verbs[-1]
         verb, motion = mentions[acts], get_last_motion(mentions[: acts + 1])
         overturns = motion is not None and motion.effect in _OVERTURNING and (lies or on.form == "onto")
         if (

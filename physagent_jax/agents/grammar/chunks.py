@@ -60,7 +60,7 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
     if not matches:
         return None
     (words, kind, value), used = max(matches, key=lambda match: (len(match[0][0]), GAP not in match[0][0]))
-    if kind is MentionKind.PLACE and reader.is_gripped(at):
+    if kind is MentionKind.PLACE and words[0] != "one" and reader.is_gripped(at):
         kind, value = MentionKind.FUNCTION, None  # "lift it by the end of its handle": all of it
     elif kind is MentionKind.VERB and isinstance(value, Motion) and _is_means(reader, value, at):
         kind = MentionKind.CAUSE
@@ -140,8 +140,11 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         assert isinstance(value, Place)
         possessive = at > 0 and reader.tokens[at - 1].possessive and before not in get_set("persons")
         owned = before in get_set("owners_of_parts") or possessive
-        # "Lifts a leg".
+        # "Lifts a leg", "one arm".
         owned |= any(m.kind is MentionKind.VERB and m.first == at - 2 for m in reader.mentions)
+        owned |= before == "one" and reader.get_text(at - 2) not in ("with", "by", "of")
+        if words[0] in ("one", "a", "an") and before in (*get_set("before_ways"), words[-1] != "of" and "on"):
+            return True  # "it rolls to one side of the room", "stand it on one end"
         if value.names == ("down",) and _is_standing(reader, at):
             return True  # "wobble it on its base"
         another = before in ("a", "an") and not set(words) & LEXICON.one_of_many

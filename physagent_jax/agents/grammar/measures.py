@@ -171,6 +171,7 @@ def _make_quantity(
         "spun": Effect.TURN in done,
         "driven": Effect.PUSH in done,
         "large": value >= _LEAST_DEGREES,
+        "from": before == "from",
         "to": before == "to",
         "unless_to": before not in ("to", "at", "until"),
     }

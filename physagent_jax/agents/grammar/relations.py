@@ -207,6 +207,8 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
             )
         _absorb(cause, effect)
         return []
+    if second.effect is Effect.TOPPLE and cause.has(*DRIVING) and not cause.select(*WAYS):
+        cause.modifiers += effect.select(*WAYS)  # "push it until it tips over to the right"
     if second.effect in _SEPARATE or another or is_end(first, second):
         ends = second.effect in (Effect.STILL, Effect.RELEASE) or is_end(first, second)
         effect.join = Join.THEN if ends else Join.WHILE

@@ -6,7 +6,7 @@ import enum
 from dataclasses import dataclass
 from typing import Literal
 
-from physagent_jax.motion.schema import Manner
+from physagent_jax.motion.schema import SeenManner
 
 Names = tuple[str, ...]
 """Names of directions (`motion.schema.DirectionTable`); several are added as vectors."""
@@ -72,7 +72,7 @@ class Motion:
         topples: Whether what stands falls over if it does so.
         lets_go: Whether what was held falls, if nothing else was done to it.
         gives: Whether the matter itself gives way: to what acted before, else to its weight.
-        manner: The manner in which it goes on (`motion.schema.Manner`).
+        manner: The manner in which it goes on (`motion.schema.SeenManner`).
         alone: The motion that it is where nothing was done before; empty = none.
         quick: Whether it is over in an instant.
         taps: Whether it is a blow to what is soft.
@@ -105,7 +105,7 @@ class Motion:
     topples: bool = False
     lets_go: bool = False
     gives: bool = False
-    manner: Manner = ""
+    manner: SeenManner = ""
     alone: str = ""
     quick: bool = False
     taps: bool = False

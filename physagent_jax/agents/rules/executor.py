@@ -8,13 +8,13 @@ from itertools import islice
 from physagent_jax.agents.context import AgentContext, Round
 from physagent_jax.agents.hard_rules import Repair, apply_hard_rules
 from physagent_jax.agents.protocols import ExecutorAgent
-from physagent_jax.agents.rules.edits import Case, Change
 from physagent_jax.agents.rules.holding import should_hold
 from physagent_jax.agents.rules.remedies import list_remedies
 from physagent_jax.agents.rules.sparing import find_kept
 from physagent_jax.agents.schema import Rewrite
 from physagent_jax.agents.trace import Reply
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.edits import Case, Change
 from physagent_jax.motion.judging.progress import Rating, rate
 from physagent_jax.motion.schema import Check, Judgement
 from physagent_jax.perception.schema import MotionReport

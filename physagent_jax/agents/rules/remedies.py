@@ -9,11 +9,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from physagent_jax.agents.rules import edits
-from physagent_jax.agents.rules.edits import Case, Change
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, TRAVEL
 from physagent_jax.forces.schema import Action, ForceField
-from physagent_jax.motion import kinds
+from physagent_jax.motion import edits, kinds
+from physagent_jax.motion.edits import Case, Change
 from physagent_jax.motion.matching import (
     AXIAL,
     POINTED,

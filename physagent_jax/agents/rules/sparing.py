@@ -7,8 +7,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from physagent_jax.agents.context import Round
-from physagent_jax.agents.rules.edits import Change
 from physagent_jax.forces.schema import Action, ForceField, VelocityConstraint
+from physagent_jax.motion.edits import Change
 from physagent_jax.motion.matching import Cause, agrees, find_causes
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, StageVerdict
 

@@ -9,6 +9,9 @@ from physagent_jax.forces.skills.icons import draw_arrow
 PEAK = 3.0
 """[1] speed of the spot that is struck, over that of the whole: soft matter is dented before it follows."""
 
+STEEP = 0.9
+"""[1] vertical share of a blow from which on it is a leap, or a throw upwards, after which it lands on its feet."""
+
 DENT_DEPTH, DENT_WIDTH = 0.3, 0.25
 """[1] of its extent along the blow, [L] across: how far the spot reaches."""
 
@@ -65,14 +68,16 @@ class Impulse(Blow):
     prescribed_by = "particle_impulse"
 
     def make_forces(self, bound):
-        """The acceleration that makes the velocity change within the window; what it throws up lands upright."""
-        from physagent_jax.forces.opposition import RISES
+        """The acceleration that makes the velocity change within the window; what it throws up lands upright.
+
+        What is thrown aside tumbles as it lands.
+        """
         from physagent_jax.forces.terms import UniformAcceleration
 
         start, end = bound.window
         value = bound.along(self.find_speed(bound)) / (end - start)
         blow = UniformAcceleration(value, start, end, self.find_weight(bound))
-        return [blow, *(bound.keep_balance() if bound.whole and bound.upwards >= RISES else [])]
+        return [blow, *(bound.keep_balance() if bound.whole and bound.upwards >= STEEP else [])]
 
     def accelerate(self, gained, entry):
         """The velocity gained in each interval."""

@@ -8,6 +8,7 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.comparing import (
+    START,
     check_limit,
     compare_amount,
     compare_direction,
@@ -15,9 +16,18 @@ from physagent_jax.motion.judging.comparing import (
 )
 from physagent_jax.motion.judging.counting import count_turns
 from physagent_jax.motion.judging.seen import ALONG_END, Signal, View, find_farthest, find_first_response
+from physagent_jax.motion.judging.toppling import check_topple
 from physagent_jax.motion.matching import AXIAL
 from physagent_jax.motion.schema import Check, MotionKind
-from physagent_jax.motion.vectors import cosine, cross, dot, norm, normalise, scale, subtract
+from physagent_jax.motion.vectors import (
+    cosine,
+    cross,
+    dot,
+    norm,
+    normalise,
+    scale,
+    subtract,
+)
 from physagent_jax.perception.reasons import BY_SIZE
 from physagent_jax.perception.schema import PartMotion
 
@@ -50,6 +60,8 @@ def check_rotation(asked: Asked) -> list[Check]:
         if view.window(first, last) is None:
             unknown = f"frames {first} to {last} are not in the motion report"
         return [make_unseen_check(asked, view.explain("rotation_degrees", first, last, unknown))]
+    if view.topples(motion):
+        return check_topple(asked, turns)
     at, peak = find_farthest(turns)
     angle = norm(peak) if axis is None else dot(peak, axis)
     checks = []
@@ -59,7 +71,7 @@ def check_rotation(asked: Asked) -> list[Check]:
         response = find_first_response(turns, threshold)
         if response and response[0] < at:
             question = "about which axis does it start to turn?"
-            checks.append(compare_direction(asked, question, response[1], spread))
+            checks.append(compare_direction(asked, question, response[1], spread, within=START))
         checks.append(compare_direction(asked, "about which axis does it turn?", peak, spread))
     if motion.repeats > 1:
         path = [dot(v, axis or peak) for _, v in view.turns(first, view.last, asked.end)]

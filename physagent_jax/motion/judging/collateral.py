@@ -30,6 +30,8 @@ _SHATTERS = re.compile(
     r"(?<!not )(?<!without )\b(shatter|break(s|ing)?\b(?! free| away)|splinter|crumbl|melt|dissolv|\w+ pieces)"
 )
 """Words of who asks that its matter gives way, in whichever clause."""
+_SQUASHED = re.compile(r"\b(clay|dough|snow|mud|putty|plasticine|wax|butter|sand|slime)\b")
+"""Matter that stays as a blow has squashed it."""
 _TRAVELS = (MotionKind.MOVE, MotionKind.FALL, MotionKind.SWAY)
 _VIOLENT = 1.3  # strength from which leaving the picture at the end is part of it
 _LATE, _END = 0.75, 0.95  # share of the clip
@@ -39,6 +41,9 @@ _ASIDE = 0.22  # [body lengths] that a thing may wander while it is only turned 
 _BESIDE = 0.9  # of the way along what was asked that it may go across: less than is another direction
 _TOPPLED = 0.7  # [body lengths] that the centre of what tips over goes: half its height and half its breadth
 _TURN_PUSHED = 30.0  # [degrees] that what is deformed, or pushed in empty space, may turn
+_TURN_PRESSED = (
+    15.0  # [degrees] the same of what is only deformed as it stands: from more on it is about to fall over
+)
 _TURN_SLID = 60.0  # [degrees] about the vertical that what is pushed over the ground may turn
 _TURN_TIPPED = (
     120.0  # [degrees] about a level axis of what stands and is pushed over: a quarter turn, and rocking
@@ -162,6 +167,8 @@ def _check_turning(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     if not turns or bent or _gives_way(view) or any(e.direction is None for e in rotations):
         return []
     limit = _TURN_HELD if view.anchored else _TURN_PUSHED
+    if view.grounded and not view.anchored and all(e.kind in AXIAL for e in asked):
+        limit = _TURN_PRESSED
     if rotations:
         limit = max(limit, 0.75 * max(norm(v) for _, v in turns))
     if not view.anchored and (_is_rough(view, asked) or (_is_partial(asked) and not rotations)):
@@ -215,7 +222,7 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     ]
     left = (
         _find_left(view, strains)
-        if (swings or tumbles) and not view.anchored and not _is_partial(asked)
+        if (swings or tumbles) and not view.anchored and not _is_partial(asked) and not _stays_squashed(view)
         else []
     )
     if left and min(v for _, v in left) > _STRAIN:  # it swings or lands, and is out of shape from then on
@@ -225,6 +232,11 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         _STRAIN_TUMBLING if tumbles else _STRAIN_TWISTED if twists else _STRAIN_HIT if yielding else _STRAIN
     )
     return _check_lasting(view, "shape", strains, limit, sigma)
+
+
+def _stays_squashed(view: View) -> bool:
+    """Return whether it is said to be of what keeps the shape that a fall gives it."""
+    return _SQUASHED.search(view.sentence.lower()) is not None
 
 
 def _list_unseen_sides(view: View) -> set[int]:

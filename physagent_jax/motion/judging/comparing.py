@@ -14,6 +14,7 @@ from physagent_jax.motion.schema import Check, DirectionTable
 from physagent_jax.motion.tolerances import Tolerance
 from physagent_jax.motion.vectors import clamp, cosine, norm
 
+START = 60.0  # [degrees] off what is asked that it may start: a viewer goes by the way that it takes then
 SAME_WAY = 45.0  # [degrees] a viewer's "left" ends where another of the six directions is nearer
 _TOO_COARSE = 1.0  # of the range's width that the half width of the report's interval may reach
 
@@ -90,17 +91,18 @@ def compare_direction(
     spread: float | None = None,
     wanted: Vector | None = None,
     how: str = "",
+    within: float = SAME_WAY,
 ) -> Check:
     """The angle between a seen direction of any length and the expected one.
 
     ``spread`` is its standard deviation [degrees], by default that of a displacement; ``wanted`` stands for the
-    motion's own direction.
+    motion's own direction, ``within`` how many degrees of which it passes.
     """
     direction = wanted or asked.direction
     assert direction is not None
     spread = find_spread(norm(seen), asked.view) if spread is None else spread
     angle = math.degrees(math.acos(clamp(cosine(seen, direction), -1.0, 1.0)))
-    passed = angle <= SAME_WAY
+    passed = angle <= within
     contrary = angle > 180.0 - SAME_WAY
     causes, table = asked.causes or "the force field", asked.view.brief.directions
     if asked.driven:
@@ -113,12 +115,12 @@ def compare_direction(
         expectation=asked.index,
         question=question,
         aspect="direction",
-        expected=f"within {SAME_WAY:.0f} degrees of {name_direction(direction, table)}",
+        expected=f"within {within:.0f} degrees of {name_direction(direction, table)}",
         observed=f"{name_direction(seen, table)}, {angle:.0f} degrees off{how}",
         passed=passed,
         score=1.0 if passed else round(0.9 * (180.0 - angle) / 180.0, 6),
-        margin=round((SAME_WAY - angle) / SAME_WAY, 6),
-        confidence=find_confidence(angle - SAME_WAY, max(spread, 1e-6)),
+        margin=round((within - angle) / within, 6),
+        confidence=find_confidence(angle - within, max(spread, 1e-6)),
         gain=-1.0 if contrary else None,
         remedy="" if passed else fix,
     )

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.comparing import (
+    START,
     check_limit,
     compare_amount,
     compare_direction,
@@ -16,12 +18,22 @@ from physagent_jax.motion.judging.comparing import (
 )
 from physagent_jax.motion.judging.counting import count_turns
 from physagent_jax.motion.judging.seen import Course, View, find_farthest, find_first_response
-from physagent_jax.motion.matching import is_thrown_up
+from physagent_jax.motion.judging.toppling import find_sinking
+from physagent_jax.motion.matching import is_thrown_up, share_time
 from physagent_jax.motion.schema import Check, MotionKind
-from physagent_jax.motion.vectors import cosine, dot, norm, normalise, reject, scale, subtract
+from physagent_jax.motion.vectors import cosine, cross, dot, norm, normalise, reject, scale, subtract
 
+_DOWN = 0.7  # cosine
 _FIRST = 0.15  # of the farthest excursion: what is seen of a motion first
 _KEPT = 0.4  # of the farthest excursion that a free thing has left where it ends
+_SINKS = 0.4  # share of what its middle sinks by as it tips over that is seen at least
+_PUT_BACK = re.compile(r"\b(set|put|place|lay|bring|return|let)\b.*\b(down|back)\b")
+_ALL_BACK = 1.25  # of the way that it had come: something that is put back where it was may go so far
+_ASIDE = 0.22  # [body lengths] that it may wander to either side as it tips over
+_OVERTURNS, _TIPPED = (
+    0.7,
+    0.3,
+)  # cosine of a push and where it tips what it pushes; share of its way that is enough
 _SWING = 0.35  # of the amplitude: smaller turns are ripples
 _RESPONDED = 0.25  # share of the window in which an earlier opposite motion may still go on
 
@@ -79,8 +91,18 @@ def check_move(asked: Asked) -> list[Check]:
     seconds, at_end = view.seconds(first, until), asked.end is not None
     tolerance = tolerances.expect_move(motion, view.anchored, seconds=seconds, drift=coasting, end=at_end)
     tolerance = view.fit_to_limb(tolerance, motion)
+    if direction is not None and any(cosine(way, direction) > _OVERTURNS for way in view.find_topples()):
+        # What it brings about is judged there.
+        tolerance = replace(tolerance.scaled(_TIPPED, least=tolerances.LEAST), high=2.0 * tolerance.high)
     if asked.obstacle is not None:
         tolerance = tolerance.limited(asked.obstacle.distance)
+    if direction is not None and _PUT_BACK.search(motion.words.lower()):
+        there = asked.course(0, first)  # however gently, it goes all the way back
+        come = -dot(there[-1][1], direction) if there else 0.0
+        tolerance = replace(tolerance, high=max(tolerance.high, _ALL_BACK * come))
+    lowers = direction is not None and dot(direction, up) < -_DOWN and first > 0
+    if lowers and view.grounded and not at_end and (before := view.course(0, first)):
+        tolerance = tolerance.limited(dot(before[-1][1], up))  # to the ground, and no farther
     lost = any(view.get_places(asked.end)[t] is None for t in range(first, until + 1))
     if lost and 0 < along < tolerance.low:
         return [make_unseen_check(asked, _explain_lost(view, first, until))]
@@ -112,7 +134,8 @@ def _check_direction(
     checks = []
     if found:
         frame, first = max(found, key=lambda response: cosine(response[1], direction))
-        checks.append(compare_direction(asked, "which way does it start?", first, how=f", at frame {frame}"))
+        question, how = "which way does it start?", f", at frame {frame}"
+        checks.append(compare_direction(asked, question, first, how=how, within=START))
     checks.append(compare_direction(asked, "which way does it go?", peak))
     return checks
 
@@ -158,6 +181,13 @@ def check_fall(asked: Asked) -> list[Check]:
     ):
         way = reject(way, other, low=0.0)
     tolerance = tolerances.expect_fall(view.seconds(first, last))
+    if any(view.topples(e) and share_time(e, motion) for e in view.expectations):
+        sinks = _SINKS * find_sinking(view, view.find_topples())
+        if sinks < tolerances.LEAST:
+            return []  # it is broader than high, and hardly gets lower
+        tolerance = replace(tolerance, low=min(tolerance.low, sinks))
+        for across in (cross(each, down) for each in view.find_topples()):
+            way = reject(way, across, -_ASIDE, _ASIDE)
     checks = []
     if norm(way) >= view.visible:
         checks.append(compare_direction(asked, "which way does it fall?", way, wanted=down))

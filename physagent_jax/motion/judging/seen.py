@@ -125,20 +125,24 @@ class View:
         strains = [abs(v) for axis in self.visible_axes for _, v in self.strains(axis, 0, self.last)]
         return max(strains, default=0.0) < max(tolerances.VISIBLE_STRAIN, self.uncertainty("stretch"))
 
-    def find_topples(self) -> list[Vector]:
-        """Ways that the top of what stands goes as it tips over: a turn about a level axis whose end is a fall."""
+    def topples(self, turn: ExpectedMotion) -> bool:
+        """Return whether a turn tips over what stands: it ends in a fall, and is about no upright axis."""
         if not self.grounded or self.anchored or self.force_field.default_drop:
-            return []
-        falls = [e for e in self.expectations if e.kind is MotionKind.FALL]
-        turns = [e for e in self.expectations if e.kind is MotionKind.ROTATE]
-        topples = [e for e in turns if any(share_time(e, f) for f in falls)]
-        up = self.brief.directions.up
+            return False
+        if turn.kind is not MotionKind.ROTATE or turn.part is not None or turn.limb is not None:
+            return False
+        level = turn.direction is None or norm(cross(turn.direction, self.brief.directions.up)) > _TOPPLES
+        return level and any(e.kind is MotionKind.FALL and share_time(e, turn) for e in self.expectations)
+
+    def find_topples(self) -> list[Vector]:
+        """Ways that the top of what stands goes as it tips over."""
+        topples, up = [e for e in self.expectations if self.topples(e)], self.brief.directions.up
         ways = [cross(e.direction, up) for e in topples if e.direction]
         for each in (e for e in topples if e.direction is None):  # no way is told: where it went from then on
             course = self.course(self.span(each)[0], self.last)
             gone = subtract(course[-1][1], course[0][1]) if course else up
             ways += [way] if (way := normalise(reject(gone, up))) else []
-        return [normalise(way) or way for way in ways if norm(way) > _TOPPLES]
+        return [normalise(way) or way for way in ways]
 
     def fit_to_limb(self, tolerance: Tolerance, motion: ExpectedMotion) -> Tolerance:
         """A way's tolerance in lengths of the limb that is asked about; unchanged where none is.

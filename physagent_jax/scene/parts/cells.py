@@ -36,7 +36,7 @@ def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool) -> Part:
     box, size = np.maximum(high - low, 1e-12), float((high - low).max())
     own, rest = points[mask], points[~mask]
     centre = own.mean(0)
-    contact = _find_contact(own, rest, size)
+    contact = find_contact(own, rest, size)
     joint = contact.mean(0)
     tip = own[np.linalg.norm(own - joint, axis=1).argmax()]
     length = float(np.linalg.norm(tip - joint))
@@ -82,7 +82,7 @@ def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool) -> Part:
     )
 
 
-def _find_contact(own: np.ndarray, rest: np.ndarray, size: float) -> np.ndarray:
+def find_contact(own: np.ndarray, rest: np.ndarray, size: float) -> np.ndarray:
     """The particles of a part that touch the rest; the nearest ones if none does. Shape (k, 3)."""
     tree: Any = KDTree(rest)
     distance = tree.query(own)[0]
@@ -131,7 +131,7 @@ def _find_pairs(own: np.ndarray, rest: np.ndarray, size: float) -> tuple[np.ndar
         Places in ``own`` and in ``rest``, shape (k, 2, 3), and a length, of the points' unit.
     """
     spacing = size / max(len(own) + len(rest), 8) ** (1 / 3)
-    contact = spread(_find_contact(own, rest, size), _PAIRS)
+    contact = spread(find_contact(own, rest, size), _PAIRS)
     trees: list[Any] = [KDTree(side) for side in (own, rest)]
     for _ in range(2):  # from particles near the border to places between the nearest of either side
         nearest = [side[tree.query(contact)[1]] for side, tree in zip((own, rest), trees)]

@@ -25,6 +25,7 @@ _SMALLEST = 0.04  # length over the object's
 # Least prominence of what is thin, of what is distant, and of a distant plate, whose neck is wide; ends of boxes and
 # eggs have up to 1.05, corners less.
 _THIN, _DISTANT, _PLATE = 0.95, 1.2, 1.0
+PLAIN = 2.0  # the same of a limb that is a limb even where nothing else tells
 _BLUNT = 0.7  # the same of what sees little of the rest
 _COARSE = 0.6  # of its prominence counts, where a limb by distance and one by thickness would be in each other's way
 _SAME = 0.35  # of the union of two limbs, that both hold, from which on they are one
@@ -105,12 +106,18 @@ def find_limbs(points: np.ndarray, lattice: Lattice) -> list[Limb]:
     return _nest(chosen)
 
 
-def add_blunt(limbs: list[Limb], lattice: Lattice) -> list[Limb]:
-    """The limbs with those that stick out little, but see little of the rest, as of `find_limbs`."""
+def add_blunt(limbs: list[Limb], lattice: Lattice, least: float = _BLUNT) -> list[Limb]:
+    """The limbs with those that stick out little, but see little of the rest, as of `find_limbs`.
+
+    Args:
+        limbs: Those that are found.
+        lattice: The object's solid.
+        least: Least prominence of the others.
+    """
     chosen = list(limbs)
     blunt = [measure(lattice, nodes) for nodes in find_convex_parts(lattice)]
     for limb in sorted(blunt, key=lambda each: -each.prominence):
-        stands_out = limb.prominence >= _BLUNT and _SMALLEST <= limb.length and limb.share <= LARGEST
+        stands_out = limb.prominence >= least and _SMALLEST <= limb.length and limb.share <= LARGEST
         if stands_out and all(_fits(limb, each, chosen) for each in chosen):
             chosen.append(limb)
     return _nest(chosen)

@@ -14,7 +14,7 @@ from physagent_jax.scene.parts.digits import name_digits
 from physagent_jax.scene.parts.ends import find_ends
 from physagent_jax.scene.parts.evidence import weigh
 from physagent_jax.scene.parts.lattice import Lattice, make_lattice
-from physagent_jax.scene.parts.limbs import Limb, add_blunt, find_limbs, measure
+from physagent_jax.scene.parts.limbs import PLAIN, Limb, add_blunt, find_limbs, measure
 from physagent_jax.scene.parts.roles import Roles
 
 _JOINT, _BEND = 0.3, 0.08  # of the way from neck to tip, and of the object's length, that bends, at most
@@ -23,6 +23,7 @@ _SAME = (
 )
 _UPRIGHT = ("stem", "neck")  # sections of what stands
 _FOOT = 0.15  # of a stem, that stays
+_GAP = 0.08  # of the object's length, within which what is beside a part has to be told from it
 _SEEDS = 64  # that mark a part, or what is beside it, at most: fewer leave patches of a large one out
 
 
@@ -44,6 +45,16 @@ def find_parts(points: np.ndarray) -> tuple[Part, ...]:
         other = Roles(fuller, lattice)
         if other.head is not None and len(other.legs) >= len(named.legs):
             limbs, named = fuller, other
+        elif not named.legs:  # a thing may have more limbs, if those that it has keep their names
+            plain = add_blunt(limbs, lattice, PLAIN)
+            more = Roles(plain, lattice)
+            had, has = (
+                collections.Counter(name_digits(own, each.assign(), each.mirrored).values())
+                for own, each in ((limbs, named), (plain, more))
+            )
+            limbs, named = (
+                (plain, more) if not had - has and set(has - had) == {("side",)} else (limbs, named)
+            )
     roles = name_digits(limbs, named.assign(), named.mirrored)
     told = [(limbs[k], roles[k]) for k in sorted(roles)]
     possible = {id(limbs[k]): named.things.list_possible(k, roles) for k in roles}
@@ -53,13 +64,15 @@ def find_parts(points: np.ndarray) -> tuple[Part, ...]:
     }
     counts = collections.Counter(role for names in roles.values() for role in names)
     known = frozenset(role for role, count in counts.items() if count > 1 or role not in ("arm", "wing"))
+    sections: list[tuple[Limb, tuple[PartRole, ...]]] = []
     for nodes, names in find_ends(lattice, known):
         same = next((index for index, each in enumerate(told) if _is_same(each[0].nodes, nodes)), None)
         limb, had = (measure(lattice, nodes), ()) if same is None else told.pop(same)
         if "stern" in names:  # a tail keeps its name
-            told.append((limb, (*had, *names)))
+            sections.append((limb, (*had, *names)))
         else:  # a stem may be a leg: its place goes first
-            told.append((measure(lattice, nodes), (*(had if names[0] in _UPRIGHT else ()), *names)))
+            sections.append((measure(lattice, nodes), (*(had if names[0] in _UPRIGHT else ()), *names)))
+    told += sections  # the end of a handle is part of it, and no other name for it
     parts = [
         (_make_stem if "stem" in names else _make_part)(lattice, limb, names, low, high)
         for limb, names in told
@@ -91,7 +104,8 @@ def _make_part(
     far = _find_far(lattice, limb, 0.0 if "lid" in roles else _BEND)  # a lid lies loose
     rest = np.setdiff1d(np.arange(len(lattice.places)), nodes)
     moved, joint = mark(nodes[far]), mark(nodes[~far])
-    still = mark(rest) + mark(_find_near(lattice, nodes))
+    across = _find_across(lattice, nodes, rest)
+    still = mark(rest) + mark(_find_near(lattice, nodes)) + (mark(across) if len(across) else ())
     neck = lattice.places[np.concatenate(lattice.find_necks(nodes))].std(0) / float((high - low).max())
     part = _join(roles, (moved, joint, still), limb, (limb.joint, limb.tip), low, high)
     return part.model_copy(update=dict(neck=tuple(np.round(neck, 4).tolist())))
@@ -150,6 +164,16 @@ def _find_far(lattice: Lattice, limb: Limb, most: float) -> np.ndarray:
         return distance > depth
     out = np.linalg.norm(lattice.places[limb.nodes] - limb.joint, axis=1)
     return out > np.median(out)
+
+
+def _find_across(lattice: Lattice, nodes: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """The nodes of the rest that are near a part across a gap, as a stem is beside an upright arm; shape (k,)."""
+    reach = _GAP * float(np.ptp(lattice.places, axis=0).max())
+    necks = np.concatenate(lattice.find_necks(nodes))
+    near, joined = (
+        np.asarray(KDTree(lattice.places[each]).query(lattice.places[rest])[0]) for each in (nodes, necks)
+    )
+    return rest[(near < reach) & (joined > 2 * reach)]
 
 
 def _find_near(lattice: Lattice, nodes: np.ndarray) -> np.ndarray:

@@ -18,7 +18,8 @@ import yaml
 
 from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.regions import make_region_mask
-from physagent_jax.scene.parts.cells import fit_part
+from physagent_jax.scene.parts.cells import find_contact, fit_part
+from physagent_jax.scene.parts.decks import Deck, find_deck
 
 _LIMBS = frozenset("head ear horn arm wing leg tail handle spout nose".split())  # the body is the rest
 _FIGURE = frozenset("head leg arm wing tail".split())  # of which something shows that the rest is a body
@@ -30,8 +31,12 @@ _TRIMMED = 2.0  # percent of a parent on either side, that its ends are without
 _CROTCH, _GAP = 0.7, 0.1  # of a region's height, and of its half width, within which two legs leave a gap
 _SHOULDER = 0.15  # of a region that hangs, by which it is held
 _TALL = 1.3  # height over width of a figure whose legs are not seen
+_DECKS = ("face", "back", "arms")  # of what bears something
+_FINGERS = frozenset(("finger", "thumb"))
+_LAID = 0.5  # of its height, along which a limb touches the body that it lies on
+_HELD = 0.6  # share of a limb that lies in a region, from which on it is what is meant
 _FEWEST = 24  # particles of a region
-_MOST = 0.5  # share of the object
+_MOST, _DECK = 0.5, 0.95  # share of the object, and of a table that is its top
 _UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -121,17 +126,30 @@ class _Parents:
             sides = (("left ", -1), ("right ", 1)) if "side" in row else (("", 0),)
             for side, sign in sides:
                 mask = inside & (across * sign >= 0)
-                if _FEWEST <= mask.sum() < _MOST * len(mask):
+                limb = self._find_limb(mask) if row.get("hangs") and sign else None
+                if limb is not None:
+                    found.append(limb.model_copy(update=dict(name=side + word)))
+                    continue
+                if _FEWEST <= mask.sum() < (_DECK if row["of"] == "face" else _MOST) * len(mask):
                     told = dict(
                         name=side + word, origin="place", seated=True, arm=self._find_arm(mask, row, sign)
                     )
                     told |= dict(confidence=1.0 if part is None else part.confidence)
-                    told |= self._hang(mask, -_UP) if row.get("hangs") else {}
+                    if row.get("hangs"):
+                        told |= (sign and self._stick_out(mask)) or self._hang(mask, -_UP)
                     told |= self._hang(mask, _UP) if row.get("nods") else {}
+                    if part is not None and row.get("hinged"):
+                        told |= self._hang(mask, np.asarray(part.arm) / max(np.linalg.norm(part.arm), 1e-12))
                     told |= self._hang(mask, sign * self._side) if row.get("flap") else {}
                     told |= self._hang(mask, self._front) if row.get("juts") else {}
                     found.append(fit_part(self.points, mask, joined=True).model_copy(update=told))
-        return found
+        return found or (self.find(word, row["else"]) if "else" in row else [])
+
+    def _find_limb(self, mask: np.ndarray) -> Part | None:
+        """The limb of which only the place is known that lies in a region: an arm of a cactus."""
+        loose = [(part, m) for part, m in zip(self.parts, self.masks) if part.roles[:1] == ("side",)]
+        inside = [part for part, m in loose if (m & mask).sum() > _HELD * m.sum()]
+        return inside[0] if len(inside) == 1 else None
 
     def _find_arm(self, mask: np.ndarray, row: dict[str, Any], sign: int) -> tuple[float, ...]:
         """The way out of the parent, as long as the region is that way [body lengths]."""
@@ -140,10 +158,23 @@ class _Parents:
             for key, way in (("front", self._front), ("up", _UP))
             if key in row
         )
-        way = out + 0.5 * sign * self._side if "front" in row or "up" in row else self._front
+        plain = _UP if row["of"] == "face" else self._front
+        way = out + 0.5 * sign * self._side if "front" in row or "up" in row else plain
         way = np.asarray(way) / max(float(np.linalg.norm(way)), 1e-12)
         length = float(np.ptp(self.points[mask] @ way) / np.ptp(self.points, axis=0).max())
         return tuple(np.round(length * way, 4).tolist())
+
+    def _stick_out(self, mask: np.ndarray) -> dict[str, Any]:
+        """The joint of a region that stands off from the rest, as `_hang`; empty where it lies on it all along."""
+        own, low, size = self.points[mask], self.points.min(0), float(np.ptp(self.points, axis=0).max())
+        contact = find_contact(own, self.points[~mask], size)
+        joint = contact.mean(0)
+        if np.ptp(contact[:, 2]) > _LAID * np.ptp(own[:, 2]):
+            return {}
+        tip = own[np.linalg.norm(own - joint, axis=1).argmax()]
+        box = np.maximum(np.ptp(self.points, axis=0), 1e-12)
+        told = dict(joint=(joint - low) / box, arm=(tip - joint) / size, neck=contact.std(0) / size)
+        return dict(seated=False) | {key: tuple(np.round(each, 4).tolist()) for key, each in told.items()}
 
     def _hang(self, mask: np.ndarray, way: np.ndarray) -> dict[str, Any]:
         """The joint of a region that points a way, from there to its far end, and the spread of the joint."""
@@ -160,8 +191,16 @@ class _Parents:
         """The parents of a kind, each as a mask of particles, shape (n,), and as a part; None = it is none."""
         every = np.ones(len(self.points), bool)
         upright = self._count("leg") == 2 or not self._count("leg") and self._is_tall()
+        upright |= not self._count("leg") and self._count("head") == 1 and self._count("arm") == 2
         if of == "whole":
             return [(every, None)]
+        if of in _DECKS:
+            mask = ~every if self._deck is None else getattr(self._deck, of)
+            return [(mask, None)] if mask.any() else []
+        if of == "hand":
+            fingers = [mask for mask, part in zip(self.masks, self.parts) if _FINGERS & {*part.roles}]
+            palm = ~np.logical_or.reduce([~every, *fingers])
+            return [(palm, None)] if len(fingers) > 2 and not self._count("head") else []
         if of == "upright":
             arms = [m for m, part in zip(self.masks, self.parts) if not _ASIDE.isdisjoint(part.roles[:1])]
             return [(~np.logical_or.reduce([~every, *arms]), None)] if upright else []
@@ -173,10 +212,13 @@ class _Parents:
         if of == "head" and self._count("handle"):
             return []  # a hammer's head has no face
         found = [(mask, part) for mask, part in zip(self.masks, self.parts) if of in part.roles[:1]]
-        if not found and of == "head" and self.name.lower().endswith(_OWN):
+        if not found and of == "head" and any(word.endswith(_OWN) for word in split_name(self.name)):
             return [(~np.logical_or.reduce([~every, *limbs]), None)]
         if not found and of == "head":  # of what is one with its body there is a snout at most
             found = [(mask, part) for mask, part in zip(self.masks, self.parts) if "nose" in part.roles[:1]]
+        if not found and of == "head":  # a word for what is on a head tells that there is one
+            found = [(m, part) for m, part in zip(self.masks, self.parts) if "head" in part.roles]
+            found *= len(found) == 1
         if not found and of == "head" and upright:
             masks = [
                 make_region_mask(each.moved, self.points) for each in self.find("head", read_places()["head"])
@@ -224,10 +266,16 @@ class _Parents:
     def _front(self) -> np.ndarray:
         """The level way in which it looks, shape (3,)."""
         heads = [m for m, part in zip(self.masks, self.parts) if not _FORE.isdisjoint(part.roles[:1])]
+        if not any(map(self._count, _FIGURE)) and self._deck is not None and self._deck.front is not None:
+            return self._deck.front
         off = self.points[heads[0]].mean(0) - self.points.mean(0) if len(heads) == 1 else np.zeros(3)
         off[2] = 0.0
         away = float(np.linalg.norm(off))
         return off / away if away > _OFF * np.ptp(self.points, axis=0).max() else self.viewer.toward
+
+    @functools.cached_property
+    def _deck(self) -> Deck | None:
+        return find_deck(self.points)
 
     @functools.cached_property
     def _side(self) -> np.ndarray:

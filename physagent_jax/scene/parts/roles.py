@@ -27,6 +27,7 @@ _MIDDLE = 0.1  # of the length, by which what lies on the mirror plane may be of
 _SLIM, _THIN = 3.5, 3.0  # slimness from which on a limb is no head, and is a tail
 _SINKS = 0.02  # of the height, by which the tip of a head may be below its joint
 _SLENDER = 2.4  # slimness from which on what a limb has several of, or a large one, is no ear or nose
+_NOSE, _TRUNK = 1.5, 0.1  # slimness of a trunk, at least; share of the object, at most
 _TAIL = 0.06  # length over the object's, at least
 _LEAST = 0.1  # the same of wings and arms, where no head is found
 _END = 0.18  # of the length, from the middle to what lies at an end of the object
@@ -90,6 +91,7 @@ class Roles:
         if tail is not None:
             found[tail] = ("tail",)
             found |= self._name_across(tail, found)
+        found |= dict.fromkeys(self._find_nose(found), ("nose",))
         # What stands on legs and is no figure has other things on it, too: a lander its dish.
         return self.things.assign(found) if all(each == ("leg",) for each in found.values()) else found
 
@@ -274,6 +276,20 @@ class Roles:
             return None
         ends = [k for k in ends if self.limbs[k].children] or ends  # the nose of a plane has no fins
         return ends[0] if len(ends) == 1 else None
+
+    def _find_nose(self, found: Told) -> list[int]:
+        """The lone limb on the mirror plane that hangs from a head, or high up in front of a figure: a trunk."""
+        figure = any(role in (("leg",), ("arm",)) for role in found.values())
+        fitting = [
+            k
+            for k, limb in enumerate(self.limbs)
+            if figure and k not in found and self.partners[k] is None and not limb.loop and not limb.children
+            if limb.share < _TRUNK and _TAIL < limb.length and limb.slimness > _NOSE and self._is_middle(limb)
+            if limb.joint[2] > self.middle[2] and not self.things.is_grounded(limb)
+            if abs(self._find_place(limb)) > _END
+            if self.head is None or self.head in list_outer(self.limbs, k)
+        ]
+        return fitting if len(fitting) == 1 else []
 
     def _find_far_end(self, tail: int, ends: list[int]) -> int | None:
         """The only limb at the end across from a slim one, if it is thicker and both are off the ground."""

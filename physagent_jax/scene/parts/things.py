@@ -84,8 +84,8 @@ class Things:
         """The roles that a limb may have as well, of which only the place is known, and no other one like it.
 
         A pair across the mirror plane may be ears or horns if it points up, else wings or arms; wings and arms may be
-        ears of what is a mere head. A lone limb on the plane may be a head if it is on top and no slim one, and a tail
-        if it is at a side.
+        ears of what is a mere head. A lone limb on the plane may be a head if it is on top, a neck if it is a slim one,
+        and a tail if it is at a side.
         """
         limb, (place, *told), partner = self.limbs[index], found[index], self.partners[index]
         if (
@@ -103,8 +103,10 @@ class Things:
             return () if not paired else up if points_up else ("wing", "arm")
         alone = [k for k in found if found[k] == (place,)] == [index]
         off = abs(float(self.mirror.measure(limb.centre)))
-        if not alone or off > _CENTRED * self.height or place == "top" and limb.slimness > _SLIM:
+        if not alone or off > _CENTRED * self.height:
             return ()
+        if place == "top" and limb.slimness > _SLIM:
+            return ("neck",)
         return ("head",) if place == "top" else ("tail",)
 
     def _list_pairs(self, found: Told) -> list[int]:

@@ -1,0 +1,249 @@
+"""Tipping over, spinning and flipping as sentences tell them: how slowly, how far, and in the air."""
+
+import math
+
+import pytest
+
+from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent
+from physagent_jax.forces.calibration import GRAVITY, MOST_DROP, REFERENCE_TIME, TURN
+from physagent_jax.forces.schema import ActionType, ConstraintType
+from physagent_jax.motion.schema import MotionKind
+from physagent_jax.motion.tipping import tip
+from tests.agents.scenes import asked, brief, judge, make_report, ramp
+
+ON_THE_GROUND = brief(object_name="statue", object_kind="object", world="ground", frames_fixed=False)
+SLIM, BROAD = (0.3, 1.0, 0.3), (1.0, 0.5, 1.0)
+LEFT, RIGHT = (0.0, -1.0, 0.0), (0.0, 1.0, 0.0)
+
+
+def compile_whole(prompt: str, **changes):
+    scene = ON_THE_GROUND.model_copy(update=dict(extents=SLIM) | changes)
+    return GrammarSemanticAgent().compile(asked(prompt, scene)).value
+
+
+def find_degrees(turn, reply):
+    """Angle and time [s] of a turn that is led."""
+    seconds = (turn.active_time[1] - turn.active_time[0]) * ON_THE_GROUND.frame_dt
+    clip = ((reply.frame_count or ON_THE_GROUND.frame_count) - 1) * ON_THE_GROUND.frame_dt
+    rate = math.degrees(TURN) * turn.magnitude * turn.gain / min(REFERENCE_TIME, clip)
+    return rate * seconds, seconds
+
+
+@pytest.mark.parametrize(
+    ("prompt", "axis"),
+    [
+        ("the statue slowly tilts to the left and falls over", LEFT),
+        ("the statue slowly topples over to the right", RIGHT),
+        ("gently tip the statue over to the left", LEFT),
+        ("tilt the statue slowly to the right until it tips over", RIGHT),
+        ("the statue leans further and further to the right until it falls over", RIGHT),
+    ],
+)
+def test_what_tips_over_slowly_is_led_over_its_edge(prompt, axis):
+    """It lay within half a second, however slowly it was to tip."""
+    reply = compile_whole(prompt)
+    (turn,) = reply.force_field.constraints
+    degrees, seconds = find_degrees(turn, reply)
+    assert not reply.force_field.actions and turn.region is None and turn.pivot is None
+    assert turn.vector == axis and 40 < degrees < 66 and seconds > 1.4 and turn.held_until is None
+    assert reply.frame_count is not None
+    assert reply.frame_count * ON_THE_GROUND.frame_dt > seconds + 1.2  # it is then seen to fall, and to lie
+    assert {each.kind for each in reply.expectations} == {MotionKind.ROTATE, MotionKind.FALL}
+
+
+@pytest.mark.parametrize("extents", [SLIM, BROAD])
+def test_what_tips_over_at_once_or_is_broad_is_turned_by_a_torque(extents):
+    scene = ON_THE_GROUND.model_copy(update=dict(extents=extents))
+    way, window = scene.directions.left, (0.0, 80.0)
+    assert bool(tip(scene, way, 0.6, window)) == (extents == SLIM)
+    assert not tip(scene, way, 1.0, window)
+    prompt = "knock the statue over" if extents == SLIM else "slowly tip the statue over"
+    (action,) = compile_whole(prompt, extents=extents).force_field.actions
+    assert action.action_type is ActionType.TORQUE
+
+
+@pytest.mark.parametrize("prompt", ["gently tip it over", "knock it over", "a violent storm blows it over"])
+def test_what_tips_over_turns_until_it_lies_however_hard(prompt):
+    (turn,) = [each for each in compile_whole(prompt).expectations if each.kind is MotionKind.ROTATE]
+    assert turn.strength == 1.0
+
+
+def test_a_lean_another_way_or_at_another_time_is_no_beginning_of_a_fall():
+    for prompt in ("it tilts to the left, then suddenly falls over", "it tilts left, then falls over right"):
+        first = compile_whole(prompt).expectations[0]
+        assert first.manner == "rock" and first.kind is MotionKind.ROTATE
+
+
+@pytest.mark.parametrize(
+    ("prompt", "degrees"),
+    [("the statue spins around", 360), ("it turns around", 180), ("it twirls", 360), ("it spins twice", 720)],
+)
+def test_what_spins_on_the_ground_turns_all_the_way(prompt, degrees):
+    """A quarter turn was shown."""
+    reply = compile_whole(prompt)
+    (turn,) = reply.force_field.constraints
+    assert turn.constraint_type is ConstraintType.PARTICLE_ROTATION
+    shown, seconds = find_degrees(turn, reply)
+    assert shown == pytest.approx(degrees, rel=0.02)
+    assert 1.0 < seconds < 3.5
+
+
+def test_a_slow_spin_takes_longer_and_a_part_turns_as_before():
+    replies = [compile_whole(f"the statue spins {way}") for way in ("quickly", "", "slowly")]
+    times = [find_degrees(each.force_field.constraints[0], each)[1] for each in replies]
+    assert times[0] < times[1] < times[2]
+    assert compile_whole("turn the statue").expectations[0].amount is None
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    ["flip the statue into the air", "toss it into the air so that it spins", "it jumps up and spins around"],
+)
+def test_what_is_flipped_into_the_air_turns_once_while_it_is_there(prompt):
+    """It was tipped over, or hardly turned."""
+    reply = compile_whole(prompt)
+    blow, turn = reply.force_field.actions
+    assert blow.action_type is ActionType.IMPULSE and turn.action_type is ActionType.TORQUE
+    assert turn.active_time is not None and blow.active_time is not None
+    push = (turn.active_time[1] - turn.active_time[0]) * ON_THE_GROUND.frame_dt
+    rate = 2 * TURN / ON_THE_GROUND.reference_seconds**2 * turn.magnitude * turn.gain * push  # [rad/s]
+    aloft = math.sqrt(8 * blow.magnitude * ON_THE_GROUND.size / GRAVITY)
+    assert turn.active_time[0] == blow.active_time[1] and push < 0.2
+    assert math.degrees(rate * aloft) == pytest.approx(360, rel=0.1)
+    kinds = {each.kind for each in reply.expectations}
+    assert kinds == {MotionKind.MOVE, MotionKind.ROTATE, MotionKind.FALL}
+
+
+def test_what_is_picked_up_and_thrown_is_thrown_from_where_it_is():
+    reply = compile_whole("pick the statue up and throw it to the right")
+    lift, throw = reply.expectations[:2]
+    assert lift.window[1] <= throw.window[0]
+
+
+@pytest.mark.parametrize(
+    ("prompt", "told"),
+    [
+        ("push it gently until it tips over", "rotate fall"),
+        ("push it so hard that it falls over", "rotate fall"),
+        ("the wind pushes it slowly to the right until it falls", "rotate fall"),
+        ("it loses its balance and falls over", "rotate fall"),
+        ("it trips and falls forward", "rotate fall"),
+        ("it is knocked to the ground", "rotate fall"),
+        ("it stumbles and falls", "move rotate fall"),
+        ("it slides to the left and falls over", "move rotate fall"),
+        ("it slips and lands on its back", "move rotate fall"),
+        ("it moves to the left and is dropped", "move fall"),
+        ("it moves to the left, then falls", "move fall"),
+        ("it moves to the left, then falls", "move fall"),
+        ("lift it and let it fall", "move fall"),
+        ("lift it and turn it upside down", "move rotate"),
+        ("it falls", "fall"),
+    ],
+)
+def test_how_something_comes_to_fall_over(prompt, told):
+    """It fell from nowhere, or slid while it was to tip over."""
+    reply = compile_whole(prompt)
+    assert " ".join(each.kind.value for each in reply.expectations) == told
+    assert reply.force_field.default_drop == (prompt == "it falls") and not reply.unsure
+    windows = [each.window for each in reply.expectations]
+    if told.startswith("move"):
+        assert windows[0][1] <= windows[1][0]
+
+
+@pytest.mark.parametrize(
+    ("prompt", "way"),
+    [
+        ("throw the statue across the room", (-1, 0, 0)),
+        ("it is thrown across the yard to the right", (1, 0, 0)),
+    ],
+)
+def test_what_is_thrown_across_something_flies_aside(prompt, way):
+    reply = compile_whole(prompt)
+    assert reply.expectations[0].direction == pytest.approx(way) and reply.expectations[0].manner == "fly"
+
+
+@pytest.mark.parametrize("prompt", ["it rises like a balloon", "it floats up like a feather"])
+def test_a_comparison_of_what_rises_tells_nothing_more(prompt):
+    assert not compile_whole(prompt).unsure
+
+
+@pytest.mark.parametrize(
+    ("prompt", "height"),
+    [
+        ("it falls from a great height", 1.2),
+        ("drop it from high up", 1.2),
+        ("it is dropped from the sky and bounces", 1.2),
+        ("drop it from twice its height", 1.0),
+        ("drop it from a metre", 1.0),
+        ("drop it from half its length", 0.5),
+        ("it drops", None),
+    ],
+)
+def test_what_falls_from_high_up_is_let_fall_from_there(prompt, height):
+    """Everything fell from half its length."""
+    reply = compile_whole(prompt, extents=(1.0, 0.5, 1.0))
+    assert reply.force_field.default_drop and not reply.unsure and reply.world.drop_height == height
+
+
+def test_a_fall_that_there_is_no_room_for_is_told():
+    reply = compile_whole("drop it from five times its height")
+    assert reply.world.drop_height == MOST_DROP and any("room" in note for note in reply.notes)
+
+
+def test_what_is_thrown_hard_flies_farther_than_it_hops():
+    """It hopped aside by less than its height, and landed on its feet."""
+    (plain,) = compile_whole("throw the statue to the left").force_field.actions
+    (hard,) = compile_whole("throw the statue hard to the left").force_field.actions
+    assert hard.magnitude > 1.7 * plain.magnitude
+
+
+@pytest.mark.parametrize(
+    "prompt", ["a statue made of honey collapses", "the statue is made of sand and collapses"]
+)
+def test_what_flows_collapses_where_it_stands(prompt):
+    """It fell from the air."""
+    reply = compile_whole(prompt)
+    assert not reply.force_field.default_drop and not reply.unsure
+    assert [each.kind for each in reply.expectations] == [MotionKind.SQUEEZE]
+    assert compile_whole("the wooden statue collapses").force_field.default_drop
+
+
+def find_failures(prompt, show):
+    """Questions of the checks that fail of what ``show`` tells of a frame: place [body lengths], turn [degrees]."""
+    reply = compile_whole(prompt)
+    scene = ON_THE_GROUND.model_copy(update=dict(extents=SLIM, frame_count=reply.frame_count))
+    shown = [show(frame / scene.last) for frame in range(scene.frame_count)]
+    windows = [(round(each.window[0]), round(each.window[1])) for each in reply.expectations]
+    seen = make_report([place for place, _ in shown], [turn for _, turn in shown], windows=windows)
+    checks = judge(prompt, reply, seen, scene).judgement.checks
+    return [each.question for each in checks if each.passed is False]
+
+
+@pytest.mark.parametrize(("rolled", "wrong"), [(0.0, 0), (90.0, 0), (-90.0, 0)])
+def test_a_fall_over_is_judged_until_it_lies(rolled, wrong):
+    """Rolling about itself afterwards made its whole turn one about another axis."""
+
+    def show(share):
+        down, roll = ramp(share, 0.3, 0.6), ramp(share, 0.65, 0.9)
+        return (0.4 * down, 0.0, -0.4 * down), (rolled * roll, 85.0 * down, 0.0)
+
+    assert len(find_failures("gently tip the statue over to the right", show)) == wrong
+
+
+def test_a_fall_over_another_way_is_none_that_was_asked_for():
+    def show(share):
+        down = ramp(share, 0.3, 0.6)
+        return (0.0, 0.4 * down, -0.4 * down), (-85.0 * down, 0.0, 0.0)
+
+    assert find_failures("gently tip the statue over to the right", show)
+
+
+@pytest.mark.parametrize(("back", "met"), [(1.0, True), (0.2, False)])
+def test_what_is_put_down_goes_as_far_as_it_was_lifted(back, met):
+    """It was asked for a quarter of its length, and had been lifted by less."""
+
+    def show(share):
+        return (0.0, 0.0, 0.24 * (ramp(share, 0.0, 0.3) - back * ramp(share, 0.5, 0.75))), (0.0, 0.0, 0.0)
+
+    failed = find_failures("lift the statue slowly, then put it down again", show)
+    assert ("how far does it move?" not in failed) == met
