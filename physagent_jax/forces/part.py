@@ -14,7 +14,13 @@ from physagent_jax.forces.schema import CellsRegion
 _WORD = re.compile(r"[^\W\d_]+|\d+")
 _HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _PLURALS = frozenset("feet teeth antennae".split())
-_LETTERS = {"l": "left", "r": "right"}
+_LETTERS: dict[str, tuple[str, ...]] = {"l": ("left",), "r": ("right",)}
+_LETTERS |= {
+    code: (end, side)
+    for first, end in (("f", "front"), ("r", "rear"), ("b", "back"))
+    for second, side in (("l", "left"), ("r", "right"))
+    for code in (first + second, second + first)
+}  # of wheels and legs
 SIDES = frozenset("left right upper lower front back rear top bottom inner outer middle".split())
 """Words for a side, which a name begins with."""
 PartRole = Literal[
@@ -146,9 +152,12 @@ class Part(Strict):
 
 
 def split_name(name: str) -> tuple[str, ...]:
-    """The words and numbers of a name, in lower case, sides first: "Arm_L" is the left arm; none without letters."""
+    """The words and numbers of a name, in lower case, sides first: "Arm_L" is the left arm; none without letters.
+
+    "Wheel_FR" is the front right wheel.
+    """
     found: list[str] = _WORD.findall(_HUMP.sub(" ", name).lower())
-    words = [_LETTERS.get(word, word) for word in found]
+    words = [said for word in found for said in _LETTERS.get(word, (word,))]
     words.sort(key=lambda word: word not in SIDES)
     return tuple(words) if any(not word.isdigit() for word in words) else ()
 

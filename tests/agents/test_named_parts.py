@@ -89,6 +89,13 @@ def test_a_plural_means_all_and_a_word_for_several_is_asked_about():
     assert limbs == [None] and any("'box'" in each and "top box, bottom box" in each for each in doubts)
 
 
+def test_wheels_are_told_by_their_corners():
+    names = ("wheel fl", "wheel fr", "wheel rl", "wheel rr")
+    wheels = [make_part(name, (0, 0, -1), label=name) for name in names]
+    assert sorted(find_limbs("turn the wheels", *wheels)[0]) == [0, 1, 2, 3]
+    assert find_limbs("turn the front right wheel", *wheels)[0] == [1]
+
+
 @pytest.mark.parametrize("sentence", ["turn the lid", "lift the lid", "raise its tail"])
 def test_a_part_that_nobody_knows_is_asked_for_with_those_that_are_known(sentence):
     _, doubts = find_limbs(sentence, ARM, HEAD)

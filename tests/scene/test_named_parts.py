@@ -81,6 +81,8 @@ def pot(tmp_path_factory):
     [
         ("left_arm", "left arm"),
         ("Arm.L", "left arm"),
+        ("wheel_FR", "front right wheel"),
+        ("Wheel RL", "rear left wheel"),
         ("armR_geo", "right arm"),
         ("LidShape", "lid"),
         ("lid.001", "lid 1"),
