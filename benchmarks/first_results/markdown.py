@@ -45,6 +45,7 @@ _UNSHOWN |= {
     for source in ("perceived", "true")
     for what in ("centroid", "farthest", "rotation", "stretch")
 }
+_NOWHERE = frozenset(("perceived", "wall_s", "true_score"))
 
 _FIELDS = ("#", "force field", "perceived: farthest, last turn", "truth", "particles", "substeps")
 
@@ -235,9 +236,9 @@ def _motion(centroid, rotation) -> str:
 
 
 def condense(result: Result) -> Result:
-    """The sections, those of the sets that were held back without what no table shows."""
+    """The sections without what no table shows; those of the sets that were held back are shown less of."""
     held_back = {part: section for part, section in result.items() if part in HELD_BACK}
-    return result | drop_fields(held_back, _UNSHOWN)
+    return drop_fields(result | drop_fields(held_back, _UNSHOWN), _NOWHERE)
 
 
 PAGE = Page(
