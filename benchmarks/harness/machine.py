@@ -41,9 +41,16 @@ def _find_module() -> str:
 
 
 def _name_argument(argument: str) -> str:
-    """As it was given; DIR for a folder elsewhere: where a reader keeps the like is their own affair."""
-    elsewhere = os.path.isdir(argument) and not Path(argument).resolve().is_relative_to(Path.cwd())
-    return "DIR" if elsewhere else argument
+    """As it was given; DIR for a folder elsewhere, there yet or not, and DIR/FILE for a file: readers have their own."""
+    name, equals, path = argument.rpartition("=")  # "q15=FILE" too
+    absolute = os.path.isabs(path)
+    there = absolute or os.path.isdir(path)
+    if not there:
+        return argument
+    if Path(path).resolve().is_relative_to(Path.cwd()):
+        return f"{name}{equals}{os.path.relpath(path)}"
+    is_file = absolute and bool(Path(path).suffix) and not os.path.isdir(path)
+    return f"{name}{equals}DIR{f'/{Path(path).name}' if is_file else ''}"
 
 
 def _read_processor() -> str:

@@ -82,10 +82,17 @@ def test_a_command_is_recorded_without_where_folders_lie_on_this_machine(tmp_pat
         "a b",
         "--json",
         "x.json",
+        "--out",
+        str(elsewhere / "not-yet" / "rows.json"),
+        f"big={elsewhere / 'model.gguf'}",
+        str(home / "runs" / "own.json"),
     ]
     monkeypatch.setattr("sys.argv", ["bench", *words])
     command = str(circumstances()["command"])
-    assert command.endswith("--data DIR --also DIR --weights runs --only 'a b' --json x.json")
+    assert command.endswith(
+        "--data DIR --also DIR --weights runs --only 'a b' --json x.json "
+        "--out DIR/rows.json big=DIR/model.gguf runs/own.json"
+    )
 
 
 def test_a_run_that_was_stopped_is_gone_on_with(bench):
