@@ -141,13 +141,13 @@ class AskingEvaluator(Evaluator):
         return {"model_calls": self.model_calls, "tokens": self.tokens}
 
 
-def serve(connection: Connection) -> None:
-    """Make the method that the first message names, say what it is, and search as often as is asked."""
+def serve(connection: Connection, kept_by: str) -> None:
+    """Make the method that the first message names, say what it is and what keeps files from it, and search."""
     place, options = connection.recv()
     with _told(connection):
         method: Method = make_method(place, options)
         about = dict(name=method.name, oracle=bool(method.oracle), stochastic=bool(method.stochastic))
-        send(connection, about | {"options": dataclasses.asdict(method)})
+        send(connection, about | {"options": dataclasses.asdict(method), "kept_by": kept_by})
         while True:
             scene, budget, seed = connection.recv()
             evaluator = AskingEvaluator(connection, scene, budget, seed, bool(method.oracle))
@@ -182,7 +182,7 @@ def main(arguments: list[str]) -> None:
     if kept != ["landlock"]:
         cut = kept.index("--")
         hide_by_hook([Path(path) for path in kept[:cut]], [Path(path) for path in kept[cut + 1 :]])
-    serve(Connection(int(file)))
+    serve(Connection(int(file)), "landlock" if kept == ["landlock"] else "audit hook")
 
 
 if __name__ == "__main__":

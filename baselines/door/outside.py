@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import warnings
 import weakref
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -125,6 +126,11 @@ class _Process:
         if "invalid" in self.about:
             self.end()
             raise UserError(str(self.about["invalid"]))
+        if self.about.get("kept_by") != "landlock":
+            warnings.warn(
+                f"this system has no Landlock: Python alone keeps files from {place}, which stops no effort",
+                stacklevel=2,
+            )
 
     @property
     def has_ended(self) -> bool:

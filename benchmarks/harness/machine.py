@@ -41,7 +41,7 @@ def _find_module() -> str:
 
 
 def _name_argument(argument: str) -> str:
-    """As it was given; DIR for a folder elsewhere, there yet or not, and DIR/FILE for a file: readers have their own."""
+    """As it was given; DIR for a folder elsewhere, there yet or not, and DIR/FILE for a file there."""
     name, equals, path = argument.rpartition("=")  # "q15=FILE" too
     absolute = os.path.isabs(path)
     there = absolute or os.path.isdir(path)

@@ -115,6 +115,15 @@ def test_a_cheat_reaches_nothing_and_its_failure_is_told(tiny, tmp_path, capfd):
     assert secret.read_text() == '"the answer"' and evaluator.spent == 1.0 and not evaluator.oracle
 
 
+def test_a_system_without_landlock_is_told(tmp_path, monkeypatch):
+    (tmp_path / "all.py").write_text(ALL)
+    without = tmp_path / "without.py"
+    without.write_text(Path(sandbox.__file__).read_text().replace("if restrict(hidden, folders)", "if False"))
+    monkeypatch.setattr(sandbox, "__file__", str(without))
+    with pytest.warns(UserWarning, match="no Landlock: Python alone"):
+        assert make_method(f"{tmp_path}/all.py:All", {}, [tmp_path / "tasks"]).name == "all"
+
+
 REACH = """
 import runpy, pathlib, subprocess, sys
 door = runpy.run_path({file!r})
