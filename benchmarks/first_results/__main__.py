@@ -40,9 +40,7 @@ class Command(harness.Command):
 
     json: Path = RAW / "first-results.json"
     """File of the raw rows; those of other parts are kept."""
-    parts: tuple[Literal["sentences", "sixty", "twenty", "again", "third", "fourth", "fifth"], ...] = (
-        "sentences",
-    )
+    parts: tuple[Literal[*SETS], ...] = ("sentences",)  # pyright: ignore[reportInvalidTypeForm]
     """Sets of sentences to run; no names = run none, for the page, the sheets and the stills of earlier runs."""
     out: Path = Path("runs/first")
     """Folder for the runs."""

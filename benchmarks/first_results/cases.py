@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from benchmarks.first_results.objects import PinnedFile
+from benchmarks.first_results.pins import PinnedFile
 from physagent_jax.core.errors import UserError
 from physagent_jax.scene.presets import PresetName
 
@@ -53,6 +53,14 @@ class Thing:
                 do=f"Remove it, and fetch it by `python -m benchmarks.first_results.objects --into {path.parent}`",
             )
         return path
+
+
+def pin_things(files: Mapping[str, PinnedFile], options: Mapping[str, tuple[str, ...]]) -> dict[str, Thing]:
+    """The objects of pinned files, with the options of the command line that some of them need."""
+    return {
+        name: Thing(file.credit, file.name, options=options.get(name, ()), pinned=file)
+        for name, file in files.items()
+    }
 
 
 @dataclasses.dataclass(frozen=True)

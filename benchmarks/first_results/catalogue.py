@@ -1,7 +1,7 @@
 """The sentences, written before any of them was tried; none is taken out because it fails.
 
-There are seven sets. Those of `FIRST` have been run many times and developed with; the others are in
-`benchmarks.first_results.held_back`, `..._again`, `..._third`, `..._fourth` and `..._fifth`.
+Those of `FIRST` have been run many times and developed with; the other sets are in
+`benchmarks.first_results.held_back`.
 """
 
 from __future__ import annotations
@@ -11,13 +11,7 @@ from pathlib import Path
 
 import trimesh
 
-from benchmarks.first_results import (
-    held_back,
-    held_back_again,
-    held_back_fifth,
-    held_back_fourth,
-    held_back_third,
-)
+from benchmarks.first_results import held_back
 from benchmarks.first_results.cases import Case, Thing
 from physagent_jax.gaussians.formats.ply import write_ply
 from physagent_jax.scene.presets import PresetName
@@ -60,10 +54,6 @@ THINGS = {
         ("--up", "+z"),
     ),
     **held_back.THINGS,
-    **held_back_again.THINGS,
-    **held_back_third.THINGS,
-    **held_back_fourth.THINGS,
-    **held_back_fifth.THINGS,
 }
 
 FIRST = (
@@ -94,15 +84,7 @@ FIRST = (
 )
 
 
-SETS: Mapping[str, tuple[Case, ...]] = {
-    "sentences": FIRST,
-    "sixty": held_back.SIXTY,
-    "twenty": held_back.TWENTY,
-    "again": held_back_again.AGAIN,
-    "third": held_back_third.THIRD,
-    "fourth": held_back_fourth.FOURTH,
-    "fifth": held_back_fifth.FIFTH,
-}
+SETS: Mapping[str, tuple[Case, ...]] = {"sentences": FIRST, **held_back.SETS}
 
 
 def name_case(number: int, case: Case, group: str = "sentences") -> str:

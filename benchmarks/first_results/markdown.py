@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 
+from benchmarks.first_results import held_back
 from benchmarks.first_results.catalogue import SETS
 from benchmarks.first_results.sheets import name_sheet
 from benchmarks.first_results.totals import count_totals
@@ -36,7 +37,6 @@ _PAIRS = (
 )
 _PAIRS += ("frames",)
 
-HELD_BACK = ("sixty", "twenty", "again", "third", "fourth", "fifth")
 _UNSHOWN = frozenset(
     ("force_field", "errors", "oddities", "substeps", "particle_count", "assumptions", "frame_dt")
 )
@@ -65,7 +65,7 @@ def write_tables(result: Result, remarks: Remarks | None = None) -> Tables:
     tables["runs"] += _name_left_out(result)
     if "sentences" in result:
         tables |= _detail(result["sentences"]["rows"], remarks)
-    for group in HELD_BACK:
+    for group in held_back.SETS:
         if group in result:
             tables |= _list_pairs(group, result[group]["rows"], remarks)
     return tables
@@ -237,13 +237,13 @@ def _motion(centroid, rotation) -> str:
 
 def condense(result: Result) -> Result:
     """The sections without what no table shows; those of the sets that were held back are shown less of."""
-    held_back = {part: section for part, section in result.items() if part in HELD_BACK}
-    return drop_fields(result | drop_fields(held_back, _UNSHOWN), _NOWHERE)
+    pairs = {part: section for part, section in result.items() if part in held_back.SETS}
+    return drop_fields(result | drop_fields(pairs, _UNSHOWN), _NOWHERE)
 
 
 PAGE = Page(
     "first-results",
-    f"python -m benchmarks.first_results --parts sentences {' '.join(HELD_BACK)} --data DIR --sheets docs/images",
+    f"python -m benchmarks.first_results --parts sentences {' '.join(held_back.SETS)} --data DIR --sheets docs/images",
     write_tables,
     ("physagent_jax",),
     condense,

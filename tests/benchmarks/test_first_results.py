@@ -11,19 +11,13 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from benchmarks.first_results import (
-    held_back_again,
-    held_back_fifth,
-    held_back_fourth,
-    held_back_third,
-    markdown,
-    objects,
-)
+from benchmarks.first_results import markdown, pins
 from benchmarks.first_results.__main__ import ROOT, Command, hide_folders
 from benchmarks.first_results.catalogue import FIRST, KINDS, SETS, THINGS, name_case, name_cases
-from benchmarks.first_results.objects import FILES, PinnedFile, collect
+from benchmarks.first_results.held_back import FILES
 from benchmarks.first_results.objects import main as fetch_objects
 from benchmarks.first_results.oddities import find_pieces, pieces, simulation
+from benchmarks.first_results.pins import PinnedFile, collect
 from benchmarks.first_results.sheets import (
     FRAMES,
     MOST_BYTES,
@@ -123,9 +117,7 @@ def test_crushed_matter_stopped_particles_and_redone_frames_are_told():
 
 def test_the_sentences_are_many_different_and_of_every_kind():
     assert len(FIRST) == 24 and len({case.sentence for case in FIRST}) == 24
-    assert (
-        set(Counter(case.thing for case in FIRST).values()) == {3} and len(THINGS) == 8 + 23 + 5 + 5 + 5 + 5
-    )
+    assert set(Counter(case.thing for case in FIRST).values()) == {3} and len(THINGS) == 8 + len(FILES)
     assert Counter(case.preset for case in FIRST) == {PresetName.FAST: 16, PresetName.PAPER: 8}
     assert {kind for cases in SETS.values() for case in cases for kind in case.kinds.split()} == KINDS
     assert name_case(7, FIRST[6]) == "07-plant" and list(name_cases("sixty"))[0] == "sixty-01-teapot"
@@ -147,10 +139,7 @@ def test_pairs_that_were_held_back_are_as_they_were_written(group, pairs, things
     cases = SETS[group]
     told = [(case.thing, case.sentence, case.preset.value, case.options) for case in cases]
     named = dict.fromkeys(case.thing for case in cases)
-    pins = (
-        FILES | held_back_again.FILES | held_back_third.FILES | held_back_fourth.FILES | held_back_fifth.FILES
-    )
-    files = [(name, pins[name].name, pins[name].sha256, THINGS[name].options) for name in named]
+    files = [(name, FILES[name].name, FILES[name].sha256, THINGS[name].options) for name in named]
     assert hashlib.sha256(repr((told, files)).encode()).hexdigest()[:16] == digest
     assert len({case.sentence for case in cases}) == pairs and len({case.thing for case in cases}) == things
     assert all(case.preset is PresetName.FAST and not case.options for case in cases)
@@ -161,7 +150,11 @@ def test_the_sixty_have_parts_and_materials_and_the_sets_share_no_object():
     assert kinds["part"] >= 15 and kinds["material"] >= 10
     named = [{case.thing for case in cases} for cases in SETS.values()]
     assert sum(map(len, named)) == len(set.union(*named))
-    assert len({file.sha256 for file in FILES.values()}) == len({file.name for file in FILES.values()}) == 23
+    assert (
+        len({file.sha256 for file in FILES.values()})
+        == len({file.name for file in FILES.values()})
+        == len(FILES)
+    )
 
 
 @pytest.fixture
@@ -197,7 +190,7 @@ def test_a_download_is_kept_only_if_it_is_what_was_pinned(content, message, tmp_
     if content is not None:
         (tmp_path / "commit").mkdir()
         (tmp_path / "commit" / "ball.obj").write_bytes(content)
-    monkeypatch.setattr(objects, "_SITE", tmp_path.as_uri() + "/")
+    monkeypatch.setattr(pins, "_SITE", tmp_path.as_uri() + "/")
     file = dataclasses.replace(pin(), folder="commit")
     if message is None:
         assert collect([file], tmp_path / "into")[0].read_bytes() == b"a mesh"

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from benchmarks.first_results.cases import Case, Thing
-from benchmarks.first_results.held_back_fourth import LIBIGL, NEEDLE, STATUES
-from benchmarks.first_results.objects import PinnedFile
+from benchmarks.first_results.cases import Case, pin_things
+from benchmarks.first_results.held_back.fourth import LIBIGL, NEEDLE, STATUES
+from benchmarks.first_results.pins import PinnedFile
 
 FILES: Mapping[str, PinnedFile] = {
     "camel": PinnedFile(
@@ -46,12 +46,9 @@ _OPTIONS = {
     "saint": ("--up", "-y"),
 }  # the files do not tell; pictures show each upright
 
-THINGS = {
-    name: Thing(file.credit, file.name, options=_OPTIONS.get(name, ()), pinned=file)
-    for name, file in FILES.items()
-}
+THINGS = pin_things(FILES, _OPTIONS)
 
-FIFTH = (
+_PAIRS = (
     Case("camel", "press the camel's hump down until it is nearly flat", "squeeze part"),
     Case("camel", "slowly bend the camel's neck down as if it were drinking", "bend part slight"),
     Case("camel", "a camel made of soft dough sags until its belly touches the ground", "material part"),
@@ -81,3 +78,5 @@ FIFTH = (
     Case("saint", "bend a rubber saint forward until his face is over his book", "bend material part"),
     Case("saint", "push the pedestal gently to the left and then back again", "push part slight sequence"),
 )
+
+SETS = {"fifth": _PAIRS}

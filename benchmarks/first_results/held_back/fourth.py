@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from benchmarks.first_results.cases import Case, Thing
-from benchmarks.first_results.objects import PinnedFile
+from benchmarks.first_results.cases import Case, pin_things
+from benchmarks.first_results.pins import PinnedFile
 
 LIBIGL = "libigl/libigl-tutorial-data/c1f9ede366d02e3531ecbaec5e3769312f31cccd"
 NEEDLE = "needle-tools/needle-engine-samples/a623e96180099bc7a1c494ec17157843540c68b7/package/Runtime"
@@ -54,12 +54,9 @@ _OPTIONS = {  # neither an OBJ nor a SOG tells; pictures show each upright
     "trumpeter": ("--up", "-y"),
 }
 
-THINGS = {
-    name: Thing(file.credit, file.name, options=_OPTIONS.get(name, ()), pinned=file)
-    for name, file in FILES.items()
-}
+THINGS = pin_things(FILES, _OPTIONS)
 
-FOURTH = (
+_PAIRS = (
     Case("elephant", "the elephant swings its trunk from side to side", "sway part"),
     Case("elephant", "the elephant hops twice on the spot", "jump quantity"),
     Case("elephant", "shove the elephant so that it falls on its back", "push tip"),
@@ -81,3 +78,5 @@ FOURTH = (
     Case("trumpeter", "push the statue's head forward", "push part"),
     Case("trumpeter", "the statue wobbles for a moment and then stands still", "sway stillness sequence"),
 )
+
+SETS = {"fourth": _PAIRS}

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from benchmarks.first_results.cases import Case, Thing
-from benchmarks.first_results.objects import PinnedFile
+from benchmarks.first_results.cases import Case, pin_things
+from benchmarks.first_results.pins import PinnedFile
 
 BEVY = "bevyengine/bevy/4805ca792c3e94eef07afd6fa9a2712f388c9a67/assets/models"
 WEB_COMPONENTS = "playcanvas/web-components"
@@ -45,12 +45,9 @@ FILES: Mapping[str, PinnedFile] = {
 
 _OPTIONS = {"angel": ("--up", "+y")}  # a PLY does not tell; a preview shows it upright
 
-THINGS = {
-    name: Thing(file.credit, file.name, options=_OPTIONS.get(name, ()), pinned=file)
-    for name, file in FILES.items()
-}
+THINGS = pin_things(FILES, _OPTIONS)
 
-AGAIN = (
+_PAIRS = (
     Case("fox", "the fox swishes its tail from side to side", "sway part"),
     Case("fox", "push the fox's head down", "push part"),
     Case("fox", "roll the fox over onto its back", "roll"),
@@ -72,3 +69,5 @@ AGAIN = (
     Case("angel", "tilt the angel a little to the left, then let it rock back", "tip sway slight sequence"),
     Case("angel", "hit the angel on the head", "hit part"),
 )
+
+SETS = {"again": _PAIRS}
