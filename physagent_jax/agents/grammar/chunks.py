@@ -17,7 +17,7 @@ Entry = tuple[tuple[str, ...], MentionKind, object]
 
 @dataclasses.dataclass(frozen=True)
 class Node:
-    """What may follow the words of a phrase: a trie, as one verb begins some 1,500 of them.
+    """The words that may follow those of a phrase: a trie, as one verb begins some 1,500 of them.
 
     Attributes:
         entries: The phrases that end here, with their place in the order of the tables.
