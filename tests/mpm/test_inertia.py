@@ -33,6 +33,9 @@ from physagent_jax.mpm.materials import viscous_stress
 from tests.mpm.blocks import block
 from tests.mpm.test_kernels import GRID, TOLERANCE, close, cloud, pulls_equal
 
+# Small scenes, whose programs take longer to compile than to run.
+pytestmark = pytest.mark.usefixtures("least_optimised")
+
 UP, FOREVER = jnp.array([0.0, 0.0, 1.0]), jnp.asarray(1e9)
 SHARP = Sharpened(0.2)
 
