@@ -1,7 +1,7 @@
 """Pairs on a sixth lot of objects that nothing was developed with, written before any was run, and never changed.
 
-Somebody wrote them who had seen pictures of the objects, and neither the code nor the sentences before: what most people
-would try first, with a part in a quarter of them and a material in a fifth, as among the sixty.
+A language model wrote them that had seen pictures of the objects, and neither the code nor the sentences before: what
+most people would try first, with a part in a quarter of them and a material in a fifth, as among the sixty.
 """
 
 from __future__ import annotations
