@@ -111,6 +111,7 @@ class Part(Strict):
     Attributes:
         name: What the file or a person calls it; empty = nobody has named it.
         origin: What told of it.
+        stands_for: What the object itself calls the part, where its name is that of a sentence; else empty.
         label: What people are told that it is, with its place: "left arm"; empty until the viewer is known.
         seated: Whether it is a piece of its own that sits on the rest with a broad face, as a lid does: it moves
             as a whole, and about its own middle. Others turn about their joint.
@@ -133,6 +134,7 @@ class Part(Strict):
 
     name: Annotated[str, Field(max_length=MOST_LETTERS)] = ""
     origin: PartOrigin = "shape"
+    stands_for: Annotated[str, Field(max_length=2 * MOST_LETTERS)] = ""
     label: Annotated[str, Field(max_length=200)] = ""
     seated: bool = False
     roles: tuple[PartRole, ...] = ()
@@ -167,6 +169,7 @@ def list_parts(parts: Sequence[Part]) -> str:
     told = [
         f"{index} {part.label or part.name or part.roles[0]}{' (unsure)' if part.unsure else ''}"
         for index, part in enumerate(parts, 1)
+        if not part.stands_for
     ]
     return ", ".join(told) or "none"
 

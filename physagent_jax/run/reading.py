@@ -14,6 +14,7 @@ from physagent_jax.motion.holds import Hold, HoldOrigin, describe_release, find_
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, SceneBrief, WorldRequest
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.holding import UP
+from physagent_jax.run.postures import list_acted
 from physagent_jax.run.resolve import LET_GO, ResolvedRun
 from physagent_jax.run.sentence_material import tell_material
 from physagent_jax.scene.body import Body
@@ -56,7 +57,16 @@ def read_for_scene(run: ResolvedRun, body: Body, ask: Ask) -> Reply[SemanticRepl
         context = dataclasses.replace(context, brief=describe(_let_go(release)))
         reading = read_let_go(reading, release, context, ask)
     told = tell_material(run.spec.prompt, context.brief, run.spec.material, reading.value)
-    return Reply(told, reading.trace)
+    return Reply(_tell_parts(told, run.spec.prompt or "", context.brief), reading.trace)
+
+
+def _tell_parts(reply: SemanticReply, prompt: str, brief: SceneBrief) -> SemanticReply:
+    """The reply that asks for no part which tells a posture alone, and says which part a word is taken to mean."""
+    acted = [brief.parts[each.limb] for each in reply.expectations if each.limb is not None]
+    taken = [f"'{part.name}' is taken to be '{part.stands_for}'." for part in acted if part.stands_for]
+    unknown = list_acted(reply.unknown_parts, prompt)
+    notes = dict.fromkeys((*reply.notes, *taken))
+    return reply.model_copy(update=dict(unknown_parts=unknown, notes=tuple(notes)))
 
 
 def place_for_field(run: ResolvedRun, body: Body, field: ForceField) -> tuple[SceneTemplate, tuple[str, ...]]:

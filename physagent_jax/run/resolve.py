@@ -26,6 +26,7 @@ from physagent_jax.run.provenance import hash_settings
 from physagent_jax.run.rigidity import RIGID_NOTE, STIFF_NOTE, is_hard, is_stiffened, keeps_shape, make_rigid
 from physagent_jax.run.sentence_material import SaidMaterial, choose_said_material
 from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
+from physagent_jax.run.postures import strip_postures
 from physagent_jax.run.unknown_parts import UnknownPartError
 from physagent_jax.run.up_axis import UPRIGHT, explain_up, find_up
 from physagent_jax.scene.anchor import MASK_BYTES
@@ -38,7 +39,7 @@ from physagent_jax.scene.config.material import MODEL_PARAMETERS
 from physagent_jax.scene.config.photo import ELEVATION
 from physagent_jax.scene.load import hash_file, is_photo
 from physagent_jax.scene.part_view import find_part_motion, turn_to_parts
-from physagent_jax.scene.parts import Frame, find_places
+from physagent_jax.scene.parts import Frame, find_aliases, find_places
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import (
     PRIORS,
@@ -97,8 +98,10 @@ class ResolvedRun:
         """
         table = find_viewer_directions(self.template.camera)
         viewer = Frame(toward=np.asarray(table["toward"]), right=np.asarray(table["right"]))
-        words = split_name(self.spec.prompt or "")
-        return (*body.parts, *find_places(body.shape, body.parts, words, self.template.source.name, viewer))
+        prompt, name = strip_postures(self.spec.prompt or ""), self.template.source.name
+        aliases = find_aliases(body.shape, body.parts, prompt, name, viewer.toward)
+        known = (*body.parts, *aliases)
+        return (*known, *find_places(body.shape, known, split_name(prompt), name, viewer))
 
     def place_for_agents(self, body: Body, reply: SemanticReply | None = None) -> SceneTemplate:
         """The scene as `place` has it but for the stiffness, which agents are not told.

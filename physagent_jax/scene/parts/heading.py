@@ -1,0 +1,59 @@
+"""The way in which a vehicle looks: by the ends that its file names, else by where it is low.
+
+A car, a truck and a jeep have a hood in front of the cab, and are lower there (PartNet's and PACO's cars have no part at
+the back that is as long and as low). What is as high at both ends is not told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from physagent_jax.forces.part import Part, split_name
+
+_FRONT = frozenset("front hood bonnet headlight windshield windscreen grill grille steering bow nose".split())
+_REAR = frozenset("rear back tail taillight trunk exhaust stern spare".split())
+_SLICES = 20  # along its length
+_LOW = 0.72  # of the height, below which a slice is low
+_MORE = 2  # slices by which the low part in front is longer than that at the back, at least
+_LONG = 1.15  # length over breadth, at least
+_APART = 0.1  # of the length, between the middles of what is named in front and behind
+
+
+def find_heading(points: np.ndarray, parts: Sequence[Part]) -> tuple[np.ndarray, float] | None:
+    """The level way in which a vehicle looks, and the chance that it is so; None if nothing tells it.
+
+    Args:
+        points: Particles at rest, z up [m], shape (n, 3).
+        parts: Parts of it; names tell for certain.
+
+    Returns:
+        A unit vector along an axis, shape (3,), and the chance.
+    """
+    size = np.ptp(points, axis=0)
+    sides = [
+        np.mean(
+            [part.side for part in parts if part.name and words & {*split_name(part.name)}] or [np.zeros(3)],
+            0,
+        )
+        for words in (_FRONT, _REAR)
+    ]
+    told = sides[0] - sides[1]
+    if float(np.hypot(*told[:2])) > _APART and np.any([part.name for part in parts]):
+        axis = int(np.abs(told[:2]).argmax())
+        return np.eye(3)[axis] * np.sign(told[axis]), 1.0
+    axis = int(size[:2].argmax())
+    if size[axis] < _LONG * size[1 - axis]:
+        return None
+    along = (points[:, axis] - points[:, axis].min()) / max(float(size[axis]), 1e-12)
+    index = np.minimum((along * _SLICES).astype(int), _SLICES - 1)
+    tops = np.full(_SLICES, points[:, 2].min())
+    np.maximum.at(tops, index, points[:, 2])
+    low = (tops - points[:, 2].min()) < _LOW * size[2]
+    if low.all():
+        return None
+    before, behind = int(low[::-1].argmin()), int(low.argmin())  # slices that are low at either end
+    if abs(before - behind) < _MORE:
+        return None
+    return np.eye(3)[axis] * np.sign(before - behind), 0.7
