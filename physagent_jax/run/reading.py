@@ -11,6 +11,7 @@ from physagent_jax.agents.trace import Reply
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.holds import Hold, HoldOrigin, describe_release, find_leaving, needs_weight
+from physagent_jax.motion.parts import explain_missing
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, SceneBrief, WorldRequest
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.holding import UP
@@ -65,8 +66,16 @@ def _tell_parts(reply: SemanticReply, prompt: str, brief: SceneBrief) -> Semanti
     acted = [brief.parts[each.limb] for each in reply.expectations if each.limb is not None]
     taken = [f"'{part.name}' is taken to be '{part.stands_for}'." for part in acted if part.stands_for]
     unknown = list_acted(reply.unknown_parts, prompt)
-    notes = dict.fromkeys((*reply.notes, *taken))
-    return reply.model_copy(update=dict(unknown_parts=unknown, notes=tuple(notes)))
+    idle = [explain_missing(word, brief.parts) for word in reply.unknown_parts if word not in unknown]
+    told = dict(
+        unknown_parts=unknown,
+        notes=tuple(dict.fromkeys((*reply.notes, *taken))),
+        unsure=tuple(each for each in reply.unsure if each not in idle),
+        not_understood=tuple(
+            each for each in reply.not_understood if each in unknown or each not in reply.unknown_parts
+        ),
+    )
+    return reply.model_copy(update=told)
 
 
 def place_for_field(run: ResolvedRun, body: Body, field: ForceField) -> tuple[SceneTemplate, tuple[str, ...]]:

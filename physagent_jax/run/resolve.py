@@ -99,9 +99,9 @@ class ResolvedRun:
         table = find_viewer_directions(self.template.camera)
         viewer = Frame(toward=np.asarray(table["toward"]), right=np.asarray(table["right"]))
         prompt, name = strip_postures(self.spec.prompt or ""), self.template.source.name
-        aliases = find_aliases(body.shape, body.parts, prompt, name, viewer.toward)
-        known = (*body.parts, *aliases)
-        return (*known, *find_places(body.shape, known, split_name(prompt), name, viewer))
+        known = (*body.parts, *find_aliases(body.shape, body.parts, prompt, name, viewer.toward))
+        places = find_places(body.shape, known, split_name(prompt), name, viewer)
+        return (*known, *places, *find_aliases(body.shape, places, prompt, name, viewer.toward))
 
     def place_for_agents(self, body: Body, reply: SemanticReply | None = None) -> SceneTemplate:
         """The scene as `place` has it but for the stiffness, which agents are not told.

@@ -46,6 +46,11 @@ def find(parts, sentence, name="thing"):
             "spin the tyres",
             {"left front tyres": "front left wheel", "right front tyres": "front right wheel"},
         ),
+        (
+            ("back left wheel", "back right wheel"),
+            "spin the rear wheels",
+            {"rear wheels": "back right wheel"},
+        ),
         (("hood", "roof"), "press the hood down", {}),
         (("rotor", "fan"), "turn the blade", {}),  # one is as likely as the other
         (("steering wheel", "hood"), "turn the tyres", {}),
@@ -88,6 +93,18 @@ def test_a_plain_adjective_needs_parts_that_differ():
     alike = (one, one.model_copy(update=dict(name="wheel 2")))
     assert find(alike, "turn the big wheel") == {}
     assert find(make_parts("wheel 1", "x", "y", "wheel 2"), "turn the big wheel") == {"big wheel": "wheel 2"}
+
+
+def test_one_of_several_is_the_longest_and_all_on_a_side_are_taken():
+    limbs = make_parts(*[""] * 4, roles=("side",))
+    for phrase in ("one of the leaves", "a leaf"):
+        (alias,) = find_aliases(POINTS, limbs, f"bend {phrase} down", "plant", TOWARD)
+        assert alias.name == phrase.split()[-1] and alias.moved == limbs[3].moved
+    assert find(limbs, "bend the leaves down", "plant") == {}
+    wheels = make_parts("front left wheel", "front right wheel", "rear left wheel", "rear right wheel")
+    taken = find_aliases(POINTS, wheels, "spin the front wheels", "car", TOWARD)
+    assert [each.name for each in taken] == ["front wheels"] * 2
+    assert find(wheels, "spin the wheels", "car") == {}
 
 
 def test_words_that_mean_more_are_a_files_alone():

@@ -85,6 +85,13 @@ def find_aliases(
                 phrase = " ".join(words[start : at + 1])
                 found.setdefault(phrase, _rename(parts, chosen, phrase))
                 continue
+        if sided := _find_sided(parts, words, at):
+            side = " ".join((words[at - 1], said))
+            found |= {f"{side} {k}": _rename(parts, k, side) for k in sided}
+            continue
+        if (single := _find_single(points, parts, words, at)) is not None:
+            found.setdefault(said, _rename(parts, single, said))
+            continue
         if any(_drop_number(part)[-1:] in ([said], [said.removesuffix("s")]) for part in parts):
             continue
         first = words[at - 1] if _is_compound(words, at, own) else ""
@@ -132,6 +139,28 @@ def _find_adjective(words: Sequence[str], at: int) -> int | None:
     """The place of an adjective that compares, before a noun and its other adjectives."""
     places = range(at - 1, max(at - 2 - _BETWEEN, -1), -1)
     return next((k for k in places if words[k] in _read_comparisons()), None)
+
+
+def _find_sided(parts: Sequence[Part], words: Sequence[str], at: int) -> list[int]:
+    """Places of the parts of a kind on a side that a sentence names by that alone: "the rear wheels" of four."""
+    side = words[at - 1] if at else ""
+    like = next((each for each in _read("choices")["sides"] if side in each.split()), side).split()
+    named = [k for k in _list_candidates(parts, _get_singular(words[at])) if parts[k].name]
+    there = [k for k in named if not {*like}.isdisjoint(split_name(parts[k].name))]
+    return (
+        there
+        if like and any(len(_find_rest(parts[k])[0]) > 1 or side not in parts[k].name for k in there)
+        else []
+    )
+
+
+def _find_single(points: np.ndarray, parts: Sequence[Part], words: Sequence[str], at: int) -> int | None:
+    """The longest limb that may be "a leaf", "one of the branches" or the like; None if that is not said."""
+    noun, before = _get_singular(words[at]), words[max(at - 3, 0) : at]
+    single = before[-1:] and before[-1] in ("a", "one", "single") or list(before[:2]) == ["one", "of"]
+    if not single or noun not in next(iter(_read("choices")["limbs"])).split():
+        return None
+    return _choose(points, parts, _list_candidates(parts, noun, limbs=True), "longest", np.zeros(3))
 
 
 def _list_candidates(parts: Sequence[Part], noun: str, *, limbs: bool = False) -> list[int]:

@@ -33,7 +33,7 @@ _LAID = 0.5  # of its height, along which a limb touches the body that it lies o
 _HELD = 0.6  # share of a limb that lies in a region, from which on it is what is meant
 _FEWEST = 24  # particles of a region
 _MOST, _DECK = 0.5, 0.95  # share of the object, and of a table that is its top
-_BASED = 0.3  # share of the object, above which what is on top is a figure on its base
+_BASED = 0.3  # length over the object's, above which what is on top is no head but a figure on its base
 _WIDE = ("face", "main", "tower")  # parents that may be nearly all of the object
 _ENDS = frozenset("bow stern toe heel tip grip bottom blade".split())  # of the main body itself
 _BEARING = frozenset(("leg", "stem"))  # what a tower stands on is part of it
@@ -60,8 +60,8 @@ def read_places() -> dict[str, dict[str, Any]]:
 
 
 def is_figure_on_base(part: Part) -> bool:
-    """Return whether a part on top is so large that it is a figure, and what it stands on its base."""
-    return part.roles[:1] == ("top",) and part.share > _BASED
+    """Return whether a part on top is so high that it is a figure, and what it stands on its base."""
+    return part.roles[:1] == ("top",) and abs(part.arm[2]) > _BASED
 
 
 @dataclasses.dataclass(frozen=True)
@@ -113,7 +113,8 @@ class Regions:
 
     def _find_vehicle(self, word: str, row: dict[str, Any]) -> list[Part]:
         """The regions of what has wheels; a word for one at either end means both."""
-        told = None if self._is_figure() else find_heading(self.points, self.parts)
+        animal = self._count("head") and self._count("leg")
+        told = None if animal else find_heading(self.points, self.parts)
         if told is None:
             return []
         own = dataclasses.replace(self, heading=told[0])
@@ -175,7 +176,8 @@ class Regions:
         if of == "whole":
             return [(every, None)]
         if of in ("main", "tower"):
-            return [] if self._is_figure() else [(self._find_main(bearing=of == "tower"), None)]
+            thing = of == "tower" or not self._is_figure()
+            return [(self._find_main(bearing=of == "tower"), None)] if thing else []
         if of in _DECKS:
             mask = ~every if self._deck is None else getattr(self._deck, of)
             return [(mask, None)] if mask.any() else []
