@@ -100,7 +100,11 @@ class ResolvedRun:
         viewer = Frame(toward=np.asarray(table["toward"]), right=np.asarray(table["right"]))
         prompt, name = strip_postures(self.spec.prompt or ""), self.template.source.name
         known = (*body.parts, *find_aliases(body.shape, body.parts, prompt, name, viewer.toward))
-        places = find_places(body.shape, known, split_name(prompt), name, viewer)
+        named = {
+            word for part in known if part.stands_for and " " in part.name for word in split_name(part.name)
+        }
+        words = [word for word in split_name(prompt) if word not in named]
+        places = find_places(body.shape, known, words, name, viewer)
         return (*known, *places, *find_aliases(body.shape, places, prompt, name, viewer.toward))
 
     def place_for_agents(self, body: Body, reply: SemanticReply | None = None) -> SceneTemplate:

@@ -51,6 +51,11 @@ def find(parts, sentence, name="thing"):
             "spin the rear wheels",
             {"rear wheels": "back right wheel"},
         ),
+        (
+            ("back wheel", "front wheel"),
+            "the back tyre spins",
+            {"back tyre": "back wheel", "front tyre": "front wheel"},
+        ),
         (("hood", "roof"), "press the hood down", {}),
         (("rotor", "fan"), "turn the blade", {}),  # one is as likely as the other
         (("steering wheel", "hood"), "turn the tyres", {}),
@@ -105,6 +110,35 @@ def test_one_of_several_is_the_longest_and_all_on_a_side_are_taken():
     taken = find_aliases(POINTS, wheels, "spin the front wheels", "car", TOWARD)
     assert [each.name for each in taken] == ["front wheels"] * 2
     assert find(wheels, "spin the wheels", "car") == {}
+
+
+def test_the_tallest_tree_of_trees_is_one_of_them():
+    trees = make_parts(*[""] * 4, roles=("spike",))
+    (alias,) = find_aliases(POINTS, trees, "bend the tallest tree", "tall trees", TOWARD)
+    assert alias.moved == trees[3].moved
+
+
+def make_limb(role, side):
+    part = make_parts("")[0]
+    return part.model_copy(update=dict(roles=(role,), side=side))
+
+
+def test_wings_before_each_other_are_left_and_right_as_it_flies():
+    """It flies to the viewer's right: its left wing is the far one."""
+    plane = (make_limb("wing", (0, 1, 0)), make_limb("wing", (0, -1, 0)), make_limb("nose", (1, 0, 0)))
+    for word, index in (("left", 0), ("right", 1)):
+        (alias,) = find_aliases(POINTS, plane, f"bend the {word} wing up", "plane", TOWARD)
+        assert (alias.name, alias.side) == (f"{word} wing", plane[index].side)
+    seen = (make_limb("wing", (-1, 0, 0)), make_limb("wing", (1, 0, 0)), make_limb("nose", (0, -1, 0)))
+    assert find_aliases(POINTS, seen, "bend the left wing up", "plane", TOWARD) == ()  # the viewer's own left
+
+
+def test_the_flat_pair_of_what_has_a_trunk_is_its_ears():
+    limbs = (make_limb("wing", (1, 0, 0)), make_limb("wing", (-1, 0, 0)), make_limb("nose", (0, -1, 0)))
+    assert [each.name for each in find_aliases(POINTS, limbs, "flap its ears", "elephant", TOWARD)] == [
+        "ears"
+    ] * 2
+    assert find_aliases(POINTS, limbs[:2], "flap its ears", "bird", TOWARD) == ()
 
 
 def test_words_that_mean_more_are_a_files_alone():

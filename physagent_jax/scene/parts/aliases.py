@@ -29,6 +29,8 @@ _CLEAR = (
     1.15  # times as much of what is compared the plain adjective's part must have: "the big wheel" of two
 )
 _LIMB = 0.35  # share of the object, above which what sticks out is no leaf
+_BEHIND = 0.7  # cosine to the line of sight, above which of two limbs none is on the viewer's left
+_FRONTS = frozenset(("head", "nose", "bow"))
 _PLAIN = frozenset("long short stubby big large thick fat tiny small thin".split())
 
 
@@ -73,33 +75,43 @@ def find_aliases(
     """
     words = [word.lower() for word in _WORD.findall(sentence)]
     own = {_get_singular(word) for word in split_name(name)}
-    found: dict[str, Part] = {}
-    for at, said in enumerate(words):
-        noun = _get_singular(said)
-        if noun in own or at + 1 < len(words) and _is_compound(words, at + 1, own):
-            continue
-        start = _find_adjective(words, at)
-        if start is not None:
-            chosen = _choose(points, parts, _list_candidates(parts, noun, limbs=True), words[start], toward)
-            if chosen is not None:
-                phrase = " ".join(words[start : at + 1])
-                found.setdefault(phrase, _rename(parts, chosen, phrase))
-                continue
-        if sided := _find_sided(parts, words, at):
-            side = " ".join((words[at - 1], said))
-            found |= {f"{side} {k}": _rename(parts, k, side) for k in sided}
-            continue
-        if (single := _find_single(points, parts, words, at)) is not None:
-            found.setdefault(said, _rename(parts, single, said))
-            continue
-        if any(_drop_number(part)[-1:] in ([said], [said.removesuffix("s")]) for part in parts):
-            continue
-        first = words[at - 1] if _is_compound(words, at, own) else ""
-        for index in _list_candidates(parts, noun):
-            before, after = _find_rest(parts[index])
-            alias = " ".join(each for each in (*before, first, said, *after) if each)
-            found.setdefault(alias, _rename(parts, index, alias))
-    return tuple(found.values())
+    told = [pair for at in range(len(words)) for pair in _find_at(points, parts, words, at, own, toward)]
+    return tuple(_rename(parts, index, phrase) for phrase, index in dict.fromkeys(told))
+
+
+def _find_at(
+    points: np.ndarray,
+    parts: Sequence[Part],
+    words: Sequence[str],
+    at: int,
+    own: set[str],
+    toward: np.ndarray,
+) -> list[tuple[str, int]]:
+    """The phrases that end with a word, each with the place of the part that it means."""
+    said, noun, start = words[at], _get_singular(words[at]), _find_adjective(words, at)
+    if noun in own and start is None or at + 1 < len(words) and _is_compound(words, at + 1, own):
+        return []
+    if start is not None:
+        chosen = _choose(points, parts, _list_candidates(parts, noun, limbs=True), words[start], toward)
+        if chosen is not None:
+            return [(" ".join(words[start : at + 1]), chosen)]
+    pair = " ".join(words[max(at - 1, 0) : at + 1])
+    if sided := _find_sided(parts, words, at):
+        return [(pair, index) for index in sided]
+    if noun in own:
+        return []
+    if (limb := _find_own_side(parts, words, at, toward)) is not None:
+        return [(pair, limb)]
+    if (single := _find_single(points, parts, words, at)) is not None:
+        return [(said, single)]
+    if any(_drop_number(part)[-1:] in ([said], [said.removesuffix("s")]) for part in parts):
+        return []
+    first = words[at - 1] if _is_compound(words, at, own) else ""
+    found = []
+    for index in _list_candidates(parts, noun):
+        before, after = _find_rest(parts[index])
+        found.append((" ".join(each for each in (*before, first, said, *after) if each), index))
+    return found
 
 
 def _get_singular(word: str) -> str:
@@ -132,7 +144,8 @@ def _is_known(word: str) -> bool:
 def _is_compound(words: Sequence[str], at: int, own: set[str]) -> bool:
     """Return whether a word and the one before it are one name: "tail vane"."""
     pair = [_get_singular(word) for word in words[max(at - 1, 0) : at + 1]]
-    return len(pair) == 2 and own.isdisjoint(pair) and all(map(_is_known, pair)) and pair[0] == words[at - 1]
+    known = len(pair) == 2 and own.isdisjoint(pair) and SIDES.isdisjoint(pair) and all(map(_is_known, pair))
+    return known and pair[0] == words[at - 1]
 
 
 def _find_adjective(words: Sequence[str], at: int) -> int | None:
@@ -152,6 +165,23 @@ def _find_sided(parts: Sequence[Part], words: Sequence[str], at: int) -> list[in
         if like and any(len(_find_rest(parts[k])[0]) > 1 or side not in parts[k].name for k in there)
         else []
     )
+
+
+def _find_own_side(parts: Sequence[Part], words: Sequence[str], at: int, toward: np.ndarray) -> int | None:
+    """The left or the right one of two limbs that lie before each other, as what has a front has them; else None."""
+    roles = _read_limbs().get(_get_singular(words[at]), ())
+    pair = [
+        k for role in roles for k, each in enumerate(parts) if each.roles[:1] == (role,) and not each.name
+    ]
+    fronts = [np.asarray(each.side) for each in parts if not _FRONTS.isdisjoint(each.roles[:1])]
+    if at == 0 or words[at - 1] not in ("left", "right") or len(pair) != 2 or len(fronts) != 1:
+        return None
+    left = np.cross((0.0, 0.0, 1.0), fronts[0])
+    places = [float(np.asarray(parts[k].side) @ left) for k in pair]
+    depths = [abs(float(np.asarray(parts[k].side) @ toward)) for k in pair]
+    if min(depths) < _BEHIND or places[0] * places[1] > 0:
+        return None
+    return pair[int(np.argmax(places) if words[at - 1] == "left" else np.argmin(places))]
 
 
 def _find_single(points: np.ndarray, parts: Sequence[Part], words: Sequence[str], at: int) -> int | None:
@@ -176,6 +206,11 @@ def _list_candidates(parts: Sequence[Part], noun: str, *, limbs: bool = False) -
     found = [k for k, each in enumerate(parts) if not each.name and each.roles[:1] == (alone,)]
     if len(found) == 1:
         return found
+    shown = {role for each in parts for role in each.roles[:1]}
+    for role, beside in _read("choices")["beside"].get(noun, {}).items():
+        found = [k for k, each in enumerate(parts) if not each.name and each.roles[:1] == (role,)]
+        if len(found) == 2 and beside in shown and noun not in shown:
+            return found
     roles = _read_limbs().get(noun, ()) if limbs else ()
     found = [k for k, each in enumerate(parts) if not each.name and {*roles} & {*each.roles[:1]}]
     return [k for k in found if parts[k].share < _LIMB]

@@ -1,7 +1,6 @@
-"""The way in which a vehicle looks: by the ends that its file names, else by where it is low.
+"""The way in which a vehicle looks: by the ends that its file names or its shape shows, else by where it is low.
 
-A car, a truck and a jeep have a hood in front of the cab, and are lower there (PartNet's and PACO's cars have no part at
-the back that is as long and as low). What is as high at both ends is not told.
+A car has a hood in front of the cab, and is lower there. What is as high at both ends is not told.
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ _SLICES = 20  # along its length
 _LOW = 0.72  # of the height, below which a slice is low
 _MORE = 2  # slices by which the low part in front is longer than that at the back, at least
 _LONG = 1.15  # length over breadth, at least
+_SHOWN, _LOWER = 0.8, 0.7  # chances that a nose or a tail, or a low end, tells the front
 _APART = 0.1  # of the length, between the middles of what is named in front and behind
 
 
@@ -33,16 +33,14 @@ def find_heading(points: np.ndarray, parts: Sequence[Part]) -> tuple[np.ndarray,
     """
     size = np.ptp(points, axis=0)
     sides = [
-        np.mean(
-            [part.side for part in parts if part.name and words & {*split_name(part.name)}] or [np.zeros(3)],
-            0,
-        )
+        np.mean([p.side for p in parts if words & {*split_name(p.name), *p.roles[:1]}] or [np.zeros(3)], 0)
         for words in (_FRONT, _REAR)
     ]
     told = sides[0] - sides[1]
-    if float(np.hypot(*told[:2])) > _APART and np.any([part.name for part in parts]):
-        axis = int(np.abs(told[:2]).argmax())
-        return np.eye(3)[axis] * np.sign(told[axis]), 1.0
+    if float(np.hypot(*told[:2])) > _APART:
+        axis, ends = int(np.abs(told[:2]).argmax()), _FRONT | _REAR
+        named = any(ends & {*split_name(part.name)} for part in parts)
+        return np.eye(3)[axis] * np.sign(told[axis]), 1.0 if named else _SHOWN
     axis = int(size[:2].argmax())
     if size[axis] < _LONG * size[1 - axis]:
         return None
@@ -56,4 +54,4 @@ def find_heading(points: np.ndarray, parts: Sequence[Part]) -> tuple[np.ndarray,
     before, behind = int(low[::-1].argmin()), int(low.argmin())  # slices that are low at either end
     if abs(before - behind) < _MORE:
         return None
-    return np.eye(3)[axis] * np.sign(before - behind), 0.7
+    return np.eye(3)[axis] * np.sign(before - behind), _LOWER

@@ -197,12 +197,13 @@ class Regions:
             body = ~np.logical_or.reduce([~every, *limbs])
             figure = upright or self._is_figure()
             return [(body, None)] if figure and body.any() else []
+        snout, of = of == "head", of.replace("skull", "head")
         if of == "head" and self._count("handle"):
             return []  # a hammer's head has no face
         found = [(mask, part) for mask, part in zip(self.masks, self.parts) if of in part.roles[:1]]
         if not found and of == "head" and any(word.endswith(_OWN) for word in split_name(self.name)):
             return [(~np.logical_or.reduce([~every, *limbs]), None)]
-        if not found and of == "head":  # of what is one with its body there is a snout at most
+        if not found and snout:  # of what is one with its body there is a snout at most
             found = [(mask, part) for mask, part in zip(self.masks, self.parts) if "nose" in part.roles[:1]]
         if not found and of == "head":  # a word for what is on a head tells that there is one
             found = [(m, part) for m, part in zip(self.masks, self.parts) if "head" in part.roles]
