@@ -9,17 +9,17 @@ import re
 from collections.abc import Iterable
 
 _PART = (
-    r"(?:(?:front|rear|hind|back|left|right|lower|two|four)\s+)*(?P<part>wheels?|tyres?|tires?|feet|foot|legs?|paws?|hooves|"
-    r"toes?|tiptoes?|knees?|hands?|heads?|nose|snout|beak|face|chin|back|backside|bottom|belly|stomach|tummy|chest|rump|"
+    r"(?:(?:front|rear|hind|back|left|right|lower|two|four)\s+)*(?P<part>wheels?|tyres?|tires?|feet|foot|legs?|paws?|"
+    r"hooves|toes?|tiptoes?|knees?|hands?|heads?|nose|snout|beak|face|chin|back|backside|bottom|belly|stomach|tummy|chest|rump|"
     r"shoulders?|side|sides|tail|tip|top|roof|hood|bonnet|bow|stern|keel|base|handle|rim|tracks|skids|leaves|crown)\b"
 )
 _GOES = (
-    "land fall stand end wind finish come lie lay roll balance rest topple flip tumble drop plunge plummet crash sit stay"
-    " turn tip settle spin dive collapse hop walk drive run glide slide slip remain keep rear rise get teeter rock"
+    "land fall stand end wind finish come lie lay roll balance rest topple flip tumble drop plunge plummet crash sit"
+    " stay turn tip settle spin dive collapse hop walk drive run glide slide slip remain keep rear rise get teeter rock"
 ).split()
 _IRREGULAR = (
-    "fell fallen stood came lay lain sat kept ran driven drove slid slipped rose risen got lying sitting running putting"
-    " dropped dropping flipped flipping tipped tipping spun spinning dove hopping hopped"
+    "fell fallen stood came lay lain sat kept ran driven drove slid slipped rose risen got lying sitting running"
+    " putting dropped dropping flipped flipping tipped tipping spun spinning dove hopping hopped"
 ).split()
 _ON = re.compile(
     rf"\b(?:{'|'.join([*_GOES, *_IRREGULAR])})(?:s|es|ed|d|ing)?\b(?:\s+(?!an?\s|on\b|onto\b)\w+){{0,4}}?"

@@ -21,12 +21,12 @@ from physagent_jax.run.holding import UP, check_hold, find_hold
 from physagent_jax.run.material import resolve_material
 from physagent_jax.run.models import warn_of_licences
 from physagent_jax.run.photo import make_photo
+from physagent_jax.run.postures import strip_postures
 from physagent_jax.run.prompt import read_mask
 from physagent_jax.run.provenance import hash_settings
 from physagent_jax.run.rigidity import RIGID_NOTE, STIFF_NOTE, is_hard, is_stiffened, keeps_shape, make_rigid
 from physagent_jax.run.sentence_material import SaidMaterial, choose_said_material
 from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
-from physagent_jax.run.postures import strip_postures
 from physagent_jax.run.unknown_parts import UnknownPartError
 from physagent_jax.run.up_axis import UPRIGHT, explain_up, find_up
 from physagent_jax.scene.anchor import MASK_BYTES

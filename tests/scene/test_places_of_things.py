@@ -97,7 +97,7 @@ def test_the_part_called_as_the_object_is_its_main_body():
 
 
 def test_a_statue_on_a_base_has_a_head_of_its_own_and_a_pedestal():
-    """What stands on the base is found as one part on top; it is no head."""
+    """The figure is found as one part on top of its base; it is no head."""
     points = make(STATUE)
     figure = fit_part(points, points[:, 2] > -0.28, joined=True).model_copy(
         update=dict(roles=("top",), origin="shape")

@@ -219,7 +219,7 @@ def _list_candidates(parts: Sequence[Part], noun: str, *, limbs: bool = False) -
 def _choose(
     points: np.ndarray, parts: Sequence[Part], candidates: Sequence[int], adjective: str, toward: np.ndarray
 ) -> int | None:
-    """The one of several parts that an adjective tells; None if there is none, or a plain adjective tells none apart."""
+    """The one of several parts that an adjective tells; None if there is none, or it tells none apart."""
     key = _read_comparisons()[adjective]
     measure = _MEASURES[key.removeprefix("-")]
     sizes = [measure(points[~make_region_mask(parts[k].rest, points)], toward) for k in candidates]
@@ -240,7 +240,7 @@ _MEASURES: dict[str, Callable[[np.ndarray, np.ndarray], float]] = {
     "size": lambda own, _: float(len(own)),
     "nearness": lambda own, toward: float((own @ toward).mean()),
 }
-"""What is compared, of a part's particles and the way to the viewer."""
+"""Measures that are compared, of a part's particles and the way to the viewer."""
 
 
 def _rename(parts: Sequence[Part], index: int, name: str) -> Part:
