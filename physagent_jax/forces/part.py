@@ -127,6 +127,7 @@ class Part(Strict):
         arm: From there to its tip [body lengths].
         side: Where it is, seen from the object's middle (unit world vector).
         share: Share of the object's volume.
+        axle: The line about which a disc or a wheel turns (unit world vector); None for what is none.
         neck: Spread of where it joins the rest along each world axis (standard deviations) [body lengths]; 0 = not
             known, or nothing joins them.
         confidence: Chance that its first role is right, by how clearly its shape tells.
@@ -144,6 +145,7 @@ class Part(Strict):
     arm: Numbers
     side: Direction
     share: float = Field(ge=0, le=1)
+    axle: Direction | None = None
     neck: Numbers = (0.0, 0.0, 0.0)
     confidence: float = Field(default=1.0, ge=0, le=1)
 

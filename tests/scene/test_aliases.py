@@ -146,3 +146,13 @@ def test_words_that_mean_more_are_a_files_alone():
     assert find(make_parts("torso", "chassis"), "it moves by a body length in the frame") == {}
     assert find(make_parts("body", "head"), "twist its torso") == {"torso": "body"}
     assert not {"body", "frame", "top", "side", "light"} & {*read_groups("same"), *read_groups("near")}
+
+
+@pytest.mark.parametrize(
+    ("half", "axle"), [((0.3, 0.05, 0.3), (0, 1, 0)), ((0.3, 0.3, 0.3), None), ((0.5, 0.05, 0.2), None)]
+)
+def test_a_wheel_turns_about_its_thin_axis(half, axle):
+    points = make([((0, 0, 0), half), ((0, 0, -0.8), (0.5, 0.5, 0.3))], 6000)
+    part = fit_part(points, points[:, 2] > -0.45, joined=False)
+    assert part.axle == (None if axle is None else pytest.approx(axle, abs=0.05))
+    assert axle is None or part.seated

@@ -292,8 +292,8 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         kicks = event.effect is Effect.STRIKE and "leg" in roles[:1] and not event.pick(*WAYS)
         if kicks or assumed and event.effect is Effect.SWAY and event.motion.direction is None:
             _turn(event, limb.swing, "across the part")
-        elif assumed and event.motion.wrings:
-            _turn(event, limb.arm, "about the part's own line")
+        elif assumed and (event.motion.wrings or part.axle and event.effect is Effect.TURN):
+            _turn(event, part.axle or limb.arm, "about the part's own line")
         elif (
             event.effect is Effect.SCALE
             and event.motion.sign < 0

@@ -17,6 +17,11 @@ _TOUCH = 2.0  # spacings between particles that touch
 _SLIM = 3.5  # length over the radius of gyration of where it joins, from which on a piece turns about its joint: a
 # cube on a cube has 2.4, an arm 5
 _OFF = 0.2  # of its length, by which the middle of what turns about its joint lies off it
+_FLAT, _ROUND = (
+    0.6,
+    0.85,
+)  # spread of a wheel along its axle over that across; of the lesser across over the larger
+_RIM = 1.15  # farthest from the axle over that of an even disc of the same spread: the corners of a square are at 1.22
 _JOINT = 0.3  # of the way from joint to tip that bends, of what is one skin with the rest
 
 
@@ -42,7 +47,9 @@ def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool) -> Part:
     length = float(np.linalg.norm(tip - joint))
     width = float(np.sqrt(((contact - joint) ** 2).sum(1).mean()))
     off = float(np.linalg.norm(centre - joint))
-    seated = length < _SLIM * max(width, 1e-9) or off < _OFF * length
+    axle = _find_axle(own)
+    wheel = axle is not None and not joined
+    seated = wheel or length < _SLIM * max(width, 1e-9) or off < _OFF * length
     arm = tip - joint
     if seated:  # it goes up or out as far as it is long
         out = centre - joint
@@ -78,8 +85,21 @@ def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool) -> Part:
         if (norm := np.linalg.norm(away)) > 1e-9 * size
         else (0, 0, 1),
         share=round(float(mask.mean()), 4),
+        axle=axle,
         neck=tuple(np.round(contact.std(0) / size, 4).tolist()) if joined else (0, 0, 0),
     )
+
+
+def _find_axle(own: np.ndarray) -> tuple[float, ...] | None:
+    """The thin axis of what is round and flat, as a unit vector; None if it is not."""
+    spread, axes = np.linalg.eigh(np.cov(own.T) if len(own) > 3 else np.eye(3))
+    if spread[0] > _FLAT**2 * spread[1] or spread[1] < _ROUND**2 * spread[2]:
+        return None
+    away = np.hypot(*((own - own.mean(0)) @ axes[:, 1:]).T)
+    if np.quantile(away, 0.98) > _RIM * np.sqrt(2 * spread[1:].sum()):
+        return None
+    axle = axes[:, 0] * np.sign(axes[np.abs(axes[:, 0]).argmax(), 0])
+    return tuple(np.round(axle, 4).tolist())
 
 
 def find_contact(own: np.ndarray, rest: np.ndarray, size: float) -> np.ndarray:
