@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Callable
 
 from physagent_jax.agents.context import AgentContext
@@ -21,6 +22,7 @@ from physagent_jax.run.sentence_material import tell_material
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.template import SceneTemplate
 
+_ANY_END = re.compile(r"(?:one|an?) (?:end|edge|side|corner|half)\b", re.IGNORECASE)
 Ask = Callable[[AgentContext], Reply[SemanticReply]]
 
 
@@ -58,13 +60,17 @@ def read_for_scene(run: ResolvedRun, body: Body, ask: Ask) -> Reply[SemanticRepl
         context = dataclasses.replace(context, brief=describe(_let_go(release)))
         reading = read_let_go(reading, release, context, ask)
     told = tell_material(run.spec.prompt, context.brief, run.spec.material, reading.value)
-    return Reply(_tell_parts(told, run.spec.prompt or "", context.brief), reading.trace)
+    return Reply(tell_parts(told, run.spec.prompt or "", context.brief), reading.trace)
 
 
-def _tell_parts(reply: SemanticReply, prompt: str, brief: SceneBrief) -> SemanticReply:
+def tell_parts(reply: SemanticReply, prompt: str, brief: SceneBrief) -> SemanticReply:
     """The reply that asks for no part which tells a posture alone, and says which part a word is taken to mean."""
     acted = [brief.parts[each.limb] for each in reply.expectations if each.limb is not None]
     taken = [f"'{part.name}' is taken to be '{part.stands_for}'." for part in acted if part.stands_for]
+    ends = {
+        each.words for each in reply.evidence if each.field.endswith("region") and _ANY_END.match(each.words)
+    }
+    taken += [f"'{words}' is taken to be the one on the right, which is seen well." for words in sorted(ends)]
     unknown = list_acted(reply.unknown_parts, prompt)
     idle = [explain_missing(word, brief.parts) for word in reply.unknown_parts if word not in unknown]
     told = dict(

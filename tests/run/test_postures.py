@@ -2,7 +2,12 @@
 
 import pytest
 
+from physagent_jax.agents.compiler import compile_intent
+from physagent_jax.agents.grammar.semantic import read_intent
 from physagent_jax.run.postures import list_acted, strip_postures
+from physagent_jax.run.reading import tell_parts
+from tests.agents.scenes import brief
+from tests.agents.test_named_parts import make_part
 
 
 @pytest.mark.parametrize(
@@ -43,3 +48,24 @@ def test_a_posture_acts_on_no_part(sentence, word):
 )
 def test_what_is_acted_on_is_a_part(sentence, word):
     assert list_acted((word,), sentence) == (word,)
+
+
+WHEEL = make_part("wheel", stands_for="mill blades")
+
+
+def tell(sentence, *parts):
+    about = brief(parts=parts)
+    return tell_parts(compile_intent(read_intent(sentence, about), about), sentence, about)
+
+
+def test_the_plan_says_what_a_word_is_taken_to_be():
+    assert "'wheel' is taken to be 'mill blades'." in tell("turn the wheel", WHEEL).notes
+    (note,) = (each for each in tell("lift one end of the robot").notes if "taken to be" in each)
+    assert "'one end" in note.lower() and "right" in note
+
+
+def test_a_posture_leaves_no_doubt_about_a_part():
+    told = tell("the robot falls nose first", WHEEL)
+    assert not told.unknown_parts and not any("is not known" in each for each in told.unsure)
+    asked = tell("push the nose to the left", WHEEL)
+    assert asked.unknown_parts == ("nose",) and any("is not known" in each for each in asked.unsure)
