@@ -51,6 +51,7 @@ def test_names_tell_the_front_for_certain():
         ("hood", {"hood"}, (-0.5, -0.2, 0.1), (-0.15, 0.2, 0.3)),
         ("trunk", {"trunk"}, (0.2, -0.2, 0.15), (0.5, 0.2, 0.42)),
         ("windscreen", {"windscreen"}, (-0.25, -0.2, 0.25), (0.0, 0.2, 0.43)),
+        ("cab", {"cab"}, (-0.25, -0.2, 0.25), (0.3, 0.2, 0.43)),
         ("bumpers", {"front bumper", "rear bumper"}, (-0.5, -0.2, 0.0), (0.5, 0.2, 0.25)),
         ("headlight", {"left headlight", "right headlight"}, (-0.5, -0.2, 0.08), (-0.4, 0.2, 0.3)),
     ],

@@ -97,7 +97,7 @@ def _find_at(
             return [(" ".join(words[start : at + 1]), chosen)]
     pair = " ".join(words[max(at - 1, 0) : at + 1])
     if sided := _find_sided(parts, words, at):
-        return [(pair, index) for index in sided]
+        return sided
     if noun in own:
         return []
     if (limb := _find_own_side(parts, words, at, toward)) is not None:
@@ -154,17 +154,17 @@ def _find_adjective(words: Sequence[str], at: int) -> int | None:
     return next((k for k in places if words[k] in _read_comparisons()), None)
 
 
-def _find_sided(parts: Sequence[Part], words: Sequence[str], at: int) -> list[int]:
-    """Places of the parts of a kind on a side that a sentence names by that alone: "the rear wheels" of four."""
-    side = words[at - 1] if at else ""
-    like = next((each for each in _read("choices")["sides"] if side in each.split()), side).split()
+def _find_sided(parts: Sequence[Part], words: Sequence[str], at: int) -> list[tuple[str, int]]:
+    """The parts of a kind on the sides that stand before its noun, under that phrase: "the rear wheels" of four."""
+    rows = [row.split() for row in _read("choices")["sides"]]
+    start = at
+    while start and any(words[start - 1] in row for row in rows):
+        start -= 1
+    like = [next({*row} for row in rows if word in row) for word in words[start:at]]
+    phrase = " ".join(words[start : at + 1])
     named = [k for k in _list_candidates(parts, _get_singular(words[at])) if parts[k].name]
-    there = [k for k in named if not {*like}.isdisjoint(split_name(parts[k].name))]
-    return (
-        there
-        if like and any(len(_find_rest(parts[k])[0]) > 1 or side not in parts[k].name for k in there)
-        else []
-    )
+    there = [k for k in named if like and all(side & {*split_name(parts[k].name)} for side in like)]
+    return [(phrase, k) for k in there] if any(parts[k].name != phrase for k in there) else []
 
 
 def _find_own_side(parts: Sequence[Part], words: Sequence[str], at: int, toward: np.ndarray) -> int | None:

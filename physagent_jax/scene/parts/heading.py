@@ -18,6 +18,7 @@ _LOW = 0.72  # of the height, below which a slice is low
 _MORE = 2  # slices by which the low part in front is longer than that at the back, at least
 _LONG = 1.15  # length over breadth, at least
 _SHOWN, _LOWER = 0.8, 0.7  # chances that a nose or a tail, or a low end, tells the front
+_FIRST, _RISE = 3, 1.12  # slices in front that tell the height of a hood, and how much higher it may get
 _APART = 0.1  # of the length, between the middles of what is named in front and behind
 
 
@@ -44,14 +45,33 @@ def find_heading(points: np.ndarray, parts: Sequence[Part]) -> tuple[np.ndarray,
     axis = int(size[:2].argmax())
     if size[axis] < _LONG * size[1 - axis]:
         return None
-    along = (points[:, axis] - points[:, axis].min()) / max(float(size[axis]), 1e-12)
-    index = np.minimum((along * _SLICES).astype(int), _SLICES - 1)
-    tops = np.full(_SLICES, points[:, 2].min())
-    np.maximum.at(tops, index, points[:, 2])
-    low = (tops - points[:, 2].min()) < _LOW * size[2]
+    tops = _measure_tops(points, np.eye(3)[axis])
+    low = tops < _LOW
     if low.all():
         return None
     before, behind = int(low[::-1].argmin()), int(low.argmin())  # slices that are low at either end
     if abs(before - behind) < _MORE:
         return None
     return np.eye(3)[axis] * np.sign(before - behind), _LOWER
+
+
+def find_hood(points: np.ndarray, way: np.ndarray) -> tuple[float, float]:
+    """The place where a vehicle's low front begins, from back to front, and its height; both 0 .. 1 of the whole.
+
+    Args:
+        points: Particles at rest, z up [m], shape (n, 3).
+        way: The level way in which it looks, a unit vector of shape (3,).
+    """
+    tops = _measure_tops(points, way)[::-1]  # the front first
+    height = _RISE * float(np.median(tops[:_FIRST]))
+    rises = np.flatnonzero(tops > height)
+    return 1 - float(rises[0] if len(rises) else _SLICES) / _SLICES, min(height, 1.0)
+
+
+def _measure_tops(points: np.ndarray, way: np.ndarray) -> np.ndarray:
+    """The height of each slice along a way over the whole's, shape (slices,)."""
+    along, height = points @ way, points[:, 2] - points[:, 2].min()
+    place = (along - along.min()) / max(float(np.ptp(along)), 1e-12)
+    tops = np.zeros(_SLICES)
+    np.maximum.at(tops, np.minimum((place * _SLICES).astype(int), _SLICES - 1), height)
+    return tops / max(float(height.max()), 1e-12)

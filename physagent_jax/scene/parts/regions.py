@@ -15,7 +15,7 @@ from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.scene.parts.cells import find_contact, fit_part
 from physagent_jax.scene.parts.decks import Deck, find_deck
-from physagent_jax.scene.parts.heading import find_heading
+from physagent_jax.scene.parts.heading import find_heading, find_hood
 
 _LIMBS = frozenset("head ear horn arm wing leg tail handle spout nose".split())  # the body is the rest
 _FIGURE = frozenset("head leg arm wing tail".split())  # of which something shows that the rest is a body
@@ -113,16 +113,17 @@ class Regions:
 
     def _find_vehicle(self, word: str, row: dict[str, Any]) -> list[Part]:
         """The regions of what has wheels; a word for one at either end means both."""
-        animal = self._count("head") and self._count("leg")
-        told = None if animal else find_heading(self.points, self.parts)
-        if told is None:
+        told = find_heading(self.points, self.parts)
+        if told is None or self._count("head") and self._count("leg"):  # no animal
             return []
-        own = dataclasses.replace(self, heading=told[0])
+        own, (start, height) = dataclasses.replace(self, heading=told[0]), find_hood(self.points, told[0])
+        low = dict(front=[start, 0.97], up=[0.4 * height, height])
+        behind = dict(front=[start - 0.15, start + 0.03], up=[height, 1])
+        row |= dict(low=low, behind=behind).get(row.get("hood", ""), {})
         ends = (("front ", 1), ("rear ", -1)) if row.get("both") else (("", 1),)
         found = []
         for name, sign in ends:
-            low, high = row["front"]
-            front = [low, high] if sign > 0 else [1 - high, 1 - low]
+            front = row["front"] if sign > 0 else [1 - each for each in reversed(row["front"])]
             found += own.find(word, row | dict(of="whole", front=front, end=name, four={}, standing={}))
         return [each.model_copy(update=dict(confidence=told[1])) for each in found]
 
