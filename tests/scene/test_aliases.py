@@ -56,6 +56,8 @@ def find(parts, sentence, name="thing"):
             "the back tyre spins",
             {"back tyre": "back wheel"},
         ),
+        (("body", "fork"), "the front fork bends", {"front fork": "fork"}),
+        (("right arm", "head"), "raise the left arm", {}),
         (("hood", "roof"), "press the hood down", {}),
         (("rotor", "fan"), "turn the blade", {}),  # one is as likely as the other
         (("steering wheel", "hood"), "turn the tyres", {}),

@@ -29,7 +29,7 @@ _CLEAR = (
     1.15  # times as much of what is compared the plain adjective's part must have: "the big wheel" of two
 )
 _LIMB = 0.35  # share of the object, above which what sticks out is no leaf
-_BEHIND = 0.7  # cosine to the line of sight, above which of two limbs none is on the viewer's left
+_BEHIND = 0.5  # cosine to the line of sight, above which of two limbs none is on the viewer's left
 _FRONTS = frozenset(("head", "nose", "bow"))
 _PLAIN = frozenset("long short stubby big large thick fat tiny small thin".split())
 
@@ -164,6 +164,8 @@ def _find_sided(parts: Sequence[Part], words: Sequence[str], at: int) -> list[tu
     phrase = " ".join(words[start : at + 1])
     named = [k for k in _list_candidates(parts, _get_singular(words[at])) if parts[k].name]
     there = [k for k in named if like and all(side & {*split_name(parts[k].name)} for side in like)]
+    if like and len(named) == 1 and not _find_rest(parts[named[0]])[0]:
+        return [(phrase, named[0])]  # "the front fork" of one
     return [(phrase, k) for k in there] if any(parts[k].name != phrase for k in there) else []
 
 
