@@ -32,7 +32,9 @@ def find(points, *words, parts=(), name="thing"):
 
 
 def test_a_car_is_lower_in_front():
-    heading, chance = find_heading(fill(CAR), ())
+    told = find_heading(fill(CAR), ())
+    assert told is not None
+    heading, chance = told
     assert heading == pytest.approx((-1, 0, 0)) and 0.6 <= chance < 1
     assert find_heading(fill(SOFA[:1]), ()) is None  # a block has no front
 
