@@ -151,7 +151,8 @@ class Turning:
             return self._drive_swings(motion)
         axis = motion.direction
         if motion.kind is MotionKind.ROTATE and axis is not None and (spun := self._find_spun(motion, axis)):
-            motion = motion.model_copy(update=dict(amount=Amount(value=spun, unit="degrees")))
+            if spun < _WHEELED:  # pictures do not tell one turn of alike blades from a part of it
+                motion = motion.model_copy(update=dict(amount=Amount(value=spun, unit="degrees")))
             return [self.turn(axis, spun, (motion.window[0], min(motion.window[1], until)), None)], motion
         window = self._find_window(motion, until)
         let_go = motion.released or motion.sudden and not motion.stays

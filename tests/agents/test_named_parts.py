@@ -155,4 +155,4 @@ def test_a_wheel_turns_about_its_axle_once():
     assert turn.constraint_type is ConstraintType.PARTICLE_ROTATION
     assert turn.vector == pytest.approx((0, 1, 0)) and turn.pivot == wheel.joint
     (expected,) = read("the wheel turns", wheel).expectations
-    assert expected.amount.value == 360
+    assert expected.amount is None  # its blades are alike
