@@ -80,6 +80,7 @@ def test_the_objects_own_name_is_no_part():
     [
         ("tallest leaf", 3),
         ("lowest leaf", 0),
+        ("smaller frond", 0),
         ("longest green branch", 3),
         ("thinnest twig", 0),
         ("biggest petal", 3),
