@@ -130,6 +130,7 @@ def make_limb(role, side):
 def test_wings_before_each_other_are_left_and_right_as_it_flies():
     """It flies to the viewer's right: its left wing is the far one."""
     plane = (make_limb("wing", (0, 1, 0)), make_limb("wing", (0, -1, 0)), make_limb("nose", (1, 0, 0)))
+    plane += (make_limb("tail", (-1, 0, 0)),)
     for word, index in (("left", 0), ("right", 1)):
         (alias,) = find_aliases(POINTS, plane, f"bend the {word} wing up", "plane", TOWARD)
         assert (alias.name, alias.side) == (f"{word} wing", plane[index].side)

@@ -172,9 +172,8 @@ def _find_sided(parts: Sequence[Part], words: Sequence[str], at: int) -> list[tu
 def _find_own_side(parts: Sequence[Part], words: Sequence[str], at: int, toward: np.ndarray) -> int | None:
     """The left or the right one of two limbs that lie before each other, as what has a front has them; else None."""
     roles = _read_limbs().get(_get_singular(words[at]), ())
-    pair = [
-        k for role in roles for k, each in enumerate(parts) if each.roles[:1] == (role,) and not each.name
-    ]
+    limbs = [[k for k, p in enumerate(parts) if p.roles[:1] == (role,) and not p.name] for role in roles]
+    pair = next(filter(None, limbs), [])
     fronts = [np.asarray(each.side) for each in parts if not _FRONTS.isdisjoint(each.roles[:1])]
     if at == 0 or words[at - 1] not in ("left", "right") or len(pair) != 2 or len(fronts) != 1:
         return None
