@@ -161,3 +161,14 @@ def test_a_wheel_turns_about_its_thin_axis(half, axle):
     part = fit_part(points, points[:, 2] > -0.45, joined=False)
     assert part.axle == (None if axle is None else pytest.approx(axle, abs=0.05))
     assert axle is None or part.seated
+
+
+def test_what_is_called_a_wheel_may_be_thick():
+    points = make([((0, -0.12, 0), (0, 0.12, 0), 0.2), ((0, 0, -0.8), (0.5, 0.5, 0.3))], 6000)
+    thick = [
+        fit_part(points, points[:, 2] > -0.45, joined=False, wheel=wheel).axle for wheel in (True, False)
+    ]
+    assert thick == [None, None]  # longer than it is broad: a roller
+    points = points[abs(points[:, 1]) < 0.16]
+    axle, other = (fit_part(points, points[:, 2] > -0.45, joined=False, wheel=w).axle for w in (True, False))
+    assert axle == pytest.approx((0, 1, 0), abs=0.1) and other is None
