@@ -32,6 +32,10 @@ FLOWS = (
     "wet_sand",
 )
 """Presets of what does not stand by itself."""
+YIELDS = (*FLOWS, "clay")
+"""Presets of what gives way to its own weight."""
+LIMP = ("plant", "cloth")
+"""Kinds of objects that sag without becoming anything else."""
 _LONGEST = 3  # words of the longest name of a material
 _TOKEN = re.compile(r"[^\W\d_]+(?:'[^\W\d_]+)?|\d+|[^\w\s]")
 
@@ -44,11 +48,13 @@ class MaterialWord:
         preset: Kind or library entry that stands for it.
         near: Whether that is only the nearest there is.
         becomes: Whether it is a verb by which matter becomes it, whatever it was: "melts".
+        yields: Whether that is only what matter which does not yield by itself becomes: "sags".
     """
 
     preset: str
     near: bool = False
     becomes: bool = False
+    yields: bool = False
 
 
 @dataclass(frozen=True)
@@ -97,7 +103,9 @@ def read_material_words() -> MaterialLexicon:
     adjectives: set[str] = set()
     for row in content.pop("materials"):
         forms = _split(row.get("adjectives", ""))
-        meaning = MaterialWord(row["preset"], row.get("near", False), row.get("becomes", False))
+        meaning = MaterialWord(
+            row["preset"], *(row.get(name, False) for name in ("near", "becomes", "yields"))
+        )
         words |= dict.fromkeys([*_split(row["words"]), *forms], meaning)
         adjectives |= set(forms)
     compounds = frozenset(_split(content.pop("compounds")))

@@ -6,11 +6,13 @@ lexicon maps a word to takes precedence over whatever else an agent thinks of it
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
 from physagent_jax.agents.compiler.events import Event
 from physagent_jax.agents.compiler.interpretation import resolve_obstacles
 from physagent_jax.agents.compiler.limbs import drive_limbs, find_support
-from physagent_jax.agents.compiler.schedule import schedule
+from physagent_jax.agents.compiler.schedule import Slot, schedule
 from physagent_jax.agents.compiler.sequence import apply_holding, choose_anchor, make_events
 from physagent_jax.agents.compiler.skills import compile_slots
 from physagent_jax.agents.compiler.words import look_up, suggest_motions
@@ -24,7 +26,7 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.kinds import choose_kinds
 from physagent_jax.motion.matching import find_new_places
 from physagent_jax.motion.parts import explain_missing, list_names
-from physagent_jax.motion.schema import MotionKind, SceneBrief, WorldRequest
+from physagent_jax.motion.schema import AnchorRequest, MotionKind, SceneBrief, WorldRequest
 
 EXAMPLES = (
     '"push the robot to the left", "a gentle wind sways the plant", "drop the guitar", "twist the loaf"'
@@ -46,11 +48,12 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     Raises:
         UserError: No motion is known, and nothing is said about holding or gravity.
     """
-    flows = _is_of(FLOWS, intent)  # it collapses where it stands
+    meanings = [meaning for word in intent.materials if (meaning := find_meaning(word)) is not None]
+    becomes = "melt" if _is_of(FLOWS, intent) else "sag" if len(meanings) > 1 else "collapse"
     clauses = [
-        each.model_copy(update=dict(motion="melt")) if flows and each.motion == "collapse" else each
+        each.model_copy(update=dict(motion=becomes)) if each.motion == "collapse" else each
         for each in intent.clauses
-    ]
+    ]  # what flows collapses where it stands
     told = [look_up(clause, list_names(brief)) for clause in clauses]
     known = [event for event in told if event.is_known]
     unknown = [event for event in told if not event.is_known]
@@ -77,6 +80,8 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     if len(set(solids)) > len(builder.obstacles):
         builder.unsure.append(f"Where '{words[-1]}' is, is not understood.")
     _collect_doubts(intent, unknown, builder)
+    if builder.attitude is not None and anchor.kind is None:  # it would not stand so, and does not have to
+        anchor, builder.gravity = AnchorRequest(kind="none", words="it falls"), "down"
     if anchor.kind is not None:
         builder.add_evidence(anchor.words, "anchor", anchor.kind, "words about holding or freedom")
     return SemanticReply(
@@ -92,10 +97,11 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
             ground=intent.surroundings.ground,
             obstacles=tuple(builder.obstacles),
             drop_height=builder.drop_height,
+            attitude=builder.attitude,
             words=", ".join(dict.fromkeys(filter(None, words))),
         ),
         frame_count=None if frame_count == brief.frame_count else frame_count,
-        materials=intent.materials,
+        materials=tuple(filter(_keeps_material(slots), intent.materials)),
         ignored=intent.ignored,
         unsure=tuple(dict.fromkeys(builder.unsure)),
         unknown_parts=tuple(dict.fromkeys(unknown_parts)),
@@ -103,6 +109,17 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
         not_understood=intent.unknown,
         notes=tuple(dict.fromkeys(builder.notes)),
     )
+
+
+def _keeps_material(slots: list[Slot]) -> Callable[[str], bool]:
+    """A test of words for materials: what only sags becomes another matter if it does so as a whole."""
+    sags = any(event.motion.gives for slot in slots for event in slot.events)
+
+    def keeps(word: str) -> bool:
+        meaning = find_meaning(word)
+        return sags or meaning is None or not meaning.yields
+
+    return keeps
 
 
 def _is_soft(intent: Intent, brief: SceneBrief) -> bool:

@@ -11,12 +11,14 @@ from physagent_jax.agents.compiler.directions import TOWARDS, take_heading
 from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueSource, WayKind
 from physagent_jax.agents.compiler.limbs import find_limbs, find_roles, sticks_out
 from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
+from physagent_jax.agents.materials import LIMP
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.part import is_plural
 from physagent_jax.forces.slabs import make_end_region, make_middle_region
+from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.joints import Turning
-from physagent_jax.motion.limbs import stands_on_legs, sum_directions
+from physagent_jax.motion.limbs import find_front, stands_on_legs, sum_directions
 from physagent_jax.motion.parts import explain_guess, explain_missing
 from physagent_jax.motion.schema import Amount, ObstacleRequest, SceneBrief
 from physagent_jax.motion.swaying import lies
@@ -35,6 +37,7 @@ _USELESS = {
 }
 _WHOLE = (Effect.ROLL, Effect.BURST, Effect.TOPPLE, Effect.JUMP, Effect.FALL)
 _ONCE = (Effect.FALL, Effect.TOPPLE, Effect.ROLL, Effect.BURST, Effect.RELEASE, Effect.STILL)
+_FLAT = 0.8  # height over breadth, below which something lies flat
 _STEEP = 0.7  # cosine to the vertical
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 
@@ -48,7 +51,7 @@ def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     event.stays = event.stays or event.motion.quick and event.effect is Effect.SCALE  # a dent
     _act_from_sides(event, brief)
     if before is not None:
-        _take_over_direction(event, before, lies(brief))
+        _take_over_direction(event, before, brief)
     _find_quantities(event, before, brief)
     _count_turns(event, brief)
     _resolve_again(event, before)
@@ -81,8 +84,19 @@ def _choose_motion(event: Event, brief: SceneBrief) -> tuple[Motion, str]:
         phrase = "jump"  # "it bounces three times"
     elif motion.tumbles and event.is_upwards:
         return replace(motions["toss"], tumbles=True), phrase  # "flip it into the air"
+    elif phrase == "tumble" and event.goes_aside:
+        phrase = "roll"  # "tumbles to the right"
     elif motion.coasts and told:
         phrase = "move"  # "it coasts to the left"; else it goes on by itself
+    elif motion.by == "limp" and brief.object_kind != "cloth" and not (event.parts or lies(brief)):
+        phrase = "bend"  # "the lamp droops"
+    elif motion.gives and (event.ways or brief.object_kind in LIMP) and phrase in ("sag", "slump", "flop"):
+        return replace(
+            motions["droop"], manner="bend", by=""
+        ), phrase  # "slumps to one side", "the plant sags"
+    elif effect is Effect.TOPPLE and _is_on_its_back(event, brief):
+        event.ways = [way for way in event.ways if way.text.lower() != "back"]
+        phrase = "turn over"
     elif effect is Effect.ROLL and has_wheels(brief):
         phrase = "push"  # its wheels turn, and it does not
     elif effect is Effect.SWELL and (told or event.pick(WayKind.LINE, WayKind.PLANE)):
@@ -106,6 +120,14 @@ def _join_cause(event: Event) -> tuple[Motion, str]:
         return cause, event.cause_phrase
     skill = cause.skill if verb.effect is cause.effect else verb.skill  # "a vortex spins it"
     return replace(verb, brief=verb.brief or cause.brief, skill=skill), event.phrase
+
+
+def _is_on_its_back(event: Event, brief: SceneBrief) -> bool:
+    """Return whether it is to lie on its back, which is on top of what is flat, long, or goes on legs."""
+    way = any(each.phrase == "away" and each.text.lower() == "back" for each in event.ways)
+    width, height, depth = brief.extents
+    flat = lies(brief) or find_front(brief.parts) is not None or height < _FLAT * min(width, depth)
+    return flat and (way or event.motion.bound and event.motion.direction == "away")
 
 
 def has_wheels(brief: SceneBrief) -> bool:
@@ -188,14 +210,22 @@ def _turn(event: Event, vector: Vector | None, why: str) -> None:
     event.sources["vector"] = replace(event.sources["vector"], why=why)
 
 
-def _take_over_direction(event: Event, before: Event, lying: bool) -> None:
+def _take_over_direction(event: Event, before: Event, brief: SceneBrief) -> None:
     """The direction of the event before, where none is told; and "back" from there. What lies tips over aside."""
-    driven = event.effect is Effect.TOPPLE and before.effect in (Effect.PUSH, Effect.STRIKE) and not lying
+    driven = (
+        event.effect is Effect.TOPPLE and before.effect in (Effect.PUSH, Effect.STRIKE) and not lies(brief)
+    )
     likewise = before.effect is event.effect and (
         event.effect is not Effect.SWAY or before.phrase == event.phrase
     )
     if event.notes and (likewise or driven):  # "push it to the right, then push it harder"
         _turn(event, before.direction, "no direction given: as before")
+    tumbles = (
+        event.effect is Effect.TURN and event.motion.tumbles and before.effect in (Effect.PUSH, Effect.STRIKE)
+    )
+    assumed = event.sources["vector"].why.endswith(BY_DEFAULT)
+    if tumbles and assumed and before.direction and abs(before.direction[2]) < _STEEP:
+        _turn(event, find_lean_axis(before.direction, brief), "it tumbles the way that it goes")
     if before.direction is not None and event.is_back:
         _turn(event, scale(before.direction, -1.0), "back where it came from")
 

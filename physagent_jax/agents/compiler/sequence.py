@@ -50,6 +50,8 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     if event.motion.gives and any(each.effect not in _RESTING for each in events):
         events[-1].doubts += event.doubts
         return  # "it falls and shatters"
+    if events and events[-1].motion.gives and event.effect is Effect.FALL:
+        return  # "it sags until its belly touches the ground"
     _measure_return(event, events)
     event = _put_under_gravity(event, builder.gravity)
     level = event.direction is not None and abs(dot(event.direction, builder.brief.directions.up)) < _LEVEL
@@ -62,6 +64,8 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         way = event.direction if level else _find_level_way(events, builder)
         event = replace(event, motion=read_lexicon().motions["fall over"], phrase="fall over", direction=way)
         event.sources |= {} if level else {"vector": ValueSource(event.words, BY_DEFAULT)}
+    elif event.phrase == "collapse" and builder.grounded and not events:
+        event = replace(_make_another(event, "sag"), direction=builder.brief.directions.up)  # where it stands
     if before and _goes_over(before, event):
         event = _join_fall(events.pop(), event)
     thrown = bool(events) and (events[-1].motion.gravity or events[-1].effect is Effect.JUMP)
@@ -70,6 +74,8 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     if events and events[-1].effect is Effect.FALL and event.effect is Effect.FALL:
         last = events[-1]
         if event.is_bare:
+            pose = event.clause.pose or last.clause.pose
+            last.clause = last.clause.model_copy(update=dict(pose=pose))
             return  # "it drops and bounces"
         if event.lands_aside and last.direction is None:
             last.direction, last.amount = event.direction, event.amount

@@ -14,7 +14,7 @@ from physagent_jax.agents.compiler.blows import (
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
 from physagent_jax.agents.compiler.schedule import Slot
 from physagent_jax.agents.compiler.steady import Task, add_steady, make_impulse_window, shorten
-from physagent_jax.agents.lexicon import Effect
+from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, QUICK, SWING
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.forces.skills import find_skill
@@ -188,6 +188,10 @@ def _compile_turn(task: Task) -> None:
 
 
 def _turn_steadily(task: Task) -> None:
+    motion, builder = task.event.motion, task.builder
+    if motion.leaps and builder.grounded and not builder.anchored and not builder.earlier:
+        leap = replace(task.event, motion=read_lexicon().motions["jump"], direction=task.brief.directions.up)
+        compile_jump(replace(task, event=replace(leap, amount=None)))
     if spin_aloft(task, task.direction):
         return
     acted = add_steady(task, ActionType.TORQUE, task.direction, task.event.strength)

@@ -17,6 +17,7 @@ def _index_phrases() -> dict[str, list[Entry]]:
     lexicon = LEXICON
     tables: tuple[tuple[MentionKind, dict], ...] = (
         (MentionKind.REPEAT, lexicon.repeats),
+        (MentionKind.POSE, lexicon.poses),
         (MentionKind.VERB, lexicon.motions),
         (MentionKind.CAUSE, lexicon.causes),
         (MentionKind.GRAVITY, lexicon.gravity),

@@ -207,6 +207,8 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
             )
         _absorb(cause, effect)
         return []
+    if second.effect is Effect.LEAN and second.angle:  # "lift its front until it stands on its back end"
+        cause.modifiers = [m for m in cause.modifiers if m.kind is not MentionKind.PLACE]
     if second.effect is Effect.TOPPLE and cause.has(*DRIVING) and not cause.select(*WAYS):
         cause.modifiers += effect.select(*WAYS)  # "push it until it tips over to the right"
     if second.effect in _SEPARATE or another or is_end(first, second):
