@@ -101,7 +101,7 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
             words=", ".join(dict.fromkeys(filter(None, words))),
         ),
         frame_count=None if frame_count == brief.frame_count else frame_count,
-        materials=tuple(filter(_keeps_material(slots), intent.materials)),
+        materials=tuple(filter(_keeps_material(slots, clauses), intent.materials)),
         ignored=intent.ignored,
         unsure=tuple(dict.fromkeys(builder.unsure)),
         unknown_parts=tuple(dict.fromkeys(unknown_parts)),
@@ -111,9 +111,9 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     )
 
 
-def _keeps_material(slots: list[Slot]) -> Callable[[str], bool]:
+def _keeps_material(slots: list[Slot], clauses: list[Event]) -> Callable[[str], bool]:
     """A test of words for materials: what only sags becomes another matter if it does so as a whole."""
-    sags = any(event.motion.gives for slot in slots for event in slot.events)
+    sags = any(event.motion.gives for event in (*clauses, *(e for slot in slots for e in slot.events)))
 
     def keeps(word: str) -> bool:
         meaning = find_meaning(word)

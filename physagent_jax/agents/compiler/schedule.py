@@ -217,8 +217,11 @@ def follows(before: Event, event: Event) -> bool:
 
 
 def _carries_on(before: Event, event: Event) -> bool:
-    """Return whether what was raised is then moved on: "it takes off and flies to the right"."""
-    raised = before.effect is event.effect is Effect.PUSH and before.motion.direction == "up"
+    """Return whether what was raised is then moved on: "it takes off and flies right", "lift it and shake it"."""
+    raised = before.effect is Effect.PUSH and before.motion.direction == "up"
+    if raised and before.motion.bound and event.effect in (Effect.SWAY, Effect.TURN, Effect.LEAN):
+        return not (before.parts or event.parts)
+    raised &= event.effect is Effect.PUSH
     aside = event.motion.direction is None and bool(event.pick(WayKind.TO)) and not event.is_upwards
     return raised and aside and not (before.parts or event.parts)
 

@@ -50,6 +50,8 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     if event.motion.gives and any(each.effect not in _RESTING for each in events):
         events[-1].doubts += event.doubts
         return  # "it falls and shatters"
+    if events and events[-1].effect is Effect.FALL and event.verb is not None and event.verb.bounces:
+        return  # "it drops and bounces twice"
     if events and events[-1].motion.gives and event.effect is Effect.FALL:
         return  # "it sags until its belly touches the ground"
     _measure_return(event, events)

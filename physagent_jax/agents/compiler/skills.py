@@ -22,7 +22,7 @@ from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_strain_magnitude, find_swing_magnitude
 from physagent_jax.motion.schema import MotionKind
-from physagent_jax.motion.swaying import bend, find_bend, fold, leads_aside, lies, rock, sway
+from physagent_jax.motion.swaying import bend, find_bend, fold, leads_aside, lies, rock, shake, sway
 from physagent_jax.motion.vectors import dot, scale
 from physagent_jax.motion.windows import Window, divide, divide_swings
 
@@ -100,6 +100,9 @@ def _compile_sway(task: Task) -> None:
             task.act(ActionType.IMPULSE, up, 2 * SWING * magnitude, make_impulse_window(part[0]))
     elif event.motion.manner in ("rock", brief.may_be_held and "bend") and builder.grounded and not held:
         builder.constraints += rock(brief, task.direction, magnitude, count, task.window)
+    elif event.motion.manner == "shake" and builder.grounded and not (held or event.amount or event.region):
+        raised = task.is_raised
+        builder.constraints += shake(brief, task.direction, magnitude, count, task.window, raised)
     elif leads and (brief.anchored and count > 3 or bends):
         builder.constraints += sway(brief, task.direction, magnitude, count, task.window)
     else:

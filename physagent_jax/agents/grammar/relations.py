@@ -196,6 +196,9 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
             second.effect is not first.effect  # "twist it until it tears"
         )
     )
+    flung = second.generic and second.effect is Effect.PUSH and first.effect is Effect.TURN
+    if flung and effect.select(MentionKind.PLACE):  # "spin it so fast that its leaves fly outwards"
+        return []
     if first.wrings and second.effect is Effect.TURN:  # "wring it: its upper end turns against its lower end"
         effect.modifiers = [m for m in effect.modifiers if m.kind is not MentionKind.PLACE]
         _absorb(cause, effect)
