@@ -32,8 +32,10 @@ FLOWS = (
     "wet_sand",
 )
 """Presets of what does not stand by itself."""
-YIELDS = (*FLOWS, "clay")
-"""Presets of what gives way to its own weight."""
+YIELDS = (*FLOWS, "clay", "brittle")
+"""Presets of what gives way to its own weight, or has a word of its own for it."""
+YIELDING = "yielding"
+"""The word for what matter becomes that sags and has no other word for it."""
 LIMP = ("plant", "cloth")
 """Kinds of objects that sag without becoming anything else."""
 _LONGEST = 3  # words of the longest name of a material
@@ -48,13 +50,11 @@ class MaterialWord:
         preset: Kind or library entry that stands for it.
         near: Whether that is only the nearest there is.
         becomes: Whether it is a verb by which matter becomes it, whatever it was: "melts".
-        yields: Whether that is only what matter which does not yield by itself becomes: "sags".
     """
 
     preset: str
     near: bool = False
     becomes: bool = False
-    yields: bool = False
 
 
 @dataclass(frozen=True)
@@ -103,9 +103,7 @@ def read_material_words() -> MaterialLexicon:
     adjectives: set[str] = set()
     for row in content.pop("materials"):
         forms = _split(row.get("adjectives", ""))
-        meaning = MaterialWord(
-            row["preset"], *(row.get(name, False) for name in ("near", "becomes", "yields"))
-        )
+        meaning = MaterialWord(row["preset"], row.get("near", False), row.get("becomes", False))
         words |= dict.fromkeys([*_split(row["words"]), *forms], meaning)
         adjectives |= set(forms)
     compounds = frozenset(_split(content.pop("compounds")))

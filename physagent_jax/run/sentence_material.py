@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from physagent_jax.agents.materials import LIMP, YIELDS, MaterialMention, find_materials, find_meaning
+from physagent_jax.agents.materials import MaterialMention, find_materials, find_meaning
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.names import find_nearest
@@ -53,8 +53,6 @@ def choose_said_material(
                 f"'{mention.word}' belongs to the object's name, so that its material stays that of its kind: "
                 f"--material {meaning.preset} chooses it"
             )
-    yields = brief.object_kind not in LIMP and not any(meaning.preset in YIELDS for _, meaning in known)
-    known = [pair for pair in known if yields or not pair[1].yields]
     known = [pair for pair in known if pair[1].becomes] or known
     presets = list(dict.fromkeys(meaning.preset for _, meaning in known))
     if not presets:

@@ -6,19 +6,19 @@ lexicon maps a word to takes precedence over whatever else an agent thinks of it
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterable
 
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
 from physagent_jax.agents.compiler.events import Event
 from physagent_jax.agents.compiler.interpretation import resolve_obstacles
 from physagent_jax.agents.compiler.limbs import drive_limbs, find_support
-from physagent_jax.agents.compiler.schedule import Slot, schedule
+from physagent_jax.agents.compiler.schedule import schedule
 from physagent_jax.agents.compiler.sequence import apply_holding, choose_anchor, make_events
 from physagent_jax.agents.compiler.skills import compile_slots
 from physagent_jax.agents.compiler.words import look_up, suggest_motions
 from physagent_jax.agents.intent import Intent
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.materials import FLOWS, SOFT, find_meaning
+from physagent_jax.agents.materials import FLOWS, LIMP, SOFT, YIELDING, YIELDS, find_meaning
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_entry
@@ -48,12 +48,11 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     Raises:
         UserError: No motion is known, and nothing is said about holding or gravity.
     """
-    meanings = [meaning for word in intent.materials if (meaning := find_meaning(word)) is not None]
-    becomes = "melt" if _is_of(FLOWS, intent) else "sag" if len(meanings) > 1 else "collapse"
+    flows = _is_of(FLOWS, intent)  # it collapses where it stands
     clauses = [
-        each.model_copy(update=dict(motion=becomes)) if each.motion == "collapse" else each
+        each.model_copy(update=dict(motion="melt")) if flows and each.motion == "collapse" else each
         for each in intent.clauses
-    ]  # what flows collapses where it stands
+    ]
     told = [look_up(clause, list_names(brief)) for clause in clauses]
     known = [event for event in told if event.is_known]
     unknown = [event for event in told if not event.is_known]
@@ -101,7 +100,7 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
             words=", ".join(dict.fromkeys(filter(None, words))),
         ),
         frame_count=None if frame_count == brief.frame_count else frame_count,
-        materials=tuple(filter(_keeps_material(slots, clauses), intent.materials)),
+        materials=_choose_materials(intent, (*clauses, *(e for slot in slots for e in slot.events)), brief),
         ignored=intent.ignored,
         unsure=tuple(dict.fromkeys(builder.unsure)),
         unknown_parts=tuple(dict.fromkeys(unknown_parts)),
@@ -111,15 +110,11 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     )
 
 
-def _keeps_material(slots: list[Slot], clauses: list[Event]) -> Callable[[str], bool]:
-    """A test of words for materials: what only sags becomes another matter if it does so as a whole."""
-    sags = any(event.motion.gives for event in (*clauses, *(e for slot in slots for e in slot.events)))
-
-    def keeps(word: str) -> bool:
-        meaning = find_meaning(word)
-        return sags or meaning is None or not meaning.yields
-
-    return keeps
+def _choose_materials(intent: Intent, events: Iterable[Event], brief: SceneBrief) -> tuple[str, ...]:
+    """The sentence's words for materials, and one for what gives way where they name nothing that does."""
+    sags = any(event.motion.gives for event in events)
+    firm = sags and brief.object_kind not in LIMP and not _is_of(YIELDS, intent)
+    return (*intent.materials, YIELDING) if firm else intent.materials
 
 
 def _is_soft(intent: Intent, brief: SceneBrief) -> bool:

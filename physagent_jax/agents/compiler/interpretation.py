@@ -44,7 +44,7 @@ _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 
 def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     """Fill in what a clause's words come to; "harder", "back" and "the other way" are measured by ``before``."""
-    event.motion, event.phrase = _choose_motion(event, brief)
+    event.motion, event.phrase = _choose_motion(event, brief, before is None)
     event.repeat = _sum_repeats(event)
     _resolve_strength(event, before if event.clause.inherited else None)
     take_heading(event, brief)
@@ -61,12 +61,12 @@ def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     _take_part(event, brief)
     partial = bool(event.limbs or event.region)
     able = {"": True, "limp": brief.object_kind in _LIMP, "part": partial, "whole": not partial}
-    if not able[event.motion.by]:
+    if not able[event.motion.by] or event.motion.gives and event.clause.solids:
         event.doubts.append(f"How '{event.words}' is done is not understood.")
     event.obstacles += resolve_obstacles(event.clause.solids, event.direction, brief)
 
 
-def _choose_motion(event: Event, brief: SceneBrief) -> tuple[Motion, str]:
+def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion, str]:
     """The clause's motion as what stands beside it makes it, and the phrase that it then goes by."""
     motion, phrase = _join_cause(event)
     motions, effect = read_lexicon().motions, motion.effect
@@ -84,11 +84,11 @@ def _choose_motion(event: Event, brief: SceneBrief) -> tuple[Motion, str]:
         phrase = "jump"  # "it bounces three times"
     elif motion.tumbles and event.is_upwards:
         return replace(motions["toss"], tumbles=True), phrase  # "flip it into the air"
-    elif phrase == "tumble" and event.goes_aside:
+    elif phrase == "tumble" and event.goes_aside and first:
         phrase = "roll"  # "tumbles to the right"
     elif motion.coasts and told:
         phrase = "move"  # "it coasts to the left"; else it goes on by itself
-    elif motion.by == "limp" and brief.object_kind != "cloth" and not (event.parts or lies(brief)):
+    elif motion.by == "limp" and brief.object_kind != "cloth" and not event.parts and _is_slim(brief):
         phrase = "bend"  # "the lamp droops"
     elif motion.gives and (event.ways or brief.object_kind in LIMP) and phrase in ("sag", "slump", "flop"):
         return replace(
@@ -120,6 +120,11 @@ def _join_cause(event: Event) -> tuple[Motion, str]:
         return cause, event.cause_phrase
     skill = cause.skill if verb.effect is cause.effect else verb.skill  # "a vortex spins it"
     return replace(verb, brief=verb.brief or cause.brief, skill=skill), event.phrase
+
+
+def _is_slim(brief: SceneBrief) -> bool:
+    """Return whether it stands up longer than it is broad."""
+    return brief.long_axis is not None and not lies(brief)
 
 
 def _is_on_its_back(event: Event, brief: SceneBrief) -> bool:

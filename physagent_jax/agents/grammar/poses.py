@@ -46,7 +46,7 @@ def read_poses(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]
                 result[at] = replace(mention, kind=MentionKind.POSE, value=side, phrase="pose")
             if motion.lands:  # "so that it lands on its head"
                 result[verbs[-1]] = empty(mentions[verbs[-1]])
-        elif mention.phrase not in read_sections()["lying"] and motion.effect in _ENDING:
+        elif first < at and mention.phrase not in read_sections()["lying"] and motion.effect in _ENDING:
             result[first : at + 1] = map(empty, mentions[first : at + 1])
     return result
 
@@ -70,7 +70,7 @@ def _find_side(mentions: list[Mention], at: int) -> tuple[int, str | None]:
 
 def _find_drop(mentions: list[Mention], verbs: list[int]) -> int | None:
     """Index of the fall through the air that the last verb is, or is the end of; what stands and falls tips over."""
-    last = mentions[verbs[-1]].motion
+    last = mentions[verbs[-1]].motion if verbs else None
     for at in reversed(verbs):
         motion = mentions[at].motion
         if motion is None or motion.effect is not Effect.FALL or motion.gives:
@@ -93,7 +93,8 @@ def read_landings(mentions: list[Mention], _names: frozenset[str]) -> list[Menti
             verbs.append(at)
         ways += [at] if side.kind in WAYS else []
         first, way = _find_side(result, at)
-        if not verbs or way not in read_sections()["lying"].values() or first <= verbs[-1]:
+        told = side.kind is MentionKind.POSE or side.phrase in read_sections()["lying"]
+        if not verbs or not told or way not in read_sections()["lying"].values() or first <= verbs[-1]:
             continue
         if _find_drop(mentions, verbs) is not None:
             continue
