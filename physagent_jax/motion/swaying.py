@@ -198,10 +198,12 @@ def shake(
     """
     strokes = [1.0, *[-2.0, 2.0] * (count - 1), -2.0, 1.0]
     driver = PartDriver(make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
-    reach, last = _SHAKEN * strength**1.5, float(brief.last)
-    made = [driver.shift(way, reach * s, span, None) for s, span in zip(strokes, _divide(window, strokes))]
-    stop = last if kept else min(window[1] + brief.count_frames(_SETTLED), last)
-    made[-1] = made[-1].model_copy(update=dict(held_until=stop if stop > window[1] else None))
+    reach, last, rest = _SHAKEN * strength**1.5, float(brief.last), brief.count_frames(_SETTLED)
+    end = max(min(window[1], last - rest), 0.5 * (window[0] + window[1]))
+    spans = _divide((window[0], end), strokes)
+    made = [driver.shift(way, reach * s, span, None) for s, span in zip(strokes, spans)]
+    stop = last if kept else min(end + rest, last)
+    made[-1] = made[-1].model_copy(update=dict(held_until=stop if stop > end else None))
     return [each.model_copy(update=dict(region=None)) for each in made]
 
 

@@ -247,7 +247,7 @@ PRIORS: dict[str, Prior] = {
         "dough that gives way: flows where its own weight (10 kPa at 1 m) presses by more than a third of that, and "
         "stops as it gets lower; chosen for visible motion",
         model=MaterialModel.VISCOPLASTIC,
-        parameters={"yield_stress": 2.5e3, "plastic_viscosity": 8e3},
+        parameters={"yield_stress": 2.5e3, "plastic_viscosity": 3e4},
     ),
     UNKNOWN: Prior(
         (), 5e4, 0.3, 200.0,
