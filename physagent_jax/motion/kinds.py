@@ -466,7 +466,8 @@ def _lead(wish: Wish) -> _Replaced:
     if spun is not None:
         stop = min(stop, first + brief.count_frames(find_spin_time(spun, expectation.strength)))
     size, until = spread_effort(effort, first, stop, share=MOVING if tilts else 1.0)
-    hand = _prescribe(causes[0], way, size, (first, until), _find_next(wish, end))
+    settles = over and lengthwise and not hands  # what lies rests on what it was turned onto
+    hand = _prescribe(causes[0], way, size, (first, until), None if settles else _find_next(wish, end))
     if tilts and expectation.released and end + until - first <= brief.last:
         hand = hand.model_copy(update={"held_until": end if end > until else None})
         back = _prescribe(causes[0], scale(way, -1.0), size, (end, end + until - first), None)

@@ -134,3 +134,45 @@ def test_the_front_is_told_by_the_names_of_parts():
     )
     turn = find_tilt_rotation(find_attitude("head", stand(parts=parts, **LONG)))
     np.testing.assert_allclose(turn @ (-1.0, 0.0, 0.0), (0, 0, -1), atol=1e-9)
+
+
+def test_what_tips_onto_an_unknown_end_moves_as_a_whole():
+    reply = read("the thing tips forward and falls on its beak", stand(**TALL))
+    assert not reply.unknown_parts and not reply.unsure
+
+
+@pytest.mark.parametrize(
+    ("sentence", "kinds"),
+    [
+        ("lift the thing and shake it", ["move", "sway"]),
+        ("the thing rattles and jumps up", ["sway", "move", "fall"]),
+        ("the thing slides to the left and flips over", ["move", "rotate"]),
+    ],
+)
+def test_what_would_hide_each_other_comes_one_after_the_other(sentence, kinds):
+    motions = read(sentence, stand(**LONG)).expectations
+    assert [each.kind.value for each in motions] == kinds
+    assert motions[1].window[0] >= motions[0].window[1] - 0.5
+
+
+def test_a_fall_that_bounces_is_one_fall():
+    reply = read("the thing is dropped and bounces twice", stand(**TALL))
+    assert [each.kind for each in reply.expectations] == [MotionKind.FALL] and not reply.force_field.actions
+
+
+def test_what_bends_down_to_the_ground_is_not_dropped():
+    reply = read("the thing bends down until it touches the ground", stand(may_be_held=True, **TALL))
+    assert not reply.force_field.default_drop and not reply.unsure
+    (bend,) = reply.expectations
+    assert bend.kind is MotionKind.MOVE and bend.direction == pytest.approx((-1, 0, 0))
+
+
+def test_a_boat_that_rolls_from_side_to_side_rocks_about_its_line():
+    (rock,) = read("the thing rolls from side to side", stand(**LONG)).expectations
+    assert rock.kind is MotionKind.SWAY and rock.manner == "rock"
+
+
+def test_parts_that_a_spin_flings_out_are_not_turned_alone():
+    reply = read("spin the thing so fast that its leaves fly outwards", stand(**TALL))
+    (turn,) = reply.expectations
+    assert turn.kind is MotionKind.ROTATE and not turn.partial and not reply.unsure

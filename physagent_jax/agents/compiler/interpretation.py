@@ -48,6 +48,10 @@ def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     event.repeat = _sum_repeats(event)
     _resolve_strength(event, before if event.clause.inherited else None)
     take_heading(event, brief)
+    down = event.motion.manner == "bend" and event.direction == brief.directions.down
+    if down and not event.parts and _is_slim(brief):
+        _turn(event, brief.directions.left, "it bends down over its foot")
+        event.strength = min(1.5 * event.strength, MAGNITUDE_MAX)
     event.stays = event.stays or event.motion.quick and event.effect is Effect.SCALE  # a dent
     _act_from_sides(event, brief)
     if before is not None:
@@ -80,6 +84,8 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
     if any(each.alternating for each in repeats) and (effect in (Effect.FALL, Effect.JUMP) or motion.gravity):
         # "is tossed to and fro", "jumps up and down"
         phrase = "shuttle" if effect is Effect.STRIKE else "bob"
+    elif effect is Effect.ROLL and any(each.alternating for each in repeats):
+        phrase = "rock"  # "the boat rolls from side to side"
     elif motion.bounces and (counted or event.is_upwards):
         phrase = "jump"  # "it bounces three times"
     elif motion.tumbles and event.is_upwards:

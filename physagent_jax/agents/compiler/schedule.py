@@ -208,7 +208,7 @@ def follows(before: Event, event: Event) -> bool:
         return True  # "rolls left and tips over at the end", "stands still and suddenly spins"
     rests = effect is Effect.STILL and (not event.motion.generic or event.is_timed)
     thrown = effect is Effect.STRIKE and event.motion.gravity and before.motion.direction == "up"
-    over = effect is Effect.TURN and event.motion.angle == 180 and before.motion.direction == "up"
+    over = effect is Effect.TURN and event.motion.angle == 180 and before.motion.direction in ("up", None)
     falls = effect is Effect.FALL or thrown or over  # "pick it up and throw it"
     lifted = before.effect is Effect.PUSH and falls and before.phrase != event.phrase
     return (
@@ -229,6 +229,8 @@ def _carries_on(before: Event, event: Event) -> bool:
 _SUCCESSIONS = (
     (Effect.FALL, Effect.SWAY),  # "drops and jiggles"
     (Effect.STRIKE, Effect.FALL),
+    (Effect.SWAY, Effect.JUMP),  # "rattles and jumps up"
+    (Effect.TURN, Effect.JUMP),
     (Effect.PUSH, Effect.TOPPLE),  # "slides to the left and falls over"
     (Effect.TOPPLE, Effect.ROLL),
     (Effect.JUMP, Effect.FALL),  # "jumps and lands"

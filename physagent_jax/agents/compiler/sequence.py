@@ -22,6 +22,7 @@ _AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
 _LEVEL = 0.5  # cosine to the vertical below which what stands falls aside
 _ALOFT = (Effect.FALL, Effect.JUMP)  # or thrown, or lifted
 _RESTING = (Effect.STILL, Effect.RELEASE)
+_LOWERING = (Effect.LEAN, Effect.SCALE, Effect.SWELL)
 _UPSETTING = (Effect.PUSH, Effect.STRIKE, Effect.LEAN)
 _RISING = (Effect.PUSH, Effect.STRIKE, Effect.JUMP)
 
@@ -52,7 +53,8 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         return  # "it falls and shatters"
     if events and events[-1].effect is Effect.FALL and event.verb is not None and event.verb.bounces:
         return  # "it drops and bounces twice"
-    if events and events[-1].motion.gives and event.effect is Effect.FALL:
+    lowered = all(each.effect in _LOWERING for each in events) and event.motion.lands
+    if events and event.effect is Effect.FALL and (events[-1].motion.gives or lowered):
         return  # "it sags until its belly touches the ground"
     _measure_return(event, events)
     event = _put_under_gravity(event, builder.gravity)

@@ -21,7 +21,7 @@ _NOUNS = (
     MentionKind.FUNCTION,
 )
 _OVERTURNING = (Effect.LEAN, Effect.PUSH, Effect.STRIKE, Effect.TURN, Effect.ROLL, Effect.FALL, Effect.TOPPLE)
-_ENDING = (Effect.TURN, Effect.ROLL, Effect.JUMP)
+_ENDING = (Effect.TURN, Effect.ROLL, Effect.JUMP, Effect.TOPPLE, Effect.FALL)
 
 
 def read_poses(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
