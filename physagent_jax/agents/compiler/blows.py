@@ -178,8 +178,9 @@ def _let_fall(task: Task) -> None:
                 event.amount, height = None, MOST_DROP
             builder.drop_height = height
             builder.enable_gravity(task.event.words, "a falling object needs gravity")
-            if task.event.clause.pose and not earlier:
-                builder.attitude = find_attitude(task.event.clause.pose, builder.brief)
+            pose = task.event.clause.pose or task.event.motion.pose
+            if pose and not earlier:
+                builder.attitude = find_attitude(pose, builder.brief)
     elif not builder.grounded:
         task.act(ActionType.TRANSLATION, builder.brief.directions.down, MAGNITUDE_MAX, task.window)
         builder.notes.append(

@@ -231,6 +231,8 @@ _SUCCESSIONS = (
     (Effect.STRIKE, Effect.FALL),
     (Effect.SWAY, Effect.JUMP),  # "rattles and jumps up"
     (Effect.TURN, Effect.JUMP),
+    (Effect.LEAN, Effect.TOPPLE),
+    (Effect.FALL, Effect.ROLL),
     (Effect.PUSH, Effect.TOPPLE),  # "slides to the left and falls over"
     (Effect.TOPPLE, Effect.ROLL),
     (Effect.JUMP, Effect.FALL),  # "jumps and lands"

@@ -79,6 +79,7 @@ class Motion:
         manner: The manner in which it goes on (`motion.schema.SeenManner`).
         alone: The motion that it is where nothing was done before; empty = none.
         quick: Whether it is over in an instant.
+        pose: The side that points down as it falls; empty = none in particular.
         taps: Whether it is a blow to what is soft.
         skill: Name of the skill that it stands for; None = what its effect is compiled to.
     """
@@ -113,6 +114,7 @@ class Motion:
     manner: SeenManner = ""
     alone: str = ""
     quick: bool = False
+    pose: Side | Literal[""] = ""
     taps: bool = False
     skill: str | None = None
 
