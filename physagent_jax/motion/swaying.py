@@ -153,6 +153,12 @@ def lies(brief: SceneBrief) -> bool:
     return long is not None and abs(dot(long, brief.directions.up)) < _LEVEL and brief.anchored is None
 
 
+def stands_slim(brief: SceneBrief) -> bool:
+    """Return whether it is longest upright."""
+    long = brief.long_axis
+    return long is not None and abs(dot(long, brief.directions.up)) >= _LEVEL
+
+
 def find_bend(way: Vector, brief: SceneBrief, rooted: bool) -> Vector | None:
     """The way in which it bends (unit vector), or None: ends that cannot go along themselves go up.
 

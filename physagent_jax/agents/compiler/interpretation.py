@@ -16,12 +16,13 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.part import is_plural
 from physagent_jax.forces.slabs import make_end_region, make_middle_region
+from physagent_jax.motion.attitudes import has_back_on_top
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.joints import Turning
-from physagent_jax.motion.limbs import find_front, stands_on_legs, sum_directions
+from physagent_jax.motion.limbs import stands_on_legs, sum_directions
 from physagent_jax.motion.parts import explain_guess, explain_missing
 from physagent_jax.motion.schema import Amount, ObstacleRequest, SceneBrief
-from physagent_jax.motion.swaying import lies
+from physagent_jax.motion.swaying import lies, stands_slim
 from physagent_jax.motion.vectors import clamp, dot, normalise, scale
 
 # What each kind of way means nothing for; nor does a part for what all of the object does.
@@ -37,7 +38,6 @@ _USELESS = {
 }
 _WHOLE = (Effect.ROLL, Effect.BURST, Effect.TOPPLE, Effect.JUMP, Effect.FALL)
 _ONCE = (Effect.FALL, Effect.TOPPLE, Effect.ROLL, Effect.BURST, Effect.RELEASE, Effect.STILL)
-_FLAT = 0.8  # height over breadth, below which something lies flat
 _STEEP = 0.7  # cosine to the vertical
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 
@@ -49,7 +49,7 @@ def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     _resolve_strength(event, before if event.clause.inherited else None)
     take_heading(event, brief)
     down = event.motion.manner == "bend" and event.direction == brief.directions.down
-    if down and not event.parts and _is_slim(brief):
+    if down and not event.parts and stands_slim(brief):
         _turn(event, brief.directions.left, "it bends down over its foot")
         event.strength = min(1.5 * event.strength, MAGNITUDE_MAX)
     event.stays = event.stays or event.motion.quick and event.effect is Effect.SCALE  # a dent
@@ -94,7 +94,7 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
         phrase = "roll"  # "tumbles to the right"
     elif motion.coasts and told:
         phrase = "move"  # "it coasts to the left"; else it goes on by itself
-    elif motion.by == "limp" and brief.object_kind != "cloth" and not event.parts and _is_slim(brief):
+    elif motion.by == "limp" and brief.object_kind != "cloth" and not event.parts and stands_slim(brief):
         phrase = "bend"  # "the lamp droops"
     elif motion.gives and (event.ways or brief.object_kind in LIMP) and phrase in ("sag", "slump", "flop"):
         return replace(
@@ -128,17 +128,10 @@ def _join_cause(event: Event) -> tuple[Motion, str]:
     return replace(verb, brief=verb.brief or cause.brief, skill=skill), event.phrase
 
 
-def _is_slim(brief: SceneBrief) -> bool:
-    """Return whether it stands up longer than it is broad."""
-    return brief.long_axis is not None and not lies(brief)
-
-
 def _is_on_its_back(event: Event, brief: SceneBrief) -> bool:
-    """Return whether it is to lie on its back, which is on top of what is flat, long, or goes on legs."""
+    """Return whether it is to lie on its back, which is on top."""
     way = any(each.phrase == "away" and each.text.lower() == "back" for each in event.ways)
-    width, height, depth = brief.extents
-    flat = lies(brief) or find_front(brief.parts) is not None or height < _FLAT * min(width, depth)
-    return flat and (way or event.motion.bound and event.motion.direction == "away")
+    return has_back_on_top(brief) and (way or event.motion.bound and event.motion.direction == "away")
 
 
 def has_wheels(brief: SceneBrief) -> bool:
