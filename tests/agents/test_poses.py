@@ -1,4 +1,4 @@
-"""How something is turned as it falls, what it lands and ends up on, and what gives way where it stands."""
+"""Poses: the side that points down as something falls, what it ends up on, and matter that gives way."""
 
 import numpy as np
 import pytest
