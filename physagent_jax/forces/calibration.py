@@ -176,8 +176,7 @@ def find_tipping(strength: float, longest: float, duration: float) -> tuple[floa
 def find_highest_leap(seconds: float) -> float:
     """Rise [m] of a leap, at most, after which there is time to land and to stand before the next one.
 
-    It is in the air for sqrt(8 h / g), but for the third of the push in which it leaves the ground; it gains its rate
-    in the push.
+    It is in the air for sqrt(8 h / g).
 
     Args:
         seconds: Time from one leap to the next [s].
@@ -196,6 +195,5 @@ def find_spin_aloft(degrees: float, rise: float, push: float, duration: float) -
         push: Time for which the torque acts [s].
         duration: Duration of the clip [s].
     """
-    aloft = math.sqrt(8.0 * rise / GRAVITY)
-    rate = math.radians(degrees) / max(aloft - push / 3.0 - push / 2.0, 0.5 * aloft)
+    rate = math.radians(degrees) / math.sqrt(8.0 * rise / GRAVITY)
     return find_magnitude(rate * push / 2.0 / TURN, push, duration, braked=False)

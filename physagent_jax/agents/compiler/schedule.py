@@ -102,7 +102,7 @@ def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, la
         for event in slot.events:
             usual = STEP if len(slots) > 1 or event.stays else min(clip, 2.0)
             rests = event.effect is Effect.STILL and event.phrase != "wait"
-            if rests and len(slots) > 1 and (anchored or grounded):
+            if rests and len(slots) > 1 and following is None and (anchored or grounded):
                 usual = _SWING
             swings = _SWAYS.get(event.motion.manner, 0.0) * (event.repeat.count or event.motion.cycles)
             seconds = max(
@@ -208,6 +208,8 @@ def follows(before: Event, event: Event) -> bool:
         return True  # "rolls left and tips over at the end", "stands still and suddenly spins"
     rests = effect is Effect.STILL and (not event.motion.generic or event.is_timed)
     thrown = effect is Effect.STRIKE and event.motion.gravity and before.motion.direction == "up"
+    if effect is Effect.SWAY and before.effect is Effect.TURN and before.motion.angle == 180:
+        return True  # "lands on its back and rocks"
     over = effect is Effect.TURN and event.motion.angle == 180 and before.motion.direction in ("up", None)
     falls = effect is Effect.FALL or thrown or over  # "pick it up and throw it"
     lifted = before.effect is Effect.PUSH and falls and before.phrase != event.phrase
