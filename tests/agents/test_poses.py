@@ -176,3 +176,15 @@ def test_parts_that_a_spin_flings_out_are_not_turned_alone():
     reply = read("spin the thing so fast that its leaves fly outwards", stand(**TALL))
     (turn,) = reply.expectations
     assert turn.kind is MotionKind.ROTATE and not turn.partial and not reply.unsure
+
+
+def test_what_it_does_between_a_leap_and_its_landing_is_done_in_the_air():
+    motions = read("the thing jumps up, spins around once in the air and lands", stand(**TALL)).expectations
+    assert [each.kind.value for each in motions[:2]] == ["move", "rotate"]
+    assert motions[1].window[0] == motions[0].window[0]
+
+
+def test_what_is_dropped_so_that_it_rolls_falls_first():
+    reply = read("drop the thing on its side so that it rolls a little", stand(**TALL))
+    assert reply.force_field.default_drop and reply.world.attitude is not None
+    assert [each.kind.value for each in reply.expectations] == ["fall", "move", "rotate"]

@@ -72,6 +72,9 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         event = replace(_make_another(event, "sag"), direction=builder.brief.directions.up)  # where it stands
     if before and _goes_over(before, event):
         event = _join_fall(events.pop(), event)
+    if event.motion.lands and [each.effect for each in events[-2:]] == [Effect.JUMP, Effect.TURN]:
+        last = events[-1]  # "jumps up, spins around and lands"
+        last.clause = last.clause.model_copy(update=dict(order="together"))
     thrown = bool(events) and (events[-1].motion.gravity or events[-1].effect is Effect.JUMP)
     if thrown and event.phrase in ("come back down", "go back down"):
         event = _make_another(event, "land")  # "toss it up and let it come back down"

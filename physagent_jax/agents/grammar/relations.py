@@ -188,7 +188,12 @@ def _is_moving_beside(before: Clause, clause: Clause) -> bool:
 def _relate(cause: Clause, effect: Clause) -> list[Clause]:
     """Merges an effect with its cause; returns it where it stays a clause of its own."""
     first, second = get_verb(cause.head), get_verb(effect.verb)
+    drops = first.effect is Effect.FALL and not first.gives
     another = second.effect is Effect.TURN and first.gravity  # "toss it so that it flips"
+    another |= drops and second.effect in (
+        Effect.ROLL,
+        Effect.PUSH,
+    )  # "drop it so that it rolls"
     another = (
         another
         or {first.effect, second.effect} <= {Effect.TURN, Effect.SCALE, Effect.SWAY}
@@ -216,7 +221,7 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
         cause.modifiers += effect.select(*WAYS)  # "push it until it tips over to the right"
     if second.effect in _SEPARATE or another or is_end(first, second):
         ends = second.effect in (Effect.STILL, Effect.RELEASE) or is_end(first, second)
-        effect.join = Join.THEN if ends else Join.WHILE
+        effect.join = Join.THEN if ends or drops else Join.WHILE
         return [effect]
     driven = first.effect in DRIVING and first.direction is None
     sized = driven and second.effect in (Effect.SCALE, Effect.SWELL)  # "pull it until it is longer"
