@@ -63,9 +63,8 @@ def _find_side(mentions: list[Mention], at: int) -> tuple[int, str | None]:
         return at, None
     if (side := read_sections()["lying"].get(mention.phrase)) is not None:
         return at - 2, side
-    names = mention.value.names if isinstance(mention.value, Place) else ()
-    known = len(names) == 1 and names[0] in ("up", "down", "toward", "away", "left", "right")
-    return at - 2, names[0] if known else ""
+    side = " ".join(mention.value.names) if isinstance(mention.value, Place) else ""
+    return at - 2, side if side in ("up", "down", "toward", "away", "left", "right") else ""
 
 
 def _find_drop(mentions: list[Mention], verbs: list[int]) -> int | None:
