@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from physagent_jax.forces.part import split_name
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.limbs import find_front, find_level_line, find_way_ahead, sum_directions
 from physagent_jax.motion.schema import SceneBrief
@@ -9,6 +10,9 @@ from physagent_jax.motion.swaying import lies
 from physagent_jax.motion.vectors import dot, normalise, scale
 
 _FLAT = 0.8  # height over breadth, below which something lies flat
+_BACKED = frozenset(
+    "couch sofa settee chair armchair bench seat throne".split()
+)  # whose back leans on nothing
 _ASKEW = 35.0  # [degrees]
 _LOOKING_AHEAD = {"head": ("up", "toward"), "away": ("behind", "up"), "belly": ("toward", "down")}
 _SIDE, _OVER = 90.0, 180.0  # [degrees]
@@ -45,4 +49,6 @@ def find_attitude(side: str, brief: SceneBrief) -> tuple[float, float]:
 def has_back_on_top(brief: SceneBrief) -> bool:
     """Return whether its back is on top, and not behind: it is long or flat as it lies, or goes on legs."""
     width, height, depth = brief.extents
+    if _BACKED.intersection(split_name(brief.object_name)):
+        return False
     return lies(brief) or find_front(brief.parts) is not None or height < _FLAT * min(width, depth)

@@ -117,7 +117,7 @@ def find_level_line(brief: SceneBrief) -> Vector:
 def find_way_ahead(brief: SceneBrief) -> Vector:
     """The level way in which something looks (unit vector).
 
-    Its head, the names of its parts or the line along which it is longest tell it; else it looks at the viewer.
+    Its head, the names of its parts or its level line tell it; else it looks at the viewer.
     """
     told = [scale(_level(p), s) for p in brief.parts for s in (_tell_front(p),) if s]
     named = scale(add(told), 1.0 / len(told)) if told else (0.0, 0.0, 0.0)
@@ -125,8 +125,7 @@ def find_way_ahead(brief: SceneBrief) -> Vector:
         return front
     if norm(named) > _TOLD:
         return normalise(named) or brief.directions.toward
-    long = brief.long_axis
-    return long if long is not None and abs(long[2]) < _LEVEL else brief.directions.toward
+    return find_level_line(brief)
 
 
 def _tell_front(part: Part) -> int:

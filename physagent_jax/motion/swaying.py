@@ -205,7 +205,7 @@ def shake(
     strokes = [1.0, *[-2.0, 2.0] * (count - 1), -2.0, 1.0]
     driver = PartDriver(make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
     reach, last, rest = _SHAKEN * strength**1.5, float(brief.last), brief.count_frames(_SETTLED)
-    end = max(min(window[1], last - rest), 0.5 * (window[0] + window[1]))
+    end = max(window[1] - rest, 0.5 * (window[0] + window[1]))  # it rests before the next motion
     spans = _divide((window[0], end), strokes)
     made = [driver.shift(way, reach * s, span, None) for s, span in zip(strokes, spans)]
     stop = last if kept else min(end + rest, last)

@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from physagent_jax.agents.compiler import compile_intent
+from physagent_jax.agents.grammar.semantic import read_intent
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.motion.attitudes import find_attitude
 from physagent_jax.motion.schema import MotionKind
@@ -190,3 +192,25 @@ def test_what_is_dropped_so_that_it_rolls_falls_first():
     reply = read("drop the thing on its side so that it rolls a little", stand(**TALL))
     assert reply.force_field.default_drop and reply.world.attitude is not None
     assert [each.kind.value for each in reply.expectations] == ["fall", "move", "rotate"]
+
+
+def test_what_is_shaken_is_let_go_before_it_hops_away():
+    scene = stand(**TALL)
+    field = compile_intent(
+        read_intent("the thing shakes itself and then hops away", scene), scene
+    ).force_field
+    (leap,) = field.actions
+    held = max(each.held_until or each.active_time[1] for each in field.constraints)
+    assert leap.active_time is not None and held <= leap.active_time[0] + 0.5
+
+
+def test_a_couch_has_its_back_behind_and_a_thing_that_lies_on_top():
+    for name, angle in (("couch", 90.0), ("thing", 180.0)):
+        turn = read(f"the {name} tips over onto its back", stand(name, **LONG)).expectations[0]
+        assert (turn.amount is None) == (angle == 90.0), name
+
+
+def test_a_wheelie_is_done_and_ended():
+    reply = read("the thing does a wheelie and then drops back down", stand(**LONG))
+    (turn,) = reply.expectations
+    assert turn.kind is MotionKind.ROTATE and turn.released and not reply.unsure
