@@ -129,8 +129,8 @@ def find_way_ahead(brief: SceneBrief) -> Vector:
 
 
 def _tell_front(part: Part) -> int:
-    """1 for a part whose name says that it is in front, -1 for one behind, 0 for others."""
-    words = {*split_name(part.name)}
+    """1 for a part whose name or first role says that it is in front, -1 for one behind, 0 for others."""
+    words = {*split_name(part.name), *part.roles[:1]}
     return bool(words & _FRONTS) - bool(words & _REARS)
 
 

@@ -188,12 +188,9 @@ def _is_moving_beside(before: Clause, clause: Clause) -> bool:
 def _relate(cause: Clause, effect: Clause) -> list[Clause]:
     """Merges an effect with its cause; returns it where it stays a clause of its own."""
     first, second = get_verb(cause.head), get_verb(effect.verb)
-    drops = first.effect is Effect.FALL and not first.gives
+    drops = first.effect is Effect.FALL and not first.gives and second.effect in (Effect.ROLL, Effect.PUSH)
     another = second.effect is Effect.TURN and first.gravity  # "toss it so that it flips"
-    another |= drops and second.effect in (
-        Effect.ROLL,
-        Effect.PUSH,
-    )  # "drop it so that it rolls"
+    another |= drops  # "drop it so that it rolls"
     another = (
         another
         or {first.effect, second.effect} <= {Effect.TURN, Effect.SCALE, Effect.SWAY}
