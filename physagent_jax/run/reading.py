@@ -12,6 +12,7 @@ from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.holds import Hold, HoldOrigin, describe_release, find_leaving, needs_weight
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, SceneBrief, WorldRequest
+from physagent_jax.run.bearing import carry_along
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.holding import UP
 from physagent_jax.run.resolve import LET_GO, ResolvedRun
@@ -39,6 +40,7 @@ def read_for_scene(run: ResolvedRun, body: Body, ask: Ask) -> Reply[SemanticRepl
         )
         return brief.model_copy(update=dict(may_be_held=run.spec.anchor.kind == "auto"))
 
+    ask = _carry(ask, run, body)
     held, free = describe(), describe(LET_GO)
     supported = held.anchored is not None and run.template.anchor.kind == "none"
     context = AgentContext(run.spec.prompt, free if supported else held, describe_skills())
@@ -57,6 +59,20 @@ def read_for_scene(run: ResolvedRun, body: Body, ask: Ask) -> Reply[SemanticRepl
         reading = read_let_go(reading, release, context, ask)
     told = tell_material(run.spec.prompt, context.brief, run.spec.material, reading.value)
     return Reply(told, reading.trace)
+
+
+def _carry(ask: Ask, run: ResolvedRun, body: Body) -> Ask:
+    """``ask`` with replies in which what bears the object takes it along (`run.bearing`); as it is where it is held."""
+    world, parts = run.template.world, run.list_parts(body)
+    if run.spec.anchor.kind != "auto" or not world.ground or world.gravity != "down":
+        return ask
+
+    def ask_and_carry(context: AgentContext) -> Reply[SemanticReply]:
+        reply = ask(context)
+        carried = carry_along(reply.value, body, parts, run.template.preset.timing.frame_dt)
+        return Reply(carried, reply.trace)
+
+    return ask_and_carry
 
 
 def place_for_field(run: ResolvedRun, body: Body, field: ForceField) -> tuple[SceneTemplate, tuple[str, ...]]:

@@ -1,0 +1,61 @@
+"""A part that bears the rest takes it along; one that bears nothing moves alone."""
+
+import pytest
+import trimesh
+
+from physagent_jax.agents.registry import make_agents
+from physagent_jax.run.reading import read_for_scene
+from physagent_jax.run.resolve import resolve
+from physagent_jax.scene.body import make_body
+from tests.run.specs import small
+
+
+@pytest.fixture(scope="module")
+def statue(tmp_path_factory):
+    """A slim figure on a broad block, one mesh."""
+    path = tmp_path_factory.mktemp("statue") / "statue.obj"
+    block, figure = trimesh.creation.box((0.6, 0.6, 0.4)), trimesh.creation.box((0.3, 0.3, 0.9))
+    figure.apply_translation((0, 0, 0.6))
+    trimesh.util.concatenate([block, figure]).export(path)
+    return path
+
+
+@pytest.fixture(scope="module")
+def body(statue):
+    template = resolve(spec(statue, "x")).template
+    return make_body(template.source, template.preset.filling, template.preset.domain, ".")
+
+
+def spec(path, prompt, kind="object"):
+    return small(
+        path, prompt, object={"path": str(path), "up": "+z", "kind": kind}, world="ground", frames=50
+    )
+
+
+def read(path, body, prompt, kind="object"):
+    run = resolve(spec(path, prompt, kind))
+    agents = make_agents()
+    return read_for_scene(run, body, agents.semantic.compile).value
+
+
+@pytest.mark.parametrize(
+    "prompt", ["push the pedestal to the left", "lift the base", "slide the plinth slowly backwards"]
+)
+def test_what_bears_the_rest_takes_it_along(statue, body, prompt):
+    reply = read(statue, body, prompt)
+    assert reply.force_field.actions and all(each.region is None for each in reply.force_field.actions)
+    assert not any(each.partial for each in reply.expectations)
+    assert any("bears the rest" in note for note in reply.notes)
+
+
+def test_a_pot_is_no_place_to_which_its_plant_is_rooted_when_it_is_pushed(statue, body):
+    reply = read(statue, body, "push the flowerpot to the right", kind="plant")
+    assert reply.anchor.kind == "none" and all(each.region is None for each in reply.force_field.actions)
+
+
+@pytest.mark.parametrize(
+    "prompt", ["push the top to the left", "bend the base to the left", "press the pedestal down"]
+)
+def test_other_parts_and_other_motions_stay_as_they_are(statue, body, prompt):
+    reply = read(statue, body, prompt)
+    assert not any("bears the rest" in note for note in reply.notes)
