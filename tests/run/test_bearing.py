@@ -4,10 +4,12 @@ import pytest
 import trimesh
 
 from physagent_jax.agents.registry import make_agents
+from physagent_jax.motion.schema import MotionKind
 from physagent_jax.run.reading import read_for_scene
 from physagent_jax.run.resolve import resolve
 from physagent_jax.scene.body import make_body
 from tests.run.specs import small
+from tests.scene.test_named_parts import write_obj
 
 
 @pytest.fixture(scope="module")
@@ -59,3 +61,42 @@ def test_a_pot_is_no_place_to_which_its_plant_is_rooted_when_it_is_pushed(statue
 def test_other_parts_and_other_motions_stay_as_they_are(statue, body, prompt):
     reply = read(statue, body, prompt)
     assert not any("bears the rest" in note for note in reply.notes)
+
+
+CAR = {  # centre and half sizes, z up, in pieces with a gap
+    "body": ((0, 0, 0.35), (0.5, 0.25, 0.15)),
+    "front bumper": ((0.55, 0, 0.25), (0.03, 0.25, 0.05)),
+    "wheels": ((0, 0, 0.1), (0.4, 0.25, 0.09)),
+    "roof": ((0, 0, 0.6), (0.25, 0.2, 0.08)),
+}
+
+
+@pytest.fixture(scope="module")
+def car(tmp_path_factory):
+    path = write_obj(tmp_path_factory.mktemp("car") / "car.obj", CAR, "o")
+    template = resolve(spec(path, "x")).template
+    return path, make_body(template.source, template.preset.filling, template.preset.domain, ".")
+
+
+def test_a_fixed_end_that_is_lifted_tilts_the_whole(car):
+    reply = read(*car, "lift the front bumper")
+    (turn,) = reply.force_field.constraints
+    assert turn.region is None and turn.constraint_type == "enforce_particle_rotation"
+    assert turn.vector == pytest.approx((0, -1, 0), abs=0.2) and turn.held_until  # its nose goes up
+    assert reply.anchor.kind is None and reply.expectations[0].kind is MotionKind.ROTATE
+
+
+def test_until_it_stands_on_its_other_end_it_is_turned_there(car):
+    plain = read(*car, "lift the front bumper").expectations[0].amount
+    far = read(*car, "lift the front bumper until it stands on its back end").expectations[0].amount
+    assert far.value > 3 * plain.value
+
+
+def test_what_is_high_up_is_raised_alone(car):
+    assert read(*car, "lift the roof").force_field.constraints[0].region is not None
+
+
+def test_wheels_that_are_pushed_take_the_car_along(car):
+    reply = read(*car, "push the wheels to the left")
+    assert not reply.force_field.constraints and reply.anchor.kind is None
+    assert [each.region for each in reply.force_field.actions] == [None]

@@ -71,7 +71,7 @@ def test_nothing_is_ever_less_than_over(forecast, clock):
 
 
 def test_a_further_round_takes_no_more_steps_than_are_worth_waiting_for():
-    """What is quick may always go on for a while, what is slow for some times what it takes at rest."""
+    """A while if it is quick, else some times what it takes at rest."""
     quick, slow = (Cost(steps, steps * 0.01 + 5.0, 1e9, ("", ""), watching=5.0) for steps in (100.0, 5000.0))
     assert find_most_substeps(quick) == pytest.approx(BRIEF / 0.01)
     assert find_most_substeps(slow) == pytest.approx(PATIENCE * 5000.0)

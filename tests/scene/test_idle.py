@@ -1,4 +1,4 @@
-"""What is led for the whole clip is not stiff: its strain shortens no step."""
+"""Idle matter: led for the whole clip, it is not stiff, and its strain shortens no step."""
 
 import dataclasses
 from pathlib import Path

@@ -13,8 +13,8 @@ from physagent_jax.mpm import PrescribedMotion
 from physagent_jax.mpm.protocols import Constraint
 from physagent_jax.scene import config as c
 
-SOFT = 1e-4
-"""Factor on the stiffness of what is idle: steps may be a hundred times as long."""
+SOFT = 1e-3
+"""Factor on the stiffness of what is idle: steps may be thirty times as long."""
 REACH = 3  # cells over which two particles share nodes
 ELASTIC = (c.MaterialModel.NEO_HOOKEAN, c.MaterialModel.FIXED_COROTATED, c.MaterialModel.HENCKY)
 """Models whose deformation does not depend on the stress; others flow by it, which is seen."""
