@@ -187,6 +187,9 @@ def _free(
             force_field=reply.force_field.model_copy(update=dict(actions=actions)),
             expectations=expectations,
             evidence=evidence,
-            notes=(note.format(pushed[0].words), *reply.notes),
+            notes=(
+                note.format(pushed[0].words),
+                *(each for each in reply.notes if "the rest is held" not in each),
+            ),
         )
     )
