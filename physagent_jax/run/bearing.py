@@ -19,6 +19,7 @@ from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.forces.schema import Action, ActionType, CellsRegion, Region, VelocityConstraint
 from physagent_jax.motion.limbs import PLACES
 from physagent_jax.motion.schema import Amount, AnchorRequest, ExpectedMotion, MotionKind
+from physagent_jax.run.denting import dent
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.world import SOLE, find_foot
 
@@ -54,6 +55,8 @@ def carry_along(reply: SemanticReply, body: Body, parts: Sequence[Part], frame_d
     limbs = [each.limb for each in kept if each.limb is not None]
     if limbs:
         part = parts[limbs[0]]
+        if len(set(limbs)) == 1 and len(limbs) == len(kept) and not _bears(part.moved, body):
+            reply = dent(reply, body, part, frame_dt)
         if len(set(limbs)) != 1 or len(limbs) != len(kept) or not all(_goes(each) for each in kept):
             return reply
         if len(kept) == 1 and _is_end(part) and kept[0].direction[2] > _UP:

@@ -4,12 +4,13 @@ import pytest
 import trimesh
 
 from physagent_jax.agents.registry import make_agents
+from physagent_jax.forces.regions import grade_part, make_region_mask
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.run.reading import read_for_scene
 from physagent_jax.run.resolve import resolve
 from physagent_jax.scene.body import make_body
 from tests.run.specs import small
-from tests.scene.test_named_parts import write_obj
+from tests.scene.test_named_parts import write_glb, write_obj
 
 
 @pytest.fixture(scope="module")
@@ -100,3 +101,23 @@ def test_wheels_that_are_pushed_take_the_car_along(car):
     reply = read(*car, "push the wheels to the left")
     assert not reply.force_field.constraints and reply.anchor.kind is None
     assert [each.region for each in reply.force_field.actions] == [None]
+
+
+def test_an_open_piece_that_is_pressed_takes_along_what_lies_around_it(tmp_path):
+    """It is of one skin with the rest: its border bends, and it leaves no hole."""
+    shell = trimesh.creation.box((1.0, 0.5, 0.5)).subdivide().subdivide().subdivide()
+    high = shell.triangles_center[:, 2] > 0.15
+    meshes = {
+        name: trimesh.Trimesh(shell.vertices, shell.faces[chosen], process=False)
+        for name, chosen in (("body", ~high), ("roof", high))
+    }
+    path = write_glb(tmp_path / "car.glb", meshes)
+    run = resolve(small(path, "press the roof down", world="ground", frames=50))
+    template = run.template
+    body = make_body(template.source, template.preset.filling, template.preset.domain, ".")
+    reply = read_for_scene(run, body, make_agents().semantic.compile).value
+    (made,) = reply.force_field.constraints
+    assert made.bend is not None and made.bend.rest == reply.anchor.region
+    led, share, _ = grade_part(made.bend, body.particles.x)
+    roof = make_region_mask(made.region, body.particles.x)
+    assert led.sum() > 1.3 * roof.sum() and share.min() < 0.2 and share.max() == 1
