@@ -26,6 +26,7 @@ from physagent_jax.scene.world import SOLE, find_foot
 BORNE = 0.9  # share of the feet that a part holds which bears the object
 _DOWN = -0.3  # vertical component below which a way presses it onto the ground
 _BELOW = -0.7  # of the way to an end of the object that is its foot
+_NO_WAY = (0.0, 0.0, 0.0)
 _UP = 0.7  # vertical component from which on a way lifts
 _ASIDE, _LOW = (
     0.8,
@@ -59,10 +60,10 @@ def carry_along(reply: SemanticReply, body: Body, parts: Sequence[Part], frame_d
             reply = dent(reply, body, part, frame_dt)
         if len(set(limbs)) != 1 or len(limbs) != len(kept) or not all(_goes(each) for each in kept):
             return reply
-        if len(kept) == 1 and _is_end(part) and kept[0].direction[2] > _UP:
+        if len(kept) == 1 and _is_end(part) and (kept[0].direction or _NO_WAY)[2] > _UP:
             return _tilt_whole(reply, kept[0], part, frame_dt)
         return _lead_whole(reply, part.moved, frame_dt) if _bears(part.moved, body) else reply
-    regions = {each.region for each in reply.force_field.actions if _is_borne_by(each, body)}
+    regions = [each.region for each in reply.force_field.actions if _is_borne_by(each, body)]
     below = [each for each in kept if _goes(each) and each.part is not None and each.part[2] < _BELOW]
     if not regions or not below:
         return reply

@@ -33,16 +33,16 @@ def find_idle(
         held: Particles that are held for ever, shape (n,).
         rest: Rest positions [m], shape (n, 3).
     """
-    timing, led = config.timing, held.copy()
+    timing = config.timing
     models = {config.material.model, *(region.material.model for region in config.material_regions)}
     kept = any((each.held_until or 0) >= timing.frame_count - 1 for each in config.force_field.constraints)
     if not kept or not models.issubset(ELASTIC):
         return np.zeros(len(rest), bool)
-    led |= _find_led(grips, len(rest), timing.duration)
+    led = held | _find_led(grips, len(rest), timing.duration)
     cells = np.floor((rest - rest.min(0)) / config.domain.dx).astype(np.int64)
     free = np.zeros(cells.max(0) + 1, bool)
     free[tuple(cells[~led].T)] = True
-    beside = ndimage.binary_dilation(free, np.ones((3, 3, 3)), iterations=REACH)
+    beside = np.asarray(ndimage.binary_dilation(free, np.ones((3, 3, 3)), iterations=REACH), bool)
     return led & ~beside[tuple(cells.T)]
 
 
