@@ -27,6 +27,7 @@ BORNE = 0.9  # share of the feet that a part holds which bears the object
 _DOWN = -0.3  # vertical component below which a way presses it onto the ground
 _BELOW = -0.7  # of the way to an end of the object that is its foot
 _NO_WAY = (0.0, 0.0, 0.0)
+_FIGURE = frozenset(("head", "arm", "ear", "wing", "leg"))  # roles of parts of animals and people
 _UP = 0.7  # vertical component from which on a way lifts
 _ASIDE, _LOW = (
     0.8,
@@ -60,7 +61,7 @@ def carry_along(reply: SemanticReply, body: Body, parts: Sequence[Part], frame_d
             reply = dent(reply, body, part, frame_dt)
         if len(set(limbs)) != 1 or len(limbs) != len(kept) or not all(_goes(each) for each in kept):
             return reply
-        if len(kept) == 1 and _is_end(part) and (kept[0].direction or _NO_WAY)[2] > _UP:
+        if len(kept) == 1 and _is_end(part, parts) and (kept[0].direction or _NO_WAY)[2] > _UP:
             return _tilt_whole(reply, kept[0], part, frame_dt)
         return _lead_whole(reply, part.moved, frame_dt) if _bears(part.moved, body) else reply
     regions = [each.region for each in reply.force_field.actions if _is_borne_by(each, body)]
@@ -92,11 +93,13 @@ def _bears(region: Region, body: Body) -> bool:
     return bool(make_region_mask(region, x)[feet].mean() >= BORNE)
 
 
-def _is_end(part: Part) -> bool:
+def _is_end(part: Part, parts: Sequence[Part]) -> bool:
     """Return whether it is a piece at an end of something stiff, low down, by which the whole is tilted.
 
-    What has a joint is raised alone: a limb, a lid.
+    What has a joint is raised alone: a limb, a lid; and so is what a figure holds.
     """
+    if any(not _FIGURE.isdisjoint(find_roles(each.name)) for each in parts if each.name):
+        return False
     level = float(np.hypot(*part.side[:2]))
     plain = set(find_roles(part.name)) <= {*PLACES, "stern", "bow"}
     return part.origin == "file" and part.moved.rigid and plain and level > _ASIDE and part.side[2] < _LOW

@@ -121,3 +121,12 @@ def test_an_open_piece_that_is_pressed_takes_along_what_lies_around_it(tmp_path)
     led, share, _ = grade_part(made.bend, body.particles.x)
     roof = make_region_mask(made.region, body.particles.x)
     assert led.sum() > 1.3 * roof.sum() and share.min() < 0.2 and share.max() == 1
+
+
+def test_what_a_figure_holds_is_lifted_alone(tmp_path):
+    figure = {**CAR, "head": ((0, 0, 0.8), (0.1, 0.1, 0.1))}
+    figure["hatchet"] = figure.pop("front bumper")
+    path = write_obj(tmp_path / "figure.obj", figure, "o")
+    template = resolve(spec(path, "x")).template
+    body = make_body(template.source, template.preset.filling, template.preset.domain, ".")
+    assert read(path, body, "lift the hatchet").force_field.constraints[0].region is not None
