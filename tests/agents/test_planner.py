@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.schema import SemanticReply
@@ -20,7 +21,7 @@ from physagent_jax.motion.schema import (
     WorldRequest,
 )
 from physagent_jax.motion.tolerances import list_windows
-from physagent_jax.perception.schema import Extent, PartMotion, Uncertainty
+from physagent_jax.perception.schema import Box, Extent, PartMotion, Uncertainty
 from tests.agents.scenes import (
     IDENTITY,
     asked,
@@ -790,6 +791,18 @@ def test_what_is_pushed_over_the_ground_may_tip():
     assert "collateral" in failed_aspects(told)
 
 
+@pytest.mark.parametrize(("lean", "right"), [(80, False), (15, True)])
+def test_what_turns_on_its_foot_does_not_fall_over(lean, right):
+    """A turn of 170 degrees hid a fall."""
+    turn = expected(KINDS.ROTATE, UP, manner="spin")
+
+    def seen(t):
+        turned = Rotation.from_rotvec((lean * ramp(t, 24, LAST), 0, 0), degrees=True)
+        return (turned * Rotation.from_rotvec((0, 0, 170 * t / LAST), degrees=True)).as_rotvec(degrees=True)
+
+    assert passes(turn, show(turn=seen), brief(world="ground")) is right
+
+
 def test_what_hides_or_contradicts_what_was_asked_still_fails():
     """Half a turn about the vertical, rolling over and over, and rising as far as it slides."""
     ground = brief(world="ground")
@@ -813,6 +826,57 @@ def test_what_lands_may_be_squashed_but_not_stay_so():
     reply = SemanticReply(force_field=ForceField(), expectations=(fall,))
     told = judge("a robot made of clay falls on the floor", reply, stays, brief())
     assert told.judgement.verdict is Verdict.SUCCESS
+
+
+@pytest.mark.parametrize(
+    ("sentence", "right"),
+    [
+        ("a robot of putty falls on the floor", True),
+        ("the robot falls onto the sand", False),
+        ("the robot falls into a heap of snow", False),
+    ],
+)
+def test_what_is_of_clay_keeps_its_dents_and_not_what_falls_on_clay(sentence, right):
+    fall = expected(KINDS.FALL, None)
+    stays = show(along(DOWN, 0.5), strain=along((-0.35, -0.35, 0.6), 1.0, 20, 24))
+    told = judge(sentence, SemanticReply(force_field=ForceField(), expectations=(fall,)), stays, brief())
+    assert (told.judgement.verdict is Verdict.SUCCESS) == right
+
+
+@pytest.mark.parametrize(("degrees", "right"), [(38, True), (20, True), (50, False), (10, False)])
+def test_a_lean_away_from_the_viewer_is_told_less_well_than_one_aside(degrees, right):
+    """Only the foreshortening tells it; a lean in the picture plane is seen to a few degrees."""
+    lean = expected(KINDS.ROTATE, LEFT, amount=Amount(value=30.0, unit="degrees"))
+    assert passes(lean, show(turn=along(LEFT, degrees))) is right
+    aside = lean.model_copy(update=dict(direction=(0, -1, 0)))
+    assert passes(aside, show(turn=along((0, -1, 0), degrees))) is (degrees == 30)
+
+
+def test_the_axis_of_what_is_thrown_and_tumbles_may_wander():
+    throw = expected(direction=LEFT, sudden=True, leaves_place=True)
+    turn = expected(KINDS.ROTATE, AWAY, strength=1.6)
+
+    def seen(off):
+        axis = (math.sin(math.radians(off)), math.cos(math.radians(off)), 0)
+        place = lambda t: np.multiply(LEFT, 0.6 * (1 - (1 - t / LAST) ** 2))  # noqa: E731
+        return show(place, along(axis, 300))
+
+    assert passes((throw, turn), seen(50))
+    assert not passes((throw, turn), seen(75))
+    assert not passes(turn, seen(50))
+
+
+def test_what_topples_need_not_sink_where_its_middle_is_low():
+    """A figure on a broad pedestal lies with its middle as high as before; its top has come down."""
+    topple = (expected(KINDS.ROTATE, AWAY), expected(KINDS.FALL, None))
+    ground = brief(world="ground", extents=(0.4, 1.0, 0.4))
+    boxes = []
+    for t in range(LAST + 1):
+        top = 0.6 - 0.4 * ramp(t, 0, LAST)
+        boxes.append(Box(low=(-0.2, -0.2, -0.4), high=(0.2, 0.2, top)))
+    place = along(RIGHT, 0.5)
+    assert passes(topple, show(place, along(AWAY, 90), box=tuple(boxes)), ground)
+    assert not passes(topple, show(place, along(AWAY, 90), box=(boxes[0],) * (LAST + 1)), ground)
 
 
 def test_what_hops_aside_goes_on_aside_as_it_falls():

@@ -257,7 +257,9 @@ def _find_unused(event: Event) -> list[str]:
     clause, effect = event.clause, event.effect
     unused = [way.text for way in event.ways if effect in _USELESS[way.kind]]
     if effect in _WHOLE:
-        lands = event.motion.lands  # "lands on its feet"
+        lands = (
+            event.motion.lands or effect is Effect.TOPPLE
+        )  # "lands on its feet", "its pedestal topples over"
         parts = [*event.parts, *event.excluded]
         unused += [part.text for part in parts if not (lands and part.place.names == ("down",))]
     if (clause.turning or clause.seen_from) and effect is not Effect.TURN:
@@ -275,7 +277,8 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
     if len(named) > 1 and not opposite:  # "one end against the other"
         words = ", ".join(each.text for each in named)
         event.doubts.append(f"Of several parts ({words}) only the first is used.")
-    if not named or event.effect is Effect.FALL and named[0].place.names == ("down",) and event.parts:
+    whole = event.effect in (Effect.FALL, Effect.TOPPLE)
+    if not named or whole and named[0].place.names == ("down",) and event.parts:
         return  # "lands on its feet", as it stood
     place, event.excludes_part = named[0].place, not event.parts
     if event.parts and not (event.effect is Effect.STRIKE and named[0].phrase in read_lexicon().fronts):

@@ -14,6 +14,7 @@ from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.grammar.tokens import FORMS, tokenise
 from physagent_jax.agents.intent import Solid
 from physagent_jax.agents.lexicon import NAMED, Effect, Names, Place
+from physagent_jax.agents.materials import UNKNOWN_KIND
 from physagent_jax.motion.parts import list_names
 from physagent_jax.motion.schema import SceneBrief
 
@@ -56,6 +57,12 @@ def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
 def is_telling(name: str) -> bool:
     """Return whether a name says what the object is; a noun that is not its own is then hardly the object."""
     return any(len(word) > 2 and word not in get_set("names_of_files") for word in _split(name))
+
+
+def is_a_name_of_its_own(brief: SceneBrief) -> bool:
+    """Return whether a name tells nobody what the object is, as a person's does: no noun, and of no kind."""
+    told = set(_split(brief.object_name)) & set(_add_plurals(brief.object_nouns))
+    return bool(brief.object_nouns) and brief.object_kind == UNKNOWN_KIND and not told
 
 
 def _split(name: str) -> list[str]:

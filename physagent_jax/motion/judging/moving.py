@@ -18,10 +18,10 @@ from physagent_jax.motion.judging.comparing import (
 )
 from physagent_jax.motion.judging.counting import count_turns
 from physagent_jax.motion.judging.seen import Course, View, find_farthest, find_first_response
-from physagent_jax.motion.judging.toppling import find_sinking
+from physagent_jax.motion.judging.toppling import find_sinking, find_sunk_top
 from physagent_jax.motion.matching import is_thrown_up, share_time
 from physagent_jax.motion.schema import Check, MotionKind
-from physagent_jax.motion.vectors import cosine, cross, dot, norm, normalise, reject, scale, subtract
+from physagent_jax.motion.vectors import add, cosine, cross, dot, norm, normalise, reject, scale, subtract
 
 _DOWN = 0.7  # cosine
 _FIRST = 0.15  # of the farthest excursion: what is seen of a motion first
@@ -30,6 +30,7 @@ _SINKS = 0.4  # share of what its middle sinks by as it tips over that is seen a
 _PUT_BACK = re.compile(r"\b(set|put|place|lay|bring|return|let)\b.*\b(down|back)\b")
 _ALL_BACK = 1.25  # of the way that it had come: something that is put back where it was may go so far
 _ASIDE = 0.22  # [body lengths] that it may wander to either side as it tips over
+_MIDDLE = 0.5  # of the way down of its top that its middle goes as it tips over
 _OVERTURNS, _TIPPED = (
     0.7,
     0.3,
@@ -186,6 +187,8 @@ def check_fall(asked: Asked) -> list[Check]:
         if sinks < tolerances.LEAST:
             return []  # it is broader than high, and hardly gets lower
         tolerance = replace(tolerance, low=min(tolerance.low, sinks))
+        sunk = max(fallen, _MIDDLE * find_sunk_top(view, first, last))  # its middle may be low at first
+        way, fallen = add([way, scale(down, sunk - fallen)]), sunk
         for across in (cross(each, down) for each in view.find_topples()):
             way = reject(way, across, -_ASIDE, _ASIDE)
     checks = []

@@ -55,6 +55,7 @@ class View:
         gravity: Whether things that are let go fall.
         obstacles: What the sentence puts in the way.
         sentence: The sentence itself, for what it rules out.
+        keeps_dents: Whether it is said to be of matter that keeps the shape which a blow gives it.
     """
 
     report: MotionReport
@@ -64,6 +65,7 @@ class View:
     gravity: bool = False
     obstacles: tuple[ObstacleRequest, ...] = ()
     sentence: str = ""
+    keeps_dents: bool = False
 
     @property
     def anchored(self) -> bool:

@@ -28,7 +28,7 @@ def check_topple(asked: Asked, turns: Course) -> list[Check]:
     over, and roll about where it then lies.
     """
     view, axis, up = asked.view, asked.direction, asked.view.brief.directions.up
-    leans = [(t, _find_lean(v, up)) for t, v in turns]
+    leans = [(t, find_lean(v, up)) for t, v in turns]
     farthest = norm(find_farthest(leans)[1])
     checks: list[Check] = []
     over = find_first_response(leans, max(_OVER * farthest, tolerances.VISIBLE_DEGREES))
@@ -63,7 +63,16 @@ def find_sinking(view: View, ways: Sequence[Vector]) -> float:
     return 0.5 * (math.hypot(height, breadth) - breadth)
 
 
-def _find_lean(turn: Vector, up: Vector) -> Vector:
+def find_sunk_top(view: View, first: int, last: int) -> float:
+    """The way that its highest point has come down in some frames, from the highest to the lowest [body lengths]."""
+    up, boxes = view.brief.directions.up, view.report.box[first : last + 1]
+    tops = [
+        sum(max(u * a, u * b) for u, a, b in zip(up, box.low, box.high)) for box in boxes if box is not None
+    ]
+    return max(tops, default=0.0) - min(tops, default=0.0)
+
+
+def find_lean(turn: Vector, up: Vector) -> Vector:
     """The shortest turn that brings upright to where a turn brings it, as a rotation vector [deg]."""
     top = rotate(up, turn)
     angle = math.degrees(math.acos(clamp(cosine(top, up), -1.0, 1.0)))
