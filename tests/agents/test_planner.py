@@ -791,6 +791,23 @@ def test_what_is_pushed_over_the_ground_may_tip():
     assert "collateral" in failed_aspects(told)
 
 
+def test_what_lies_may_roll_about_its_own_length():
+    """It is then turned by more than half a turn, though it never stood on its head."""
+    topple, ground = (
+        (expected(KINDS.ROTATE, AWAY), expected(KINDS.FALL, None)),
+        brief(world="ground", extents=(0.3, 1.0, 0.3)),
+    )
+
+    def seen(over, then):
+        return show(
+            lie_down(1.0, 0.3),
+            lambda t: np.multiply((0, over, 0), ramp(t, 0, 24)) + np.multiply(then, ramp(t, 24, LAST)),
+        )
+
+    assert passes(topple, seen(100, (85, 93, 80)), ground)  # 119 degrees from upright at most
+    assert not passes(topple, seen(170, (0, 30, 0)), ground)
+
+
 @pytest.mark.parametrize(("lean", "right"), [(80, False), (15, True)])
 def test_what_turns_on_its_foot_does_not_fall_over(lean, right):
     """A turn of 170 degrees hid a fall."""

@@ -72,13 +72,14 @@ def _split(name: str) -> list[str]:
 
 
 def _find_halves(name: Iterable[str], texts: list[str]) -> set[str]:
-    """The words of a sentence that a name runs together: "goat head", "goat" of "goathead", "bike" of "motorbike"."""
+    """The words of a sentence that a name runs together ("goat head" of "goathead"), and longer ones ("sailboat")."""
     found = set()
     for word in name:
         found |= {half for pair in pairwise(texts) if "".join(pair) == word for half in pair}
         halves = {text for text in texts if _LEAST <= len(text) <= len(word) - 3}
         ends = {text for text in halves if word.startswith(text) or word.endswith(text)}
         found |= {text for text in ends if not _has_other_meaning(text)}
+        found |= {text for text in texts if _LEAST <= len(word) <= len(text) - 3 and text.endswith(word)}
     return found
 
 

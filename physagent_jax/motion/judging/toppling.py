@@ -40,7 +40,8 @@ def check_topple(asked: Asked, turns: Course) -> list[Check]:
         return checks
     turn = find_farthest(turns)[1]
     rolled = norm(turn) if axis is None else dot(turn, axis)
-    angle = rolled if rolled > _ALL_ROUND else farthest
+    headlong = rolled > _ALL_ROUND and farthest > _ON_ITS_HEAD  # else it lies, and rolls about its own length
+    angle = rolled if headlong else farthest
     words = f"{angle:.0f} degrees from upright"
     tolerance = tolerances.expect_topple(asked.motion)
     width, height, depth = view.brief.extents
