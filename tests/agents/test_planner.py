@@ -791,6 +791,22 @@ def test_what_is_pushed_over_the_ground_may_tip():
     assert "collateral" in failed_aspects(told)
 
 
+@pytest.mark.parametrize(("kind", "right"), [(KINDS.STRETCH, True), (KINDS.SQUEEZE, False)])
+def test_what_is_pressed_turns_as_it_begins_to_fall_and_what_is_drawn_out_only_seems_to(kind, right):
+    sign = 1 if kind is KINDS.STRETCH else -1
+    seen = show(turn=along(RIGHT, 22), strain=along((-0.1 * sign, -0.1 * sign, sign), 0.3))
+    assert passes(expected(kind, UP), seen, brief(world="ground")) is right
+
+
+def test_what_rolls_goes_farther_than_what_is_pushed():
+    """Nothing stops it; a push by two lengths is too much."""
+    ground, seen = brief(world="ground"), show(along(RIGHT, 2.0), along(AWAY, 300))
+    roll = (expected(direction=RIGHT, words="roll"), expected(KINDS.ROTATE, AWAY, strength=1.6, words="roll"))
+    assert passes(roll, seen, ground)
+    assert not passes(roll, show(along(RIGHT, 3.0), along(AWAY, 300)), ground)
+    assert not passes(expected(direction=RIGHT), show(along(RIGHT, 2.0)), ground)
+
+
 def test_what_lies_may_roll_about_its_own_length():
     """It is then turned by more than half a turn, though it never stood on its head."""
     topple, ground = (

@@ -17,6 +17,7 @@ from physagent_jax.perception.schema import PartMotion
 _IN_THE_WAY = 0.7  # cosine
 _ALONG_SIGHT = 0.5  # cosine of a way and the line of sight: less than 60 degrees off, its end lies in depth
 _IN_PLANE = 0.7  # cosine of an axis and the line of sight: the turn shows in the picture plane
+_TURNS = 20.0  # [degrees] from which on a limb is seen to turn
 _BOTH = 0.5  # cosine: directions more than 60 degrees apart can be told apart
 _FIGURES = {
     MotionKind.STRETCH: ("stretch", tolerances.VISIBLE_STRAIN),
@@ -130,6 +131,14 @@ class Asked:
     def together(self) -> list[ExpectedMotion]:
         """The motions that are asked for at the same time."""
         return [e for e in self.view.expectations if e is not self.motion and share_time(e, self.motion)]
+
+    @cached_property
+    def limb_turns(self) -> bool:
+        """Return whether it is a limb that is seen to turn about its joint: its middle goes along a chord of its way."""
+        if self.motion.limb is None or self.end is None:
+            return False
+        turns = [norm(v) for _, v in self.view.turns(*self.span, self.end)]
+        return max(turns, default=0.0) >= max(_TURNS, 2.0 * self.view.sigma("rotation"))
 
     @property
     def tumbles(self) -> bool:

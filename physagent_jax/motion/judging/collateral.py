@@ -41,7 +41,7 @@ _BESIDE = 0.9  # of the way along what was asked that it may go across: less tha
 _TOPPLED = 0.7  # [body lengths] that the centre of what tips over goes: half its height and half its breadth
 _TURN_PUSHED = 30.0  # [degrees] that what is deformed, or pushed in empty space, may turn
 _TURN_PRESSED = (
-    15.0  # [degrees] the same of what is only deformed as it stands: from more on it is about to fall over
+    15.0  # [degrees] the same of what is only pressed as it stands: from more on it is about to fall over
 )
 _TURN_SLID = 60.0  # [degrees] about the vertical that what is pushed over the ground may turn
 _TURN_TIPPED = (
@@ -168,7 +168,7 @@ def _check_turning(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     if not turns or bent or _gives_way(view) or any(e.direction is None for e in rotations):
         return []
     limit = _TURN_HELD if view.anchored else _TURN_PUSHED
-    if view.grounded and not view.anchored and all(e.kind in AXIAL for e in asked):
+    if view.grounded and not view.anchored and all(e.kind is MotionKind.SQUEEZE for e in asked):
         limit = _TURN_PRESSED
     if rotations:
         limit = max(limit, 0.75 * max(norm(v) for _, v in turns))

@@ -9,6 +9,7 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.comparing import (
+    SAME_WAY,
     START,
     check_limit,
     compare_amount,
@@ -30,6 +31,7 @@ _SINKS = 0.4  # share of what its middle sinks by as it tips over that is seen a
 _PUT_BACK = re.compile(r"\b(set|put|place|lay|bring|return|let)\b.*\b(down|back)\b")
 _ALL_BACK = 1.25  # of the way that it had come: something that is put back where it was may go so far
 _ASIDE = 0.22  # [body lengths] that it may wander to either side as it tips over
+_TURNED = 0.6  # of its way that is enough of a limb which is seen to turn
 _MIDDLE = 0.5  # of the way down of its top that its middle goes as it tips over
 _OVERTURNS, _TIPPED = (
     0.7,
@@ -92,6 +94,10 @@ def check_move(asked: Asked) -> list[Check]:
     seconds, at_end = view.seconds(first, until), asked.end is not None
     tolerance = tolerances.expect_move(motion, view.anchored, seconds=seconds, drift=coasting, end=at_end)
     tolerance = view.fit_to_limb(tolerance, motion)
+    if asked.limb_turns:
+        tolerance = tolerance.scaled(_TURNED, least=0.75 * tolerances.VISIBLE)
+    if view.grounded and any(e.kind is MotionKind.ROTATE and e.words == motion.words for e in asked.together):
+        tolerance = replace(tolerance, high=2.0 * tolerance.high)  # what rolls goes on rolling
     if direction is not None and any(cosine(way, direction) > _OVERTURNS for way in view.find_topples()):
         # What it brings about is judged there.
         tolerance = replace(tolerance.scaled(_TIPPED, least=tolerances.LEAST), high=2.0 * tolerance.high)
@@ -137,7 +143,8 @@ def _check_direction(
         frame, first = max(found, key=lambda response: cosine(response[1], direction))
         question, how = "which way does it start?", f", at frame {frame}"
         checks.append(compare_direction(asked, question, first, how=how, within=START))
-    checks.append(compare_direction(asked, "which way does it go?", peak))
+    within = START if asked.limb_turns else SAME_WAY
+    checks.append(compare_direction(asked, "which way does it go?", peak, within=within))
     return checks
 
 

@@ -153,7 +153,7 @@ class View:
         """
         if motion.limb is None:
             return tolerance
-        return tolerance.scaled(norm(self.brief.parts[motion.limb].arm), least=0.5 * tolerances.VISIBLE)
+        return tolerance.scaled(norm(self.brief.parts[motion.limb].arm), least=0.75 * tolerances.VISIBLE)
 
     def find_end(self, direction: Vector) -> PartMotion | None:
         """The end towards a direction; None if the report tells no ends apart."""
