@@ -63,6 +63,11 @@ def test_an_arm_that_is_seen_to_turn_may_show_less_of_its_way(shown, verdict):
     assert judge(45, shown=shown).verdict is Verdict(verdict)
 
 
+def test_a_limb_that_turns_the_wrong_way_is_no_stillness():
+    assert "Nothing moves" in judge(2).suggestion
+    assert "Nothing moves" not in judge(-40, shown=0.1).suggestion
+
+
 def test_an_object_that_rises_with_its_arm_still_is_no_raised_arm():
     assert judge(0, whole=0.3).verdict is Verdict.FAIL
 

@@ -946,6 +946,9 @@ def test_nothing_that_moves_scores_nothing():
         (show(along(UP, 0.6)), "'as asked' goes another way than the sentence says."),
         (show(along(LEFT, 0.6), along(UP, 170)), "'as asked' may be there, but something else"),
         (show(along(LEFT, 0.6), pieces=(1,) * 20 + (3,) * 29), "'as asked' may be there, but the object does not"),
+        (show(along(UP, 0.6), pieces=(1,) * 20 + (3,) * 29), "'as asked' may be there, but the object does not hold"),
+        (show(along(LEFT, 0.6), along(UP, 170)), "'as asked' may be there, but something else that nobody asked for "
+            "hides or contradicts it: it turns."),
     ],
 )  # fmt: skip
 def test_a_failure_begins_with_a_plain_reason(seen, why):

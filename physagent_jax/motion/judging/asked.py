@@ -17,7 +17,6 @@ from physagent_jax.perception.schema import PartMotion
 _IN_THE_WAY = 0.7  # cosine
 _ALONG_SIGHT = 0.5  # cosine of a way and the line of sight: less than 60 degrees off, its end lies in depth
 _IN_PLANE = 0.7  # cosine of an axis and the line of sight: the turn shows in the picture plane
-_TURNS = 20.0  # [degrees] from which on a limb is seen to turn
 _BOTH = 0.5  # cosine: directions more than 60 degrees apart can be told apart
 _FIGURES = {
     MotionKind.STRETCH: ("stretch", tolerances.VISIBLE_STRAIN),
@@ -134,11 +133,9 @@ class Asked:
 
     @cached_property
     def limb_turns(self) -> bool:
-        """Return whether it is a limb that is seen to turn about its joint: its middle goes along a chord of its way."""
-        if self.motion.limb is None or self.end is None:
-            return False
-        turns = [norm(v) for _, v in self.view.turns(*self.span, self.end)]
-        return max(turns, default=0.0) >= max(_TURNS, 2.0 * self.view.sigma("rotation"))
+        """Return whether it is a limb that is seen to turn about its joint; its middle goes along a chord."""
+        limb = self.end if self.motion.limb is not None else None
+        return limb is not None and self.view.turns_limb(limb, *self.span)
 
     @property
     def tumbles(self) -> bool:

@@ -26,7 +26,8 @@ def explain_failure(
 ) -> str:
     """Explain why a clip is no success, for people; empty where nothing failed and all was seen.
 
-    What was asked goes before what happens beside it, and its direction before its amount.
+    That it falls to pieces goes before what was asked, that before what else happens, and its direction before its
+    amount.
 
     Args:
         failed: The checks that failed, the worst first.
@@ -34,7 +35,8 @@ def explain_failure(
         words: The sentence's words for each expected motion.
         motionless: Whether nothing is seen to move in the whole clip.
     """
-    own = [each for each in failed if each.aspect not in _BESIDE] or failed
+    broken = [each for each in failed if each.aspect == "integrity"]
+    own = broken or [each for each in failed if each.aspect not in _BESIDE] or failed
     check = next((each for each in own if each.aspect == "direction"), None) or next(iter(own), None)
     if check is not None:
         asked = words[check.expectation] and f"'{words[check.expectation]}'"
