@@ -36,6 +36,7 @@ from tests.agents.scenes import (
 
 LAST = 48
 LEFT, RIGHT, UP, DOWN, AWAY = (-1, 0, 0), (1, 0, 0), (0, 0, 1), (0, 0, -1), (0, 1, 0)
+TOWARD = (0, -1, 0)
 ZERO = (0.0, 0.0, 0.0)
 HELD = brief(anchored="base")
 KINDS = MotionKind
@@ -805,6 +806,22 @@ def test_what_rolls_goes_farther_than_what_is_pushed():
     assert passes(roll, seen, ground)
     assert not passes(roll, show(along(RIGHT, 3.0), along(AWAY, 300)), ground)
     assert not passes(expected(direction=RIGHT), show(along(RIGHT, 2.0)), ground)
+
+
+def test_what_has_toppled_may_roll_aside():
+    """A bust with a round foot falls to the left and rolls away from there; one that slides off first does not."""
+    topple, ground = (expected(KINDS.ROTATE, TOWARD), expected(KINDS.FALL, None)), brief(world="ground")
+    fall = lambda t: np.multiply((-0.8, 0, -0.25), ramp(t, 0, 24))  # noqa: E731
+
+    def seen(first, last):
+        return show(
+            lambda t: fall(t) + np.multiply((0, 0.6, 0), ramp(t, first, last)), along(TOWARD, 90, 0, 24)
+        )
+
+    assert passes(topple, seen(24, LAST), ground)
+    assert not passes(
+        topple, show(lambda t: np.multiply((0, 1, -0.25), ramp(t, 0, 24)), along(TOWARD, 90, 0, 24)), ground
+    )
 
 
 def test_what_lies_may_roll_about_its_own_length():

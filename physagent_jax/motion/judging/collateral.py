@@ -39,6 +39,7 @@ _LEVEL = 0.5  # sine of a way's slope
 _ASIDE = 0.22  # [body lengths] that a thing may wander while it is only turned or deformed
 _BESIDE = 0.9  # of the way along what was asked that it may go across: less than is another direction
 _TOPPLED = 0.7  # [body lengths] that the centre of what tips over goes: half its height and half its breadth
+_HALF = 0.5  # [body lengths] of its way as it tips over beside which it may roll aside
 _TURN_PUSHED = 30.0  # [degrees] that what is deformed, or pushed in empty space, may turn
 _TURN_PRESSED = (
     15.0  # [degrees] the same of what is only pressed as it stands: from more on it is about to fall over
@@ -114,6 +115,8 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     lines = [e.direction or down for e in moves]
     longest = max(norm(p) for _, p in course)
     reach = max((abs(dot(p, line)) for _, p in course for line in lines), default=0.0)
+    along = max((dot(p, way) for _, p in course for way in view.find_topples()), default=0.0)
+    reach = max(reach, min(along, _HALF))
     limit = max(_ASIDE, _BESIDE * reach)
     strained = [e for e in asked if e.kind in AXIAL]
     if strained and (view.anchored or view.grounded):  # held at one end, or standing: the centre follows

@@ -31,6 +31,7 @@ _SINKS = 0.4  # share of what its middle sinks by as it tips over that is seen a
 _PUT_BACK = re.compile(r"\b(set|put|place|lay|bring|return|let)\b.*\b(down|back)\b")
 _ALL_BACK = 1.25  # of the way that it had come: something that is put back where it was may go so far
 _ASIDE = 0.22  # [body lengths] that it may wander to either side as it tips over
+_LANDED = 0.8  # of its way down, from where on what topples lies
 _TURNED = 0.6  # of its way that is enough of a limb which is seen to turn
 _MIDDLE = 0.5  # of the way down of its top that its middle goes as it tips over
 _OVERTURNS, _TIPPED = (
@@ -180,6 +181,9 @@ def check_fall(asked: Asked) -> list[Check]:
     top = max(range(len(heights)), key=lambda i: heights[i])
     bottom = min(range(top, len(heights)), key=lambda i: heights[i])
     fallen = heights[top] - heights[bottom]
+    topples = any(view.topples(e) and share_time(e, motion) for e in view.expectations)
+    if topples:  # where it rolls on from where it lies is no fall
+        bottom = next(i for i in range(top, len(heights)) if heights[top] - heights[i] >= _LANDED * fallen)
     way = subtract(course[bottom][1], course[top][1])
     moves = [e.direction for e in view.expectations if e.kind is MotionKind.MOVE and e.direction is not None]
     level = [reject(each, down) for each in moves]  # what was thrown that way goes on that way as it falls
@@ -189,13 +193,13 @@ def check_fall(asked: Asked) -> list[Check]:
     ):
         way = reject(way, other, low=0.0)
     tolerance = tolerances.expect_fall(view.seconds(first, last))
-    if any(view.topples(e) and share_time(e, motion) for e in view.expectations):
+    if topples:
         sinks = _SINKS * find_sinking(view, view.find_topples())
         if sinks < tolerances.LEAST:
             return []  # it is broader than high, and hardly gets lower
         tolerance = replace(tolerance, low=min(tolerance.low, sinks))
-        sunk = max(fallen, _MIDDLE * find_sunk_top(view, first, last))  # its middle may be low at first
-        way, fallen = add([way, scale(down, sunk - fallen)]), sunk
+        sunk = _MIDDLE * find_sunk_top(view, first, last)  # its middle may be low at first
+        way, fallen = add([way, scale(down, max(sunk - dot(way, down), 0.0))]), max(fallen, sunk)
         for across in (cross(each, down) for each in view.find_topples()):
             way = reject(way, across, -_ASIDE, _ASIDE)
     checks = []
