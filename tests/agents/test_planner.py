@@ -808,6 +808,17 @@ def test_what_rolls_goes_farther_than_what_is_pushed():
     assert not passes(expected(direction=RIGHT), show(along(RIGHT, 2.0)), ground)
 
 
+@pytest.mark.parametrize(("off", "aside", "right"), [(55, True, True), (55, False, False), (70, True, False)])
+def test_what_topples_aside_may_come_nearer_as_well(off, aside, right):
+    """What it goes along the line of sight is foreshortened; what it goes aside is not."""
+    axis, ground = (AWAY if aside else LEFT), brief(world="ground", extents=(0.3, 1.0, 0.3))
+    topple = (expected(KINDS.ROTATE, axis), expected(KINDS.FALL, None))
+    way = Rotation.from_rotvec((0, 0, off), degrees=True)
+    fall = lie_down(1.0, 0.3)
+    place = lambda t: way.apply(fall(t) if aside else np.take(fall(t), [1, 0, 2]))  # noqa: E731
+    assert passes(topple, show(place, along(way.apply(axis), 90)), ground) is right
+
+
 def test_what_has_toppled_may_roll_aside():
     """A bust with a round foot falls to the left and rolls away from there; one that slides off first does not."""
     topple, ground = (expected(KINDS.ROTATE, TOWARD), expected(KINDS.FALL, None)), brief(world="ground")

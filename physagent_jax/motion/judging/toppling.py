@@ -9,12 +9,19 @@ from collections.abc import Sequence
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.judging.asked import Asked
-from physagent_jax.motion.judging.comparing import check_limit, compare_amount, compare_direction
+from physagent_jax.motion.judging.comparing import (
+    SAME_WAY,
+    START,
+    check_limit,
+    compare_amount,
+    compare_direction,
+)
 from physagent_jax.motion.judging.seen import Course, View, find_farthest, find_first_response
 from physagent_jax.motion.schema import Check
 from physagent_jax.motion.vectors import clamp, cosine, cross, dot, norm, normalise, rotate, scale
 
 _OVER = 0.5  # of its largest lean, from where on it goes over: it may go over a corner of its foot at first
+_ASIDE = 0.7  # cosine of a way to the viewer's right or left, from which on it is seen as that
 _LIES = 40.0  # [degrees] from upright of what has tipped over, on whatever it then lies
 _SLIM, _ON_ITS_HEAD = 1.3, 150.0  # times its breadth; [degrees] from where on what is slim stands on its head
 _VIOLENT = 1.3  # strength from which it may go over its head and roll on
@@ -35,7 +42,11 @@ def check_topple(asked: Asked, turns: Course) -> list[Check]:
     if axis is not None and over is not None:
         seen, wanted, spread = cross(over[1], up), normalise(cross(axis, up)), max(view.sigma("axis"), 1.0)
         question = "which way does it tip over?"
-        checks.append(compare_direction(asked, question, seen, spread, wanted, f", at frame {over[0]}"))
+        aside = wanted is not None and abs(dot(wanted, view.brief.directions.right)) > _ASIDE
+        within = START if aside else SAME_WAY  # what it goes towards the viewer as well is foreshortened
+        checks.append(
+            compare_direction(asked, question, seen, spread, wanted, f", at frame {over[0]}", within)
+        )
     if asked.motion.amount is not None and asked.motion.amount.unit == "degrees":
         return checks
     turn = find_farthest(turns)[1]
