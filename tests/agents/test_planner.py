@@ -810,7 +810,7 @@ def test_what_rolls_goes_farther_than_what_is_pushed():
 
 @pytest.mark.parametrize(("off", "aside", "right"), [(55, True, True), (55, False, False), (70, True, False)])
 def test_what_topples_aside_may_come_nearer_as_well(off, aside, right):
-    """What it goes along the line of sight is foreshortened; what it goes aside is not."""
+    """A way along the line of sight is foreshortened, one aside is not."""
     axis, ground = (AWAY if aside else LEFT), brief(world="ground", extents=(0.3, 1.0, 0.3))
     topple = (expected(KINDS.ROTATE, axis), expected(KINDS.FALL, None))
     way = Rotation.from_rotvec((0, 0, off), degrees=True)
