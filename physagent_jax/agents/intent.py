@@ -160,6 +160,7 @@ class Clause(Strict):
         manner: How it goes on, where the words tell another manner than the motion's own.
         pace: Whether it goes at one speed, or begins and ends at once.
         elsewhere: Whether the object ends at another place: "away", "aside", "off the table".
+        pose: The side of it that points down as it begins to fall: "up" is upside down, "head" its front or its top.
         said: The words in the sentence that name the motion.
     """
 
@@ -181,6 +182,9 @@ class Clause(Strict):
     manner: Manner = ""
     pace: Literal["", "even", "sudden"] = ""
     elsewhere: bool = False
+    pose: Literal[
+        "", "up", "down", "head", "toward", "behind", "away", "belly", "left", "right", "beside", "askew"
+    ] = ""
     said: Word = ""
     text: Word = ""
 

@@ -15,7 +15,7 @@ from physagent_jax.agents.lexicon import read_lexicon
 from physagent_jax.core.reading import read_packaged_yaml
 from physagent_jax.motion.schema import SceneBrief
 
-_UNKNOWN_KIND = "object"
+UNKNOWN_KIND = "object"
 SOFT = ("jelly", "ecoflex")
 """Presets of what wobbles when it is tapped."""
 FLOWS = (
@@ -32,6 +32,14 @@ FLOWS = (
     "wet_sand",
 )
 """Presets of what does not stand by itself."""
+DENTED = ("clay", *FLOWS)
+"""Presets of what keeps the shape that a blow gives it."""
+YIELDS = (*FLOWS, "clay", "brittle")
+"""Presets of what gives way to its own weight, or has a word of its own for it."""
+YIELDING = "yielding"
+"""The word for what matter becomes that sags and has no other word for it."""
+LIMP = ("plant", "cloth")
+"""Kinds of objects that sag without becoming anything else."""
 _LONGEST = 3  # words of the longest name of a material
 _TOKEN = re.compile(r"[^\W\d_]+(?:'[^\W\d_]+)?|\d+|[^\w\s]")
 
@@ -147,7 +155,7 @@ class _Finder:
         self.spans = [match.span() for match in found]
         self.own = set(re.findall(r"[^\W\d_]+", brief.object_name.lower()))
         nouns = set(brief.object_nouns) | {f"{noun}s" for noun in brief.object_nouns}
-        sure = nouns if brief.object_kind != _UNKNOWN_KIND else set()
+        sure = nouns if brief.object_kind != UNKNOWN_KIND else set()
         self.names = (self.own | sure) - set(self.lexicon.words)
         self.nouns = self.names | self.around["generic"] | nouns
 

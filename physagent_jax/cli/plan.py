@@ -106,6 +106,7 @@ class Plan:
             body = make_body(template.source, template.preset.filling, template.preset.domain, run.base_dir)
         with open_agents(run.spec, run.base_dir, record=self.record) as agents:
             reply = read_for_scene(run, body, agents.semantic.compile).value
+        body = run.turn(body, reply)
         template, placed = run.place(body, reply)
         after = make_brief(template, frames_fixed=run.frames_fixed, parts=run.list_parts(body))
         damped = damp(template, body)[1]

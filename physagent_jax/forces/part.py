@@ -111,6 +111,7 @@ class Part(Strict):
     Attributes:
         name: What the file or a person calls it; empty = nobody has named it.
         origin: What told of it.
+        stands_for: What the object itself calls the part, where its name is that of a sentence; else empty.
         label: What people are told that it is, with its place: "left arm"; empty until the viewer is known.
         seated: Whether it is a piece of its own that sits on the rest with a broad face, as a lid does: it moves
             as a whole, and about its own middle. Others turn about their joint.
@@ -126,6 +127,7 @@ class Part(Strict):
         arm: From there to its tip [body lengths].
         side: Where it is, seen from the object's middle (unit world vector).
         share: Share of the object's volume.
+        axle: The line about which a disc or a wheel turns (unit world vector); None for what is none.
         neck: Spread of where it joins the rest along each world axis (standard deviations) [body lengths]; 0 = not
             known, or nothing joins them.
         confidence: Chance that its first role is right, by how clearly its shape tells.
@@ -133,6 +135,7 @@ class Part(Strict):
 
     name: Annotated[str, Field(max_length=MOST_LETTERS)] = ""
     origin: PartOrigin = "shape"
+    stands_for: Annotated[str, Field(max_length=2 * MOST_LETTERS)] = ""
     label: Annotated[str, Field(max_length=200)] = ""
     seated: bool = False
     roles: tuple[PartRole, ...] = ()
@@ -142,6 +145,7 @@ class Part(Strict):
     arm: Numbers
     side: Direction
     share: float = Field(ge=0, le=1)
+    axle: Direction | None = None
     neck: Numbers = (0.0, 0.0, 0.0)
     confidence: float = Field(default=1.0, ge=0, le=1)
 
@@ -167,6 +171,7 @@ def list_parts(parts: Sequence[Part]) -> str:
     told = [
         f"{index} {part.label or part.name or part.roles[0]}{' (unsure)' if part.unsure else ''}"
         for index, part in enumerate(parts, 1)
+        if not part.stands_for
     ]
     return ", ".join(told) or "none"
 

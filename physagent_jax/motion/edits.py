@@ -24,7 +24,7 @@ from physagent_jax.motion.wishes import Wish, replace_items
 from physagent_jax.perception.schema import MotionReport, WindowMotion
 
 _BRIEF = 0.15  # of the clip: "briefly", as the lexicon has it
-_FURTHER = 1.5  # factor by which a limb may be turned farther
+_FURTHER = 1.5  # factor by which a part may be led farther
 _SAME_GAIN = 0.03  # relative change of k that is not worth a word: windows go by whole frames
 
 
@@ -106,7 +106,7 @@ def _scale(cause: Cause, factor: float, latest: float) -> dict:
 
     ``latest`` is the frame up to which what has a prescribed velocity may go on.
     """
-    if cause.turns_limb:  # it goes as far as is prescribed: more than that would fold it
+    if cause.turns_limb or cause.leads_part:  # farther, it would be folded or torn off
         factor = min(factor, _FURTHER)
     wanted = abs(cause.item.magnitude) * cause.item.gain * factor  # M times the gain
     size = round(clamp(wanted / cause.item.gain, MAGNITUDE_MIN, MAGNITUDE_MAX), 4)

@@ -65,6 +65,7 @@ _STRAIN = 0.85  # [1] of the skin on the outside of a bend, at most
 _STEEPEST = 1.5  # slope of u^2 (3 - 2 u) in its middle
 _BORDER = 3.0  # standard deviations of the neck, within which the rest borders on the part
 _SPUN = 180.0  # [degrees] that a plain word turns what stands on the rest about the upright
+_WHEELED = 360.0  # [degrees] that it turns a wheel
 _NECKED = frozenset(("head", "face", "neck"))  # words for what does not turn so far
 _JAWS = frozenset(("jaw", "mouth"))  # words for what opens downwards
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them
@@ -149,9 +150,10 @@ class Turning:
         if motion.kind is MotionKind.SWAY:
             return self._drive_swings(motion)
         axis = motion.direction
-        if motion.kind is MotionKind.ROTATE and axis is not None and self._spins(motion, axis):
-            motion = motion.model_copy(update=dict(amount=Amount(value=_SPUN, unit="degrees")))
-            return [self.turn(axis, _SPUN, (motion.window[0], min(motion.window[1], until)), None)], motion
+        if motion.kind is MotionKind.ROTATE and axis is not None and (spun := self._find_spun(motion, axis)):
+            if spun < _WHEELED:  # pictures do not tell one turn of alike blades from a part of it
+                motion = motion.model_copy(update=dict(amount=Amount(value=spun, unit="degrees")))
+            return [self.turn(axis, spun, (motion.window[0], min(motion.window[1], until)), None)], motion
         window = self._find_window(motion, until)
         let_go = motion.released or motion.sudden and not motion.stays
         stop = None if let_go or until <= window[1] else until
@@ -165,11 +167,13 @@ class Turning:
             update=dict(direction=course)
         )
 
-    def _spins(self, motion: ExpectedMotion, axis: Vector) -> bool:
-        """Return whether it turns about the upright on what bears it, as a dish does: then by half a turn."""
+    def _find_spun(self, motion: ExpectedMotion, axis: Vector) -> float:
+        """The turn of a wheel about its axle, or of a dish about the upright on what bears it [degrees]; else 0."""
         plain = motion.amount is None and not motion.sudden and _NECKED.isdisjoint(split_name(motion.words))
         upright = abs(dot(axis, self.brief.directions.up)) > _ALONG
-        return plain and upright and not SEATED.isdisjoint(self.part.roles[:1])
+        seated = upright and not SEATED.isdisjoint(self.part.roles[:1])
+        wheel = self.part.axle is not None and abs(dot(axis, self.part.axle)) > _ALONG
+        return (_WHEELED if wheel else _SPUN) if plain and (wheel or seated) else 0.0
 
     def _drive_swings(self, motion: ExpectedMotion) -> tuple[list[VelocityConstraint], ExpectedMotion]:
         """As `drive`, to and fro: each stroke takes as long as its angle needs."""

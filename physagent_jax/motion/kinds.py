@@ -61,6 +61,7 @@ _VERTICAL = 0.7  # cosine
 _OVER = 120.0  # [degrees] about a level line, from where on something is turned over
 _TILT = 60.0  # [degrees] up to which what stands is tilted
 _PRESSED = 0.07  # of its height, by which a plain blow presses what stands: held at its feet, twice as deep
+_UPENDED = 95.0  # [degrees] the same of an angle that is told
 _RAISED = 20.0  # [degrees] by which it is tilted where one side is raised
 _CRUMPLED = [1.0, 1.5]  # shares of the time in which it is pressed from both sides, and from above alone
 _SPUN = 0.9  # of the most of its word that what lies spins by about its own line: less is hardly seen of what is slim
@@ -454,7 +455,7 @@ def _lead(wish: Wish) -> _Replaced:
     else:
         effort = find_wanted_way(expectation, brief, usual) / TRAVEL
     over = level and told and told.target > _OVER
-    tilts = level and math.degrees(effort * TURN) <= _TILT and _stands_alone(wish)
+    tilts = level and math.degrees(effort * TURN) <= (_UPENDED if told else _TILT) and _stands_alone(wish)
     needed = find_magnitude(effort, max(seconds, brief.frame_dt), brief.seconds, braked=True)
     if not (hands or expectation.even or over or tilts or spins) and (not told or needed <= MAGNITUDE_MAX):
         return None
@@ -465,7 +466,8 @@ def _lead(wish: Wish) -> _Replaced:
     if spun is not None:
         stop = min(stop, first + brief.count_frames(find_spin_time(spun, expectation.strength)))
     size, until = spread_effort(effort, first, stop, share=MOVING if tilts else 1.0)
-    hand = _prescribe(causes[0], way, size, (first, until), _find_next(wish, end))
+    settles = over and lengthwise and not hands  # what lies rests on what it was turned onto
+    hand = _prescribe(causes[0], way, size, (first, until), None if settles else _find_next(wish, end))
     if tilts and expectation.released and end + until - first <= brief.last:
         hand = hand.model_copy(update={"held_until": end if end > until else None})
         back = _prescribe(causes[0], scale(way, -1.0), size, (end, end + until - first), None)

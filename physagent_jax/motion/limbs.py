@@ -15,6 +15,11 @@ _WORLD_AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z
 _LEVEL = 0.5  # cosine to the vertical below which a line is level
 _ALIKE = 0.7  # share of the object over the largest's, from which on a part is as likely as that
 _THERE = 0.2  # cosine to a side from which on a limb is on it
+_FRONTS = frozenset(
+    "front head hood bonnet nose beak snout bow grille headlight headlights windshield windscreen".split()
+)
+_REARS = frozenset("rear back tail stern taillight taillights stoplights exhaust boot trunk spare".split())
+_TOLD = 0.3  # of a unit vector, from which on parts with names tell where the front is
 _OWN_SIDES = frozenset(("left", "right"))
 PLACES = ("top", "bottom", "side")
 """Roles that tell a part's place alone: a word for another part takes it where it is the only one there."""
@@ -109,15 +114,41 @@ def find_level_line(brief: SceneBrief) -> Vector:
     return find_front(brief.parts) or (beside if abs(across[2]) < _LEVEL else None) or brief.directions.toward
 
 
+def find_way_ahead(brief: SceneBrief) -> Vector:
+    """The level way in which something looks (unit vector).
+
+    Its head, the names of its parts or its level line tell it; else it looks at the viewer.
+    """
+    told = [scale(_level(p), s) for p in brief.parts for s in (_tell_front(p),) if s]
+    named = scale(add(told), 1.0 / len(told)) if told else (0.0, 0.0, 0.0)
+    if (front := find_front(brief.parts)) is not None:
+        return front
+    if norm(named) > _TOLD:
+        return normalise(named) or brief.directions.toward
+    return find_level_line(brief)
+
+
+def _tell_front(part: Part) -> int:
+    """1 for a part whose name or first role says that it is in front, -1 for one behind, 0 for others."""
+    words = {*split_name(part.name), *part.roles[:1]}
+    return bool(words & _FRONTS) - bool(words & _REARS)
+
+
+def _level(part: Part) -> Vector:
+    return part.side[0], part.side[1], 0.0
+
+
 def sum_directions(names: Sequence[str], brief: SceneBrief) -> Vector:
     """Sum of directions by their names, those of the viewer, of the world and of the object (not normalised).
 
     Args:
-        names: Such as "left", "x", "long" (its long axis), "own" (its level line) and "beside" (across that).
+        names: Such as "left", "x", "long" (its long axis), "own" (its level line), "beside" (across that),
+            "ahead" and "behind" (as it looks).
         brief: The scene.
     """
     table, long, own = brief.directions, brief.long_axis, find_level_line(brief)
     lines = {"long": long or table.up, "lengthwise": long or table.right, "own": own}
     lines["beside"] = normalise(cross(own, table.up)) or table.left
+    lines |= {"ahead": find_way_ahead(brief), "behind": scale(find_way_ahead(brief), -1.0)}
     known = _WORLD_AXES | lines
     return add(known.get(name) or getattr(table, name) for name in names)

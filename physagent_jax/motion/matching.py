@@ -62,6 +62,11 @@ class Cause:
         return isinstance(self.item, VelocityConstraint) and (self.item.pivot is not None or pressed)
 
     @property
+    def leads_part(self) -> bool:
+        """Return whether a part goes as far as is prescribed, whatever it takes to bring it there."""
+        return isinstance(self.item, VelocityConstraint) and self.item.region is not None
+
+    @property
     def bends_over(self) -> bool:
         """Return whether it bends the whole, over its foot or about its middle, whatever way that moves it."""
         bend = getattr(self.item, "bend", None)

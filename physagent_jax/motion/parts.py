@@ -40,7 +40,8 @@ def label_parts(parts: Sequence[Part], table: DirectionTable) -> tuple[Part, ...
     found = []
     for index, (part, label) in enumerate(zip(parts, labels)):
         doubt = f", unsure: {part.confidence:.0%}" if part.unsure else ""
-        told = f"{label} (part {index + 1}, {ORIGINS[part.origin]}{doubt})"
+        source = f"taken to be '{part.stands_for}'" if part.stands_for else ORIGINS[part.origin]
+        told = f"{label} (part {index + 1}, {source}{doubt})"
         moved = part.moved.model_copy(update=dict(label=told))
         found.append(part.model_copy(update=dict(label=label, moved=moved)))
     return tuple(found)
@@ -83,7 +84,7 @@ def find_named(parts: Sequence[Part], phrase: str, *, plural: bool = False) -> t
 
 def explain_missing(text: str, parts: Sequence[Part]) -> str:
     """The doubt about a part that the object does not show and nobody has named, or about which of several is meant."""
-    known = ", ".join(dict.fromkeys(part.label or part.name or part.roles[0] for part in parts))
+    known = ", ".join(dict.fromkeys(p.label or p.name or p.roles[0] for p in parts if not p.stands_for))
     told = f"the parts that are known are {known}" if known else "no part of the object is known"
     return f"Where '{text}' is, is not known: {told}; `--part` names others (`physagent inspect` shows them all)."
 

@@ -24,6 +24,7 @@ SeenManner = Manner | Literal["spin"]
 """The same of what is to be seen; what spins shows all of its sides."""
 LAST_FRAME = 1e5
 _Frame = Annotated[float, Field(ge=0, le=LAST_FRAME)]
+_Degrees = Annotated[float, Field(ge=-360, le=360)]
 
 
 class Verdict(enum.StrEnum):
@@ -156,12 +157,15 @@ class WorldRequest(Strict):
         ground: Whether there is ground under the object.
         obstacles: Walls and blocks that it names.
         drop_height: Height above the ground from which the object falls [body lengths].
+        attitude: Rotation of the object before it begins, about the world's x and y axes together (a rotation vector)
+            [degrees]: "drop it upside down".
     """
 
     gravity: Literal["down", "up", "none"] | None = None
     ground: bool | None = None
     obstacles: tuple[ObstacleRequest, ...] = ()
     drop_height: float | None = Field(default=None, ge=0, le=1e5)
+    attitude: tuple[_Degrees, _Degrees] | None = None
     words: str = ""
 
 

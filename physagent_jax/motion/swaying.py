@@ -28,6 +28,7 @@ _TIME, _SWING = 1.0, 0.28  # [s] in which it is bent, at most, and of each swing
 # Swings as it springs back, in parts of the angle: each goes 0.39 as far as the one before.
 _BACK = (-1.4, 0.55, -0.21, 0.06)
 _TILT = 14.0  # [degrees] that it rocks by to either side with a strength of 1
+_SHAKEN = 0.12  # [body lengths] that it is shaken by to either side with a strength of 1
 _MILD = 0.5  # power of a strength that an angle to either side grows with: what is gentle is seen as well
 _SETTLED = 0.2  # [s] for which it is kept upright where it has stopped rocking
 _REACH = 2.0  # [body lengths]: all of its foot borders on the rest
@@ -152,6 +153,12 @@ def lies(brief: SceneBrief) -> bool:
     return long is not None and abs(dot(long, brief.directions.up)) < _LEVEL and brief.anchored is None
 
 
+def stands_slim(brief: SceneBrief) -> bool:
+    """Return whether it is longest upright."""
+    long = brief.long_axis
+    return long is not None and abs(dot(long, brief.directions.up)) >= _LEVEL
+
+
 def find_bend(way: Vector, brief: SceneBrief, rooted: bool) -> Vector | None:
     """The way in which it bends (unit vector), or None: ends that cannot go along themselves go up.
 
@@ -180,6 +187,30 @@ def rock(
     rest = min(window[1] + brief.count_frames(_SETTLED), last)
     made[-1] = made[-1].model_copy(update=dict(held_until=rest if rest > window[1] else None))
     return [each.model_copy(update=dict(region=None, pivot=None)) for each in made]
+
+
+def shake(
+    brief: SceneBrief, way: Vector, strength: float, count: int, window: Window, kept: bool
+) -> list[VelocityConstraint]:
+    """The strokes of what is shaken as by a hand, foot and all, to either side and back; as `sway`.
+
+    Args:
+        brief: The scene.
+        way: Where it goes first (unit world vector).
+        strength: Factor on the way.
+        count: How often it goes to and fro.
+        window: First and last frame.
+        kept: Whether it is kept up afterwards.
+    """
+    strokes = [1.0, *[-2.0, 2.0] * (count - 1), -2.0, 1.0]
+    driver = PartDriver(make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
+    reach, last, rest = _SHAKEN * strength**1.5, float(brief.last), brief.count_frames(_SETTLED)
+    end = max(window[1] - rest, 0.5 * (window[0] + window[1]))  # it rests before the next motion
+    spans = _divide((window[0], end), strokes)
+    made = [driver.shift(way, reach * s, span, None) for s, span in zip(strokes, spans)]
+    stop = last if kept else min(end + rest, last)
+    made[-1] = made[-1].model_copy(update=dict(held_until=stop if stop > end else None))
+    return [each.model_copy(update=dict(region=None)) for each in made]
 
 
 def _divide(window: Window, strokes: Sequence[float]) -> list[Window]:

@@ -123,6 +123,11 @@ class Tolerance:
         most = max(most, LEAST)
         return dataclasses.replace(self, low=min(self.low, REACHED * most), target=min(self.target, most))
 
+    def widened(self, least: float) -> Tolerance:
+        """The same with at least so much on either side of the target."""
+        low, high = min(self.low, self.target - least), max(self.high, self.target + least)
+        return dataclasses.replace(self, low=low, high=high)
+
     def scaled(self, share: float, least: float) -> Tolerance:
         """The same with the lower limit and the target multiplied, but the limit not below ``least``."""
         lower = min(max(share * self.low, least), 0.5 * self.high)

@@ -8,6 +8,18 @@ from collections.abc import Callable
 from physagent_jax.scene.cost import Cost
 
 CLOSING = 1.0  # seconds of the results and the report, about
+PATIENCE = 4.0  # times the steps of an object at rest, that a further round may take
+BRIEF = 45.0  # [s] of simulation, as estimated, that it may always take
+
+
+def find_most_substeps(cost: Cost) -> float:
+    """Substeps beyond which a further round is not worth its time: nobody waits minutes for what may be no better.
+
+    Args:
+        cost: Estimated cost of a round.
+    """
+    each = (cost.seconds - cost.watching) / cost.substeps
+    return max(PATIENCE * cost.substeps, BRIEF / max(each, 1e-9))
 
 
 class Forecast:
@@ -19,10 +31,14 @@ class Forecast:
         cost: Estimated cost of a round.
         rounds: How many rounds there are at most.
         now: Clock [s].
+
+    Attributes:
+        most_substeps: Substeps that a further round may take.
     """
 
     def __init__(self, cost: Cost, rounds: int, now: Callable[[], float] = time.perf_counter):
         self._rounds, self._now = rounds, now
+        self.most_substeps = find_most_substeps(cost)
         self._simulating = max(cost.seconds - cost.watching, 0.0)  # [s] a round's simulation takes
         self._clip = self._rest = cost.watching  # [s] from its end to the clip, and to the round's end
         self.begin_round(0)

@@ -124,6 +124,8 @@ class _Loop:
         reply = reading.value
         if not reply.unknown_parts:  # else the refusal says it all
             teller.observer.understood(reply)
+        with account.watch("prepare"):
+            body = self._maker.body = self._run.turn(body, reply)
         try:
             template, cost = self._place(reply, body, limits)
         except UnknownPartError as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Callable
 
 from physagent_jax.agents.context import AgentContext
@@ -11,14 +12,18 @@ from physagent_jax.agents.trace import Reply
 from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.holds import Hold, HoldOrigin, describe_release, find_leaving, needs_weight
+from physagent_jax.motion.parts import explain_missing
 from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, SceneBrief, WorldRequest
+from physagent_jax.run.bearing import carry_along
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.holding import UP
+from physagent_jax.run.postures import list_acted
 from physagent_jax.run.resolve import LET_GO, ResolvedRun
 from physagent_jax.run.sentence_material import tell_material
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.template import SceneTemplate
 
+_ANY_END = re.compile(r"(?:one|an?) (?:end|edge|side|corner|half)\b", re.IGNORECASE)
 Ask = Callable[[AgentContext], Reply[SemanticReply]]
 
 
@@ -39,6 +44,7 @@ def read_for_scene(run: ResolvedRun, body: Body, ask: Ask) -> Reply[SemanticRepl
         )
         return brief.model_copy(update=dict(may_be_held=run.spec.anchor.kind == "auto"))
 
+    ask = _carry(ask, run, body)
     held, free = describe(), describe(LET_GO)
     supported = held.anchored is not None and run.template.anchor.kind == "none"
     context = AgentContext(run.spec.prompt, free if supported else held, describe_skills())
@@ -56,7 +62,42 @@ def read_for_scene(run: ResolvedRun, body: Body, ask: Ask) -> Reply[SemanticRepl
         context = dataclasses.replace(context, brief=describe(_let_go(release)))
         reading = read_let_go(reading, release, context, ask)
     told = tell_material(run.spec.prompt, context.brief, run.spec.material, reading.value)
-    return Reply(told, reading.trace)
+    return Reply(tell_parts(told, run.spec.prompt or "", context.brief), reading.trace)
+
+
+def tell_parts(reply: SemanticReply, prompt: str, brief: SceneBrief) -> SemanticReply:
+    """The reply that asks for no part which tells a posture alone, and says which part a word is taken to mean."""
+    acted = [brief.parts[each.limb] for each in reply.expectations if each.limb is not None]
+    taken = [f"'{part.name}' is taken to be '{part.stands_for}'." for part in acted if part.stands_for]
+    ends = {
+        each.words for each in reply.evidence if each.field.endswith("region") and _ANY_END.match(each.words)
+    }
+    taken += [f"'{words}' is taken to be the one on the right, which is seen well." for words in sorted(ends)]
+    unknown = list_acted(reply.unknown_parts, prompt)
+    idle = [explain_missing(word, brief.parts) for word in reply.unknown_parts if word not in unknown]
+    told = dict(
+        unknown_parts=unknown,
+        notes=tuple(dict.fromkeys((*reply.notes, *taken))),
+        unsure=tuple(each for each in reply.unsure if each not in idle),
+        not_understood=tuple(
+            each for each in reply.not_understood if each in unknown or each not in reply.unknown_parts
+        ),
+    )
+    return reply.model_copy(update=told)
+
+
+def _carry(ask: Ask, run: ResolvedRun, body: Body) -> Ask:
+    """``ask`` with replies in which what bears the object takes it along (`run.bearing`); as it is where it is held."""
+    world, parts = run.template.world, run.list_parts(body)
+    if run.spec.anchor.kind != "auto" or not world.ground or world.gravity != "down":
+        return ask
+
+    def ask_and_carry(context: AgentContext) -> Reply[SemanticReply]:
+        reply = ask(context)
+        carried = carry_along(reply.value, body, parts, run.template.preset.timing.frame_dt)
+        return Reply(carried, reply.trace)
+
+    return ask_and_carry
 
 
 def place_for_field(run: ResolvedRun, body: Body, field: ForceField) -> tuple[SceneTemplate, tuple[str, ...]]:

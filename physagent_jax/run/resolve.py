@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from physagent_jax.run.holding import UP, check_hold, find_hold
 from physagent_jax.run.material import resolve_material
 from physagent_jax.run.models import warn_of_licences
 from physagent_jax.run.photo import make_photo
+from physagent_jax.run.postures import strip_postures
 from physagent_jax.run.prompt import read_mask
 from physagent_jax.run.provenance import hash_settings
 from physagent_jax.run.rigidity import RIGID_NOTE, STIFF_NOTE, is_hard, is_stiffened, keeps_shape, make_rigid
@@ -29,7 +31,7 @@ from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
 from physagent_jax.run.unknown_parts import UnknownPartError
 from physagent_jax.run.up_axis import UPRIGHT, explain_up, find_up
 from physagent_jax.scene.anchor import MASK_BYTES
-from physagent_jax.scene.body import Body
+from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.broad_side import find_broad_side
 from physagent_jax.scene.camera import find_viewer_directions
 from physagent_jax.scene.card import ObjectCard, load_card
@@ -38,7 +40,7 @@ from physagent_jax.scene.config.material import MODEL_PARAMETERS
 from physagent_jax.scene.config.photo import ELEVATION
 from physagent_jax.scene.load import hash_file, is_photo
 from physagent_jax.scene.part_view import find_part_motion, turn_to_parts
-from physagent_jax.scene.parts import Frame, find_places
+from physagent_jax.scene.parts import Frame, find_aliases, find_places
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import (
     PRIORS,
@@ -97,8 +99,23 @@ class ResolvedRun:
         """
         table = find_viewer_directions(self.template.camera)
         viewer = Frame(toward=np.asarray(table["toward"]), right=np.asarray(table["right"]))
-        words = split_name(self.spec.prompt or "")
-        return (*body.parts, *find_places(body.shape, body.parts, words, self.template.source.name, viewer))
+        prompt, name = strip_postures(self.spec.prompt or ""), self.template.source.name
+        known = (*body.parts, *find_aliases(body.shape, body.parts, prompt, name, viewer.toward))
+        named = {
+            word for part in known if part.stands_for and " " in part.name for word in split_name(part.name)
+        }
+        words = [word for word in split_name(prompt) if word not in named]
+        places = find_places(body.shape, known, words, name, viewer)
+        return (*known, *places, *find_aliases(body.shape, places, prompt, name, viewer.toward))
+
+    def turn(self, body: Body, reply: SemanticReply) -> Body:
+        """The object in the attitude in which the sentence has it begin: ``body`` itself where it tells none."""
+        source, preset = self.with_reply(reply).source, self.template.preset
+        if source == self.template.source:
+            return body
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # they were heeded when it was loaded upright
+            return make_body(source, preset.filling, preset.domain, self.base_dir)
 
     def place_for_agents(self, body: Body, reply: SemanticReply | None = None) -> SceneTemplate:
         """The scene as `place` has it but for the stiffness, which agents are not told.
@@ -194,9 +211,13 @@ class ResolvedRun:
         if reply.frame_count is not None and not self.frames_fixed:
             timing = preset.timing.model_copy(update=dict(frame_count=reply.frame_count))
             preset = dataclasses.replace(preset, timing=timing)
+        source = template.source
+        if reply.world.attitude is not None:
+            source = source.model_copy(update=dict(attitude=reply.world.attitude))
         template = dataclasses.replace(
             template,
             preset=preset,
+            source=source,
             anchor=resolve_anchor(
                 self.spec.anchor, template.source.kind, reply.anchor, base_dir=self.base_dir
             ),

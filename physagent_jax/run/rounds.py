@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import time
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -169,7 +170,10 @@ class RoundMaker:
                 forecast.begin_round(index)
                 pool.submit(self._rehearse, scene)
             cache = self.restart_cache
-            recording = simulate_scene(scene, watch=self._watch, progress=tell_frame, restart_cache=cache)
+            most = forecast.most_substeps if forecast is not None and index else math.inf
+            recording = simulate_scene(
+                scene, watch=self._watch, progress=tell_frame, restart_cache=cache, most_substeps=most
+            )
         placed = series.template.camera.target is not None or self._run.spec.perception.prompt is not None
         if not placed:  # a prompt tells pixels of the first picture
             with self._watch("render"):

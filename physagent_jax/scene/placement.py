@@ -74,8 +74,8 @@ def place(
 ) -> tuple[GaussianCloud, Placement]:
     """Crops, rotates, scales and centres a loaded cloud.
 
-    The order is PhysGaussian's: extra rotations, crop, then (ours) ``up`` onto +z and ``tilt``, then the plain bounding
-    box of the centres is scaled to ``source.extent`` and centred.
+    The order is PhysGaussian's: extra rotations, crop, then (ours) ``up`` onto +z, ``tilt`` and ``attitude``, then the
+    plain bounding box of the centres is scaled to ``source.extent`` and centred.
 
     Args:
         cloud: As loaded, in the file's frame and units.
@@ -92,7 +92,8 @@ def place(
     origin = np.zeros(3) if origin is None else np.asarray(origin, np.float64)
     turn = find_extra_rotation(source.rotation_degrees, source.rotation_axes)
     cloud = _crop(cloud, turn, source.crop, turn @ origin)
-    rotation = find_tilt_rotation(source.tilt) @ find_up_rotation(source.up) @ turn
+    upright = find_tilt_rotation(source.tilt) @ find_up_rotation(source.up)
+    rotation = find_tilt_rotation(source.attitude) @ upright @ turn
     turned = np.asarray(cloud.means, np.float64) @ rotation.T
     if not np.isfinite(turned).all():
         raise UserError("the object has Gaussians whose centre is not finite", do="Export the file again")

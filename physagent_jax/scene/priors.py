@@ -241,6 +241,14 @@ PRIORS: dict[str, Prior] = {
         model=MaterialModel.VISCOPLASTIC,
         parameters={"yield_stress": 1e2, "plastic_viscosity": 4e3},
     ),
+    "slump": Prior(
+        (),
+        2e5, 0.4, 1000.0,
+        "dough that gives way: flows where its own weight (10 kPa at 1 m) presses by more than a third of that, and "
+        "stops as it gets lower; chosen for visible motion",
+        model=MaterialModel.VISCOPLASTIC,
+        parameters={"yield_stress": 2.5e3, "plastic_viscosity": 3e4},
+    ),
     UNKNOWN: Prior(
         (), 5e4, 0.3, 200.0,
         "nothing is known of the object: PhysGaussian's default density, a stiffness chosen for visible motion",

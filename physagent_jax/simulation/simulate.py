@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import math
 from collections.abc import Callable, Iterator
 
 import jax
 import numpy as np
 
+from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.binding import deform
 from physagent_jax.gaussians.cloud import Splats
 from physagent_jax.mpm import Frame, simulate
@@ -29,6 +31,7 @@ from physagent_jax.simulation.shared_frames import find_last_shared_frame, find_
 from physagent_jax.simulation.stopwatch import Stopwatch
 
 RESTART_BYTES = 2**30  # of host memory for what a later scene may go on from
+PACE = 4  # frames by which the rest of a clip is forecast
 
 Progress = Callable[[int, int], None]
 """Called after every frame with (frames done, frames in all)."""
@@ -40,6 +43,7 @@ def simulate_scene(
     watch: Stopwatch | None = None,
     progress: Progress | None = None,
     restart_cache: RestartCache | None = None,
+    most_substeps: float = math.inf,
 ) -> Recording:
     """Simulate and render all frames of ``scene``, except those that it shares with an earlier one.
 
@@ -48,9 +52,10 @@ def simulate_scene(
         watch: Charged with the time that simulating and rendering take.
         progress: Called after every frame.
         restart_cache: Restart cache of the earlier scene's `Recording`.
+        most_substeps: Substeps of all frames that may be taken, forecast by those of the last `PACE` frames.
 
     Raises:
-        UserError: The scene cannot be simulated (`mpm.simulate` says why).
+        UserError: The scene cannot be simulated (`mpm.simulate` says why), or would take more substeps than it may.
     """
     watch = watch or Stopwatch()
     begin = find_shared_restart(scene, restart_cache)
@@ -60,7 +65,8 @@ def simulate_scene(
         progress(reused, total)
     wanted, centre = find_restart_frames(scene.config), find_rest_centre(scene)
     last = begin
-    for batch in _split_batches(watch.timed("simulate", simulate_frames(scene, begin))):
+    frames = check_pace(simulate_frames(scene, begin), total, most_substeps)
+    for batch in _split_batches(watch.timed("simulate", frames)):
         with watch("render"):
             outputs += _compute_outputs(scene, batch)
         with watch("simulate"):
@@ -75,6 +81,22 @@ def simulate_scene(
     cache = RestartCache.of(scene, outputs, statistics, restarts)
     assert last is not None
     return Recording.of(scene, outputs, statistics, cache, last, reused)
+
+
+def check_pace(frames: Iterator[Frame], total: int, most: float) -> Iterator[Frame]:
+    """``frames``, until they are so slow that all ``total`` of them would take more than ``most`` substeps."""
+    taken: list[int] = []
+    for frame in frames:
+        taken.append(frame.substeps)
+        recent = taken[-PACE:]
+        expected = sum(taken) + (total - 1 - frame.index) * sum(recent) / len(recent)
+        if len(taken) >= PACE and expected > most:
+            raise UserError(
+                f"it would take some {expected:,.0f} substeps, as its matter is strained so far",
+                got=f"more than {most:,.0f} at frame {frame.index}",
+                do="Use a softer material or weaker forces",
+            )
+        yield frame
 
 
 def _split_batches(frames: Iterator[Frame]) -> Iterator[list[Frame]]:

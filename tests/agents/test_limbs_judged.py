@@ -15,8 +15,11 @@ ARM = make_part("arm", (0.15, 0, 0), (1, 0, 0))
 SHOULDER = np.array([0.2, 0.0, 0.1])
 
 
-def judge(degrees, *, whole=0.0, seen_until=49):
-    """The verdict on an arm of 0.15 lengths that turns up evenly within a second, on a body that rises by ``whole``."""
+def judge(degrees, *, whole=0.0, seen_until=49, shown=1.0):
+    """The verdict on an arm of 0.15 lengths that turns up evenly within a second, on a body that rises by ``whole``.
+
+    Of the way of its middle a share is ``shown``, as of what turns a hidden side.
+    """
     chance = np.random.default_rng(0)
     body = chance.uniform((-0.2, -0.1, -0.5), (0.2, 0.1, 0.5), (600, 3))
     arm = chance.uniform((0.2, -0.03, 0.07), (0.35, 0.03, 0.13), (60, 3))
@@ -33,7 +36,14 @@ def judge(degrees, *, whole=0.0, seen_until=49):
         np.stack(frames), frame_dt=0.04, windows=windows, parts={0: np.arange(660) >= 600}
     )
     parts = [
-        each.model_copy(update=dict(centroid=(*each.centroid[:seen_until], *[None] * (49 - seen_until))))
+        each.model_copy(
+            update=dict(
+                centroid=(
+                    *[tuple(shown * x for x in place) for place in each.centroid[:seen_until]],
+                    *[None] * (49 - seen_until),
+                )
+            )
+        )
         if each.limb is not None
         else each
         for each in report.parts
@@ -46,6 +56,16 @@ def judge(degrees, *, whole=0.0, seen_until=49):
 def test_an_arm_that_is_raised_is_judged_by_itself(degrees, verdict):
     """45 degrees move the middle of so short an arm by 0.06 body lengths: little of the object, much of the arm."""
     assert judge(degrees).verdict is Verdict(verdict)
+
+
+@pytest.mark.parametrize(("shown", "verdict"), [(0.33, "SUCCESS"), (0.15, "FAIL")])
+def test_an_arm_that_is_seen_to_turn_may_show_less_of_its_way(shown, verdict):
+    assert judge(45, shown=shown).verdict is Verdict(verdict)
+
+
+def test_a_limb_that_turns_the_wrong_way_is_no_stillness():
+    assert "Nothing moves" in judge(2).suggestion
+    assert "Nothing moves" not in judge(-40, shown=0.1).suggestion
 
 
 def test_an_object_that_rises_with_its_arm_still_is_no_raised_arm():

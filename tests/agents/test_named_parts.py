@@ -147,3 +147,12 @@ def test_a_name_is_found_whole_then_by_its_last_word():
     assert find_named(parts, "lid 1") == (0,)
     assert find_named(parts, "lid") == (1,)  # somebody's own name goes first
     assert find_named(parts, "wheel") == () and find_named(parts, "wheels", plural=True) == (2, 3)
+
+
+def test_a_wheel_turns_about_its_axle_once():
+    wheel = make_part("wheel", (0, 0, -1), seated=True, axle=(0, 1, 0))
+    (turn,) = read("spin the wheel", wheel).force_field.constraints
+    assert turn.constraint_type is ConstraintType.PARTICLE_ROTATION
+    assert turn.vector == pytest.approx((0, 1, 0)) and turn.pivot == wheel.joint
+    (expected,) = read("the wheel turns", wheel).expectations
+    assert expected.amount is None  # its blades are alike

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.schema import SemanticReply
@@ -20,7 +21,7 @@ from physagent_jax.motion.schema import (
     WorldRequest,
 )
 from physagent_jax.motion.tolerances import list_windows
-from physagent_jax.perception.schema import Extent, PartMotion, Uncertainty
+from physagent_jax.perception.schema import Box, Extent, PartMotion, Uncertainty
 from tests.agents.scenes import (
     IDENTITY,
     asked,
@@ -35,6 +36,7 @@ from tests.agents.scenes import (
 
 LAST = 48
 LEFT, RIGHT, UP, DOWN, AWAY = (-1, 0, 0), (1, 0, 0), (0, 0, 1), (0, 0, -1), (0, 1, 0)
+TOWARD = (0, -1, 0)
 ZERO = (0.0, 0.0, 0.0)
 HELD = brief(anchored="base")
 KINDS = MotionKind
@@ -790,6 +792,78 @@ def test_what_is_pushed_over_the_ground_may_tip():
     assert "collateral" in failed_aspects(told)
 
 
+@pytest.mark.parametrize(("kind", "right"), [(KINDS.STRETCH, True), (KINDS.SQUEEZE, False)])
+def test_what_is_pressed_turns_as_it_begins_to_fall_and_what_is_drawn_out_only_seems_to(kind, right):
+    sign = 1 if kind is KINDS.STRETCH else -1
+    seen = show(turn=along(RIGHT, 22), strain=along((-0.1 * sign, -0.1 * sign, sign), 0.3))
+    assert passes(expected(kind, UP), seen, brief(world="ground")) is right
+
+
+def test_what_rolls_goes_farther_than_what_is_pushed():
+    """Nothing stops it; a push by two lengths is too much."""
+    ground, seen = brief(world="ground"), show(along(RIGHT, 2.0), along(AWAY, 300))
+    roll = (expected(direction=RIGHT, words="roll"), expected(KINDS.ROTATE, AWAY, strength=1.6, words="roll"))
+    assert passes(roll, seen, ground)
+    assert not passes(roll, show(along(RIGHT, 3.0), along(AWAY, 300)), ground)
+    assert not passes(expected(direction=RIGHT), show(along(RIGHT, 2.0)), ground)
+
+
+@pytest.mark.parametrize(("off", "aside", "right"), [(55, True, True), (55, False, False), (70, True, False)])
+def test_what_topples_aside_may_come_nearer_as_well(off, aside, right):
+    """A way along the line of sight is foreshortened, one aside is not."""
+    axis, ground = (AWAY if aside else LEFT), brief(world="ground", extents=(0.3, 1.0, 0.3))
+    topple = (expected(KINDS.ROTATE, axis), expected(KINDS.FALL, None))
+    way = Rotation.from_rotvec((0, 0, off), degrees=True)
+    fall = lie_down(1.0, 0.3)
+    place = lambda t: way.apply(fall(t) if aside else np.take(fall(t), [1, 0, 2]))  # noqa: E731
+    assert passes(topple, show(place, along(way.apply(axis), 90)), ground) is right
+
+
+def test_what_has_toppled_may_roll_aside():
+    """A bust with a round foot falls to the left and rolls away from there; one that slides off first does not."""
+    topple, ground = (expected(KINDS.ROTATE, TOWARD), expected(KINDS.FALL, None)), brief(world="ground")
+    fall = lambda t: np.multiply((-0.8, 0, -0.25), ramp(t, 0, 24))  # noqa: E731
+
+    def seen(first, last):
+        return show(
+            lambda t: fall(t) + np.multiply((0, 0.6, 0), ramp(t, first, last)), along(TOWARD, 90, 0, 24)
+        )
+
+    assert passes(topple, seen(24, LAST), ground)
+    assert not passes(
+        topple, show(lambda t: np.multiply((0, 1, -0.25), ramp(t, 0, 24)), along(TOWARD, 90, 0, 24)), ground
+    )
+
+
+def test_what_lies_may_roll_about_its_own_length():
+    """It is then turned by more than half a turn, though it never stood on its head."""
+    topple, ground = (
+        (expected(KINDS.ROTATE, AWAY), expected(KINDS.FALL, None)),
+        brief(world="ground", extents=(0.3, 1.0, 0.3)),
+    )
+
+    def seen(over, then):
+        return show(
+            lie_down(1.0, 0.3),
+            lambda t: np.multiply((0, over, 0), ramp(t, 0, 24)) + np.multiply(then, ramp(t, 24, LAST)),
+        )
+
+    assert passes(topple, seen(100, (85, 93, 80)), ground)  # 119 degrees from upright at most
+    assert not passes(topple, seen(170, (0, 30, 0)), ground)
+
+
+@pytest.mark.parametrize(("lean", "right"), [(80, False), (15, True)])
+def test_what_turns_on_its_foot_does_not_fall_over(lean, right):
+    """A turn of 170 degrees hid a fall."""
+    turn = expected(KINDS.ROTATE, UP, manner="spin")
+
+    def seen(t):
+        turned = Rotation.from_rotvec((lean * ramp(t, 24, LAST), 0, 0), degrees=True)
+        return (turned * Rotation.from_rotvec((0, 0, 170 * t / LAST), degrees=True)).as_rotvec(degrees=True)
+
+    assert passes(turn, show(turn=seen), brief(world="ground")) is right
+
+
 def test_what_hides_or_contradicts_what_was_asked_still_fails():
     """Half a turn about the vertical, rolling over and over, and rising as far as it slides."""
     ground = brief(world="ground")
@@ -813,6 +887,57 @@ def test_what_lands_may_be_squashed_but_not_stay_so():
     reply = SemanticReply(force_field=ForceField(), expectations=(fall,))
     told = judge("a robot made of clay falls on the floor", reply, stays, brief())
     assert told.judgement.verdict is Verdict.SUCCESS
+
+
+@pytest.mark.parametrize(
+    ("sentence", "right"),
+    [
+        ("a robot of putty falls on the floor", True),
+        ("the robot falls onto the sand", False),
+        ("the robot falls into a heap of snow", False),
+    ],
+)
+def test_what_is_of_clay_keeps_its_dents_and_not_what_falls_on_clay(sentence, right):
+    fall = expected(KINDS.FALL, None)
+    stays = show(along(DOWN, 0.5), strain=along((-0.35, -0.35, 0.6), 1.0, 20, 24))
+    told = judge(sentence, SemanticReply(force_field=ForceField(), expectations=(fall,)), stays, brief())
+    assert (told.judgement.verdict is Verdict.SUCCESS) == right
+
+
+@pytest.mark.parametrize(("degrees", "right"), [(38, True), (20, True), (50, False), (10, False)])
+def test_a_lean_away_from_the_viewer_is_told_less_well_than_one_aside(degrees, right):
+    """Only the foreshortening tells it; a lean in the picture plane is seen to a few degrees."""
+    lean = expected(KINDS.ROTATE, LEFT, amount=Amount(value=30.0, unit="degrees"))
+    assert passes(lean, show(turn=along(LEFT, degrees))) is right
+    aside = lean.model_copy(update=dict(direction=(0, -1, 0)))
+    assert passes(aside, show(turn=along((0, -1, 0), degrees))) is (degrees == 30)
+
+
+def test_the_axis_of_what_is_thrown_and_tumbles_may_wander():
+    throw = expected(direction=LEFT, sudden=True, leaves_place=True)
+    turn = expected(KINDS.ROTATE, AWAY, strength=1.6)
+
+    def seen(off):
+        axis = (math.sin(math.radians(off)), math.cos(math.radians(off)), 0)
+        place = lambda t: np.multiply(LEFT, 0.6 * (1 - (1 - t / LAST) ** 2))  # noqa: E731
+        return show(place, along(axis, 300))
+
+    assert passes((throw, turn), seen(50))
+    assert not passes((throw, turn), seen(75))
+    assert not passes(turn, seen(50))
+
+
+def test_what_topples_need_not_sink_where_its_middle_is_low():
+    """A figure on a broad pedestal lies with its middle as high as before; its top has come down."""
+    topple = (expected(KINDS.ROTATE, AWAY), expected(KINDS.FALL, None))
+    ground = brief(world="ground", extents=(0.4, 1.0, 0.4))
+    boxes = []
+    for t in range(LAST + 1):
+        top = 0.6 - 0.4 * ramp(t, 0, LAST)
+        boxes.append(Box(low=(-0.2, -0.2, -0.4), high=(0.2, 0.2, top)))
+    place = along(RIGHT, 0.5)
+    assert passes(topple, show(place, along(AWAY, 90), box=tuple(boxes)), ground)
+    assert not passes(topple, show(place, along(AWAY, 90), box=(boxes[0],) * (LAST + 1)), ground)
 
 
 def test_what_hops_aside_goes_on_aside_as_it_falls():
@@ -849,6 +974,9 @@ def test_nothing_that_moves_scores_nothing():
         (show(along(UP, 0.6)), "'as asked' goes another way than the sentence says."),
         (show(along(LEFT, 0.6), along(UP, 170)), "'as asked' may be there, but something else"),
         (show(along(LEFT, 0.6), pieces=(1,) * 20 + (3,) * 29), "'as asked' may be there, but the object does not"),
+        (show(along(UP, 0.6), pieces=(1,) * 20 + (3,) * 29), "'as asked' may be there, but the object does not hold"),
+        (show(along(LEFT, 0.6), along(UP, 170)), "'as asked' may be there, but something else that nobody asked for "
+            "hides or contradicts it: it turns."),
     ],
 )  # fmt: skip
 def test_a_failure_begins_with_a_plain_reason(seen, why):

@@ -2,7 +2,7 @@
 
 import pytest
 
-from physagent_jax.run.forecast import CLOSING, Forecast
+from physagent_jax.run.forecast import BRIEF, CLOSING, PATIENCE, Forecast, find_most_substeps
 from physagent_jax.scene.cost import Cost
 
 
@@ -68,3 +68,10 @@ def test_nothing_is_ever_less_than_over(forecast, clock):
     forecast.end_simulation()
     clock.time += 1000.0
     assert forecast.find_left()[0] == 0
+
+
+def test_a_further_round_takes_no_more_steps_than_are_worth_waiting_for():
+    """A while if it is quick, else some times what it takes at rest."""
+    quick, slow = (Cost(steps, steps * 0.01 + 5.0, 1e9, ("", ""), watching=5.0) for steps in (100.0, 5000.0))
+    assert find_most_substeps(quick) == pytest.approx(BRIEF / 0.01)
+    assert find_most_substeps(slow) == pytest.approx(PATIENCE * 5000.0)

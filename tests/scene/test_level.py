@@ -5,7 +5,10 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
+from physagent_jax.agents.schema import SemanticReply
+from physagent_jax.forces.schema import ForceField
 from physagent_jax.gaussians import write_ply
+from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, MotionKind, WorldRequest
 from physagent_jax.run.resolve import resolve
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene.body import make_body
@@ -78,6 +81,28 @@ def test_a_mesh_that_leans_far_is_set_on_the_ground_and_a_capture_is_not(tmp_pat
     assert any("turned by 42" in text or "turned by 41.9" in text for text in run.warnings)
     write_ply(tmp_path / "box.ply", sample_mesh(path, count=4000, seed=0)[0])
     assert load(tmp_path / "box.ply")[0].template.source.tilt == (0.0, 0.0)
+
+
+def test_what_the_sentence_turns_begins_so_and_falls_free(tmp_path):
+    """Upside down, all that was above is below, in the body and in the scene alike."""
+    run, body = load(export(tmp_path / "box.obj", 0.0))
+    world = WorldRequest(attitude=(180.0, 0.0), gravity="down")
+    fall = ExpectedMotion(kind=MotionKind.FALL, window=(0, 20))
+    reply = SemanticReply(
+        force_field=ForceField(default_drop=True),
+        expectations=(fall,),
+        anchor=AnchorRequest(kind="none"),
+        world=world,
+    )
+    turned = run.turn(body, reply)
+    template, _ = run.place(turned, reply)
+    assert template.source.attitude == (180.0, 0.0) and template.anchor.kind == "none"
+    middle = np.asarray(body.cloud.means).mean(0)
+    flipped = (np.asarray(body.cloud.means) - middle) * (1, -1, -1)
+    np.testing.assert_allclose(
+        np.asarray(turned.cloud.means).mean(0) + flipped, turned.cloud.means, atol=1e-5
+    )
+    assert run.turn(body, SemanticReply(force_field=ForceField())) is body
 
 
 @pytest.mark.parametrize(

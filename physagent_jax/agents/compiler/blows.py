@@ -28,6 +28,7 @@ from physagent_jax.forces.calibration import (
     find_tipping,
 )
 from physagent_jax.forces.schema import ActionType
+from physagent_jax.motion.attitudes import find_attitude
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_held_magnitude, find_lengths
 from physagent_jax.motion.schema import Amount, MotionKind
@@ -160,7 +161,9 @@ def _throw_aside(task: Task, effort: float) -> None:
 def _let_fall(task: Task) -> None:
     """Turns gravity on, or pushes downwards where it would have to begin after other motion."""
     builder, earlier = task.builder, task.builder.earlier
+    up = task.brief.directions.up
     raised = any(effect in _RAISING for effect in earlier)
+    raised |= any(e.action_type is ActionType.IMPULSE and dot(e.vector, up) > 0 for e in builder.actions)
     thrown = all(effect in (*_RAISING, Effect.FALL) for effect in earlier)
     falls = thrown or builder.default_drop and Effect.STILL not in earlier
     if falls and builder.gravity != "none":
@@ -175,6 +178,9 @@ def _let_fall(task: Task) -> None:
                 event.amount, height = None, MOST_DROP
             builder.drop_height = height
             builder.enable_gravity(task.event.words, "a falling object needs gravity")
+            pose = task.event.clause.pose or task.event.motion.pose
+            if pose and not earlier:
+                builder.attitude = find_attitude(pose, builder.brief)
     elif not builder.grounded:
         task.act(ActionType.TRANSLATION, builder.brief.directions.down, MAGNITUDE_MAX, task.window)
         builder.notes.append(

@@ -30,6 +30,7 @@ class ForceFieldBuilder:
         notes, unsure: What was assumed; what was not understood and matters. Either may be told twice.
         obstacles: Walls and blocks that it names.
         drop_height: Height from which it falls [body lengths]; None = none is told.
+        attitude: Turn with which it begins to fall, as in `WorldRequest`; None = as it stands.
     """
 
     brief: SceneBrief
@@ -39,6 +40,7 @@ class ForceFieldBuilder:
     earlier: list[Effect] = field(default_factory=list)
     default_drop: bool = False
     drop_height: float | None = None
+    attitude: tuple[float, float] | None = None
     rooted: bool = False
     actions: list[Action] = field(default_factory=list)
     constraints: list[VelocityConstraint] = field(default_factory=list)

@@ -6,6 +6,8 @@ lexicon maps a word to takes precedence over whatever else an agent thinks of it
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
 from physagent_jax.agents.compiler.events import Event
 from physagent_jax.agents.compiler.interpretation import resolve_obstacles
@@ -16,7 +18,7 @@ from physagent_jax.agents.compiler.skills import compile_slots
 from physagent_jax.agents.compiler.words import look_up, suggest_motions
 from physagent_jax.agents.intent import Intent
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.materials import FLOWS, SOFT, find_meaning
+from physagent_jax.agents.materials import FLOWS, LIMP, SOFT, YIELDING, YIELDS, find_meaning
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_entry
@@ -24,7 +26,7 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.kinds import choose_kinds
 from physagent_jax.motion.matching import find_new_places
 from physagent_jax.motion.parts import explain_missing, list_names
-from physagent_jax.motion.schema import MotionKind, SceneBrief, WorldRequest
+from physagent_jax.motion.schema import AnchorRequest, MotionKind, SceneBrief, WorldRequest
 
 EXAMPLES = (
     '"push the robot to the left", "a gentle wind sways the plant", "drop the guitar", "twist the loaf"'
@@ -77,6 +79,8 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     if len(set(solids)) > len(builder.obstacles):
         builder.unsure.append(f"Where '{words[-1]}' is, is not understood.")
     _collect_doubts(intent, unknown, builder)
+    if builder.attitude is not None and anchor.kind is None:  # it would not stand so, and does not have to
+        anchor, builder.gravity = AnchorRequest(kind="none", words="it falls"), "down"
     if anchor.kind is not None:
         builder.add_evidence(anchor.words, "anchor", anchor.kind, "words about holding or freedom")
     return SemanticReply(
@@ -92,10 +96,11 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
             ground=intent.surroundings.ground,
             obstacles=tuple(builder.obstacles),
             drop_height=builder.drop_height,
+            attitude=builder.attitude,
             words=", ".join(dict.fromkeys(filter(None, words))),
         ),
         frame_count=None if frame_count == brief.frame_count else frame_count,
-        materials=intent.materials,
+        materials=_choose_materials(intent, (*clauses, *(e for slot in slots for e in slot.events)), brief),
         ignored=intent.ignored,
         unsure=tuple(dict.fromkeys(builder.unsure)),
         unknown_parts=tuple(dict.fromkeys(unknown_parts)),
@@ -103,6 +108,13 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
         not_understood=intent.unknown,
         notes=tuple(dict.fromkeys(builder.notes)),
     )
+
+
+def _choose_materials(intent: Intent, events: Iterable[Event], brief: SceneBrief) -> tuple[str, ...]:
+    """The sentence's words for materials, and one for what gives way where they name nothing that does."""
+    sags = any(event.motion.gives for event in events)
+    firm = sags and brief.object_kind not in LIMP and not _is_of(YIELDS, intent)
+    return (*intent.materials, YIELDING) if firm else intent.materials
 
 
 def _is_soft(intent: Intent, brief: SceneBrief) -> bool:

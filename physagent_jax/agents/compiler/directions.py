@@ -59,6 +59,9 @@ def _find_axis(event: Event, brief: SceneBrief) -> Heading | None:
     told = event.pick(WayKind.TO)
     if lines:
         names = lines[0].names
+        sideways = lines[0].kind is WayKind.PLANE and names == ("right",)
+        if sideways and (motion.tumbles or motion.direction == "own"):  # "rolls over sideways"
+            names = ("own",) if motion.direction == "own" else ("toward",)
         axis = sum_directions(_NORMALS.get(names, names) if lines[0].kind is WayKind.PLANE else names, brief)
     elif motion.wrings and brief.long_axis is not None and not (told or seen_from):
         axis = brief.long_axis
@@ -164,4 +167,6 @@ def _assume(event: Event, brief: SceneBrief) -> Heading:
     missing = "no axis given: it points" if motion.effect is Effect.TURN else "no direction given:"
     event.notes += [] if motion.direction else [f"'{event.words}': no direction given, assumed {name}."]
     vector = normalise(sum_directions((name,), brief))
+    if motion.effect is Effect.TURN and vector and name in ("ahead", "behind"):
+        vector = find_lean_axis(vector, brief)  # "a backflip"
     return Heading(vector, event.words, f"{missing} {name} {'' if motion.bound else BY_DEFAULT}".strip())

@@ -11,15 +11,18 @@ from physagent_jax.agents.compiler.directions import TOWARDS, take_heading
 from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueSource, WayKind
 from physagent_jax.agents.compiler.limbs import find_limbs, find_roles, sticks_out
 from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
+from physagent_jax.agents.materials import LIMP
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.part import is_plural
 from physagent_jax.forces.slabs import make_end_region, make_middle_region
+from physagent_jax.motion.attitudes import has_back_on_top
+from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.joints import Turning
 from physagent_jax.motion.limbs import stands_on_legs, sum_directions
 from physagent_jax.motion.parts import explain_guess, explain_missing
 from physagent_jax.motion.schema import Amount, ObstacleRequest, SceneBrief
-from physagent_jax.motion.swaying import lies
+from physagent_jax.motion.swaying import lies, stands_slim
 from physagent_jax.motion.vectors import clamp, dot, normalise, scale
 
 # What each kind of way means nothing for; nor does a part for what all of the object does.
@@ -41,14 +44,18 @@ _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 
 def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     """Fill in what a clause's words come to; "harder", "back" and "the other way" are measured by ``before``."""
-    event.motion, event.phrase = _choose_motion(event, brief)
+    event.motion, event.phrase = _choose_motion(event, brief, before is None)
     event.repeat = _sum_repeats(event)
     _resolve_strength(event, before if event.clause.inherited else None)
     take_heading(event, brief)
+    down = event.motion.manner == "bend" and event.direction == brief.directions.down
+    if down and not event.parts and stands_slim(brief):
+        _turn(event, brief.directions.left, "it bends down over its foot")
+        event.strength = min(1.5 * event.strength, MAGNITUDE_MAX)
     event.stays = event.stays or event.motion.quick and event.effect is Effect.SCALE  # a dent
     _act_from_sides(event, brief)
     if before is not None:
-        _take_over_direction(event, before, lies(brief))
+        _take_over_direction(event, before, brief)
     _find_quantities(event, before, brief)
     _count_turns(event, brief)
     _resolve_again(event, before)
@@ -58,12 +65,12 @@ def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     _take_part(event, brief)
     partial = bool(event.limbs or event.region)
     able = {"": True, "limp": brief.object_kind in _LIMP, "part": partial, "whole": not partial}
-    if not able[event.motion.by]:
+    if not able[event.motion.by] or event.motion.gives and event.clause.solids:
         event.doubts.append(f"How '{event.words}' is done is not understood.")
     event.obstacles += resolve_obstacles(event.clause.solids, event.direction, brief)
 
 
-def _choose_motion(event: Event, brief: SceneBrief) -> tuple[Motion, str]:
+def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion, str]:
     """The clause's motion as what stands beside it makes it, and the phrase that it then goes by."""
     motion, phrase = _join_cause(event)
     motions, effect = read_lexicon().motions, motion.effect
@@ -77,12 +84,25 @@ def _choose_motion(event: Event, brief: SceneBrief) -> tuple[Motion, str]:
     if any(each.alternating for each in repeats) and (effect in (Effect.FALL, Effect.JUMP) or motion.gravity):
         # "is tossed to and fro", "jumps up and down"
         phrase = "shuttle" if effect is Effect.STRIKE else "bob"
+    elif effect is Effect.ROLL and any(each.alternating for each in repeats):
+        phrase = "rock"  # "the boat rolls from side to side"
     elif motion.bounces and (counted or event.is_upwards):
         phrase = "jump"  # "it bounces three times"
     elif motion.tumbles and event.is_upwards:
         return replace(motions["toss"], tumbles=True), phrase  # "flip it into the air"
+    elif phrase == "tumble" and event.goes_aside and first:
+        phrase = "roll"  # "tumbles to the right"
     elif motion.coasts and told:
         phrase = "move"  # "it coasts to the left"; else it goes on by itself
+    elif motion.by == "limp" and brief.object_kind != "cloth" and not event.parts and stands_slim(brief):
+        phrase = "bend"  # "the lamp droops"
+    elif motion.gives and (event.ways or brief.object_kind in LIMP) and phrase in ("sag", "slump", "flop"):
+        return replace(
+            motions["droop"], manner="bend", by=""
+        ), phrase  # "slumps to one side", "the plant sags"
+    elif effect is Effect.TOPPLE and _is_on_its_back(event, brief):
+        event.ways = [way for way in event.ways if way.text.lower() != "back"]
+        phrase = "turn over"
     elif effect is Effect.ROLL and has_wheels(brief):
         phrase = "push"  # its wheels turn, and it does not
     elif effect is Effect.SWELL and (told or event.pick(WayKind.LINE, WayKind.PLANE)):
@@ -106,6 +126,12 @@ def _join_cause(event: Event) -> tuple[Motion, str]:
         return cause, event.cause_phrase
     skill = cause.skill if verb.effect is cause.effect else verb.skill  # "a vortex spins it"
     return replace(verb, brief=verb.brief or cause.brief, skill=skill), event.phrase
+
+
+def _is_on_its_back(event: Event, brief: SceneBrief) -> bool:
+    """Return whether it is to lie on its back, which is on top."""
+    way = any(each.phrase == "away" and each.text.lower() == "back" for each in event.ways)
+    return has_back_on_top(brief) and (way or event.motion.bound and event.motion.direction == "away")
 
 
 def has_wheels(brief: SceneBrief) -> bool:
@@ -188,14 +214,22 @@ def _turn(event: Event, vector: Vector | None, why: str) -> None:
     event.sources["vector"] = replace(event.sources["vector"], why=why)
 
 
-def _take_over_direction(event: Event, before: Event, lying: bool) -> None:
+def _take_over_direction(event: Event, before: Event, brief: SceneBrief) -> None:
     """The direction of the event before, where none is told; and "back" from there. What lies tips over aside."""
-    driven = event.effect is Effect.TOPPLE and before.effect in (Effect.PUSH, Effect.STRIKE) and not lying
+    driven = (
+        event.effect is Effect.TOPPLE and before.effect in (Effect.PUSH, Effect.STRIKE) and not lies(brief)
+    )
     likewise = before.effect is event.effect and (
         event.effect is not Effect.SWAY or before.phrase == event.phrase
     )
     if event.notes and (likewise or driven):  # "push it to the right, then push it harder"
         _turn(event, before.direction, "no direction given: as before")
+    tumbles = (
+        event.effect is Effect.TURN and event.motion.tumbles and before.effect in (Effect.PUSH, Effect.STRIKE)
+    )
+    assumed = event.sources["vector"].why.endswith(BY_DEFAULT)
+    if tumbles and assumed and before.direction and abs(before.direction[2]) < _STEEP:
+        _turn(event, find_lean_axis(before.direction, brief), "it tumbles the way that it goes")
     if before.direction is not None and event.is_back:
         _turn(event, scale(before.direction, -1.0), "back where it came from")
 
@@ -257,7 +291,9 @@ def _find_unused(event: Event) -> list[str]:
     clause, effect = event.clause, event.effect
     unused = [way.text for way in event.ways if effect in _USELESS[way.kind]]
     if effect in _WHOLE:
-        lands = event.motion.lands  # "lands on its feet"
+        lands = (
+            event.motion.lands or effect is Effect.TOPPLE
+        )  # "lands on its feet", "its pedestal topples over"
         parts = [*event.parts, *event.excluded]
         unused += [part.text for part in parts if not (lands and part.place.names == ("down",))]
     if (clause.turning or clause.seen_from) and effect is not Effect.TURN:
@@ -275,7 +311,8 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
     if len(named) > 1 and not opposite:  # "one end against the other"
         words = ", ".join(each.text for each in named)
         event.doubts.append(f"Of several parts ({words}) only the first is used.")
-    if not named or event.effect is Effect.FALL and named[0].place.names == ("down",) and event.parts:
+    whole = event.effect in (Effect.FALL, Effect.TOPPLE)
+    if not named or whole and named[0].place.names == ("down",) and event.parts:
         return  # "lands on its feet", as it stood
     place, event.excludes_part = named[0].place, not event.parts
     if event.parts and not (event.effect is Effect.STRIKE and named[0].phrase in read_lexicon().fronts):
@@ -292,15 +329,19 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         kicks = event.effect is Effect.STRIKE and "leg" in roles[:1] and not event.pick(*WAYS)
         if kicks or assumed and event.effect is Effect.SWAY and event.motion.direction is None:
             _turn(event, limb.swing, "across the part")
-        elif assumed and event.motion.wrings:
-            _turn(event, limb.arm, "about the part's own line")
+        elif assumed and (event.motion.wrings or part.axle and event.effect is Effect.TURN):
+            _turn(event, part.axle or limb.arm, "about the part's own line")
         elif (
             event.effect is Effect.SCALE
             and event.motion.sign < 0
             and abs(dot(event.direction or limb.out, brief.directions.up)) > _STEEP
         ):  # a part gives way downwards
             event.motion = replace(event.motion, effect=Effect.PUSH, sign=1, skill=None)
-            event.direction = scale(limb.arm, -1.0) if part.origin == "place" else brief.directions.down
+            down = brief.directions.down
+            juts = (
+                part.origin == "place" and dot(part.side, down) < _STEEP
+            )  # a foot is pressed onto the ground
+            event.direction = scale(limb.arm, -1.0) if juts else down
         return
     nowhere = place.role and (not place.names or place.names == ("up",) and stands_on_legs(brief.parts))
     shown = event.parts and sticks_out(named[0])

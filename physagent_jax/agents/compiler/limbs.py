@@ -49,7 +49,8 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
 
 def find_support(clauses: Sequence[Event], brief: SceneBrief, soft: bool = False) -> AnchorRequest:
     """The hold of a free object that sways where it stands, or that is ``soft`` and wobbles: it would slide."""
-    acting = [each for each in clauses if each.effect not in (Effect.STILL, Effect.HOLD, Effect.RELEASE)]
+    resting = (Effect.STILL, Effect.HOLD, Effect.RELEASE)
+    acting = [each for each in clauses if each.effect not in resting and not each.motion.lands]
     if not brief.may_be_held or brief.world != "ground" or brief.anchored is not None or not acting:
         return AnchorRequest()
     feet = (e.motion.manner == "bend" and not e.parts and leads_aside(e.direction, brief) for e in acting)

@@ -102,7 +102,7 @@ def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, la
         for event in slot.events:
             usual = STEP if len(slots) > 1 or event.stays else min(clip, 2.0)
             rests = event.effect is Effect.STILL and event.phrase != "wait"
-            if rests and len(slots) > 1 and (anchored or grounded):
+            if rests and len(slots) > 1 and following is None and (anchored or grounded):
                 usual = _SWING
             swings = _SWAYS.get(event.motion.manner, 0.0) * (event.repeat.count or event.motion.cycles)
             seconds = max(
@@ -111,6 +111,8 @@ def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, la
             if event.effect is Effect.TOPPLE and event.direction:
                 seconds = max(seconds, find_tipping_time(event.direction, event.strength, brief))
             effort = find_effort(event.amount, event.effect, brief)
+            flies = event.motion.leaps or any(each.motion.gravity for each in slot.events)
+            effort = None if flies and event.effect is Effect.TURN else effort
             after = following.events if following else []
             stops = has_to_stop(event, after, brief.directions.up, grounded)
             if event.amount is None and stops and not event.motion.brief:
@@ -206,7 +208,9 @@ def follows(before: Event, event: Event) -> bool:
         return True  # "rolls left and tips over at the end", "stands still and suddenly spins"
     rests = effect is Effect.STILL and (not event.motion.generic or event.is_timed)
     thrown = effect is Effect.STRIKE and event.motion.gravity and before.motion.direction == "up"
-    over = effect is Effect.TURN and event.motion.angle == 180 and before.motion.direction == "up"
+    if effect is Effect.SWAY and before.effect is Effect.TURN and before.motion.angle == 180:
+        return True  # "lands on its back and rocks"
+    over = effect is Effect.TURN and event.motion.angle == 180 and before.motion.direction in ("up", None)
     falls = effect is Effect.FALL or thrown or over  # "pick it up and throw it"
     lifted = before.effect is Effect.PUSH and falls and before.phrase != event.phrase
     return (
@@ -215,8 +219,11 @@ def follows(before: Event, event: Event) -> bool:
 
 
 def _carries_on(before: Event, event: Event) -> bool:
-    """Return whether what was raised is then moved on: "it takes off and flies to the right"."""
-    raised = before.effect is event.effect is Effect.PUSH and before.motion.direction == "up"
+    """Return whether what was raised is then moved on: "it takes off and flies right", "lift it and shake it"."""
+    raised = before.effect is Effect.PUSH and before.motion.direction == "up"
+    if raised and before.motion.bound and event.effect in (Effect.SWAY, Effect.TURN, Effect.LEAN):
+        return not (before.parts or event.parts)
+    raised &= event.effect is Effect.PUSH
     aside = event.motion.direction is None and bool(event.pick(WayKind.TO)) and not event.is_upwards
     return raised and aside and not (before.parts or event.parts)
 
@@ -224,6 +231,10 @@ def _carries_on(before: Event, event: Event) -> bool:
 _SUCCESSIONS = (
     (Effect.FALL, Effect.SWAY),  # "drops and jiggles"
     (Effect.STRIKE, Effect.FALL),
+    (Effect.SWAY, Effect.JUMP),  # "rattles and jumps up"
+    (Effect.TURN, Effect.JUMP),
+    (Effect.LEAN, Effect.TOPPLE),
+    (Effect.FALL, Effect.ROLL),
     (Effect.PUSH, Effect.TOPPLE),  # "slides to the left and falls over"
     (Effect.TOPPLE, Effect.ROLL),
     (Effect.JUMP, Effect.FALL),  # "jumps and lands"

@@ -22,6 +22,7 @@ _AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
 _LEVEL = 0.5  # cosine to the vertical below which what stands falls aside
 _ALOFT = (Effect.FALL, Effect.JUMP)  # or thrown, or lifted
 _RESTING = (Effect.STILL, Effect.RELEASE)
+_LOWERING = (Effect.LEAN, Effect.SCALE, Effect.SWELL)
 _UPSETTING = (Effect.PUSH, Effect.STRIKE, Effect.LEAN)
 _RISING = (Effect.PUSH, Effect.STRIKE, Effect.JUMP)
 
@@ -50,6 +51,11 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     if event.motion.gives and any(each.effect not in _RESTING for each in events):
         events[-1].doubts += event.doubts
         return  # "it falls and shatters"
+    if events and events[-1].effect is Effect.FALL and event.verb is not None and event.verb.bounces:
+        return  # "it drops and bounces twice"
+    lowered = all(each.effect in _LOWERING for each in events) and event.motion.lands
+    if events and event.effect is Effect.FALL and (events[-1].motion.gives or lowered):
+        return  # "it sags until its belly touches the ground"
     _measure_return(event, events)
     event = _put_under_gravity(event, builder.gravity)
     level = event.direction is not None and abs(dot(event.direction, builder.brief.directions.up)) < _LEVEL
@@ -62,14 +68,21 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         way = event.direction if level else _find_level_way(events, builder)
         event = replace(event, motion=read_lexicon().motions["fall over"], phrase="fall over", direction=way)
         event.sources |= {} if level else {"vector": ValueSource(event.words, BY_DEFAULT)}
+    elif event.phrase == "collapse" and builder.grounded and not events:
+        event = replace(_make_another(event, "sag"), direction=builder.brief.directions.up)  # where it stands
     if before and _goes_over(before, event):
         event = _join_fall(events.pop(), event)
+    if event.motion.lands and [each.effect for each in events[-2:]] == [Effect.JUMP, Effect.TURN]:
+        last = events[-1]  # "jumps up, spins around and lands"
+        last.clause = last.clause.model_copy(update=dict(order="together"))
     thrown = bool(events) and (events[-1].motion.gravity or events[-1].effect is Effect.JUMP)
     if thrown and event.phrase in ("come back down", "go back down"):
         event = _make_another(event, "land")  # "toss it up and let it come back down"
     if events and events[-1].effect is Effect.FALL and event.effect is Effect.FALL:
         last = events[-1]
         if event.is_bare:
+            pose = event.clause.pose or last.clause.pose
+            last.clause = last.clause.model_copy(update=dict(pose=pose))
             return  # "it drops and bounces"
         if event.lands_aside and last.direction is None:
             last.direction, last.amount = event.direction, event.amount

@@ -12,18 +12,20 @@ from physagent_jax.agents.compiler.blows import (
     spin_aloft,
 )
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
+from physagent_jax.agents.compiler.events import WayKind
 from physagent_jax.agents.compiler.schedule import Slot
 from physagent_jax.agents.compiler.steady import Task, add_steady, make_impulse_window, shorten
-from physagent_jax.agents.lexicon import Effect
+from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, QUICK, SWING
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.forces.skills import find_skill
 from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_strain_magnitude, find_swing_magnitude
+from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.schema import MotionKind
-from physagent_jax.motion.swaying import bend, find_bend, fold, leads_aside, lies, rock, sway
-from physagent_jax.motion.vectors import dot, scale
+from physagent_jax.motion.swaying import bend, find_bend, fold, leads_aside, lies, rock, shake, sway
+from physagent_jax.motion.vectors import dot, normalise, scale
 from physagent_jax.motion.windows import Window, divide, divide_swings
 
 _UPRIGHT = 0.7  # cosine
@@ -92,15 +94,20 @@ def _compile_sway(task: Task) -> None:
     count, held = task.limit_count(event.repeat.count or event.motion.cycles), builder.anchored
     magnitude, leads = event.strength, builder.rooted and leads_aside(task.direction, brief)
     # A plant bends by itself.
+    lasts = task.window[1] > task.window[0]  # not in a clip of one frame
+    free = builder.grounded and not held and lasts
     bends = event.motion.manner in ("bend", "rock") and "feet" in (brief.anchored or "feet")
     if event.amount is not None:
         magnitude = find_swing_magnitude(event.amount, held, brief) or magnitude
     if builder.grounded and not held and abs(dot(task.direction, up)) > _UPRIGHT:
         for part in divide(task.window, [1.0] * count):
             task.act(ActionType.IMPULSE, up, 2 * SWING * magnitude, make_impulse_window(part[0]))
-    elif event.motion.manner in ("rock", brief.may_be_held and "bend") and builder.grounded and not held:
+    elif event.motion.manner in ("rock", brief.may_be_held and "bend") and free:
         builder.constraints += rock(brief, task.direction, magnitude, count, task.window)
-    elif leads and (brief.anchored and count > 3 or bends):
+    elif event.motion.manner == "shake" and free and not (event.amount or event.region):
+        raised = task.is_raised
+        builder.constraints += shake(brief, task.direction, magnitude, count, task.window, raised)
+    elif leads and lasts and (brief.anchored and count > 3 or bends):
         builder.constraints += sway(brief, task.direction, magnitude, count, task.window)
     else:
         _alternate(task, ActionType.TRANSLATION, magnitude, divide_swings(task.window, count, held))
@@ -188,6 +195,14 @@ def _compile_turn(task: Task) -> None:
 
 
 def _turn_steadily(task: Task) -> None:
+    motion, builder = task.event.motion, task.builder
+    if motion.leaps and builder.grounded and not builder.anchored and not builder.earlier:
+        leap, told = read_lexicon().motions["jump"], task.event.pick(WayKind.TO)
+        names = (
+            told[0].names if told and told[0].names != ("away",) else ("up",)
+        )  # "backwards" is how it turns
+        way = normalise(sum_directions(names, task.brief))
+        compile_jump(replace(task, event=replace(task.event, motion=leap, direction=way, amount=None)))
     if spin_aloft(task, task.direction):
         return
     acted = add_steady(task, ActionType.TORQUE, task.direction, task.event.strength)

@@ -21,7 +21,7 @@ from physagent_jax.forces.description import describe_entry
 from physagent_jax.forces.schema import Action, ActionType
 from physagent_jax.motion.efforts import find_held_magnitude, find_spin
 from physagent_jax.motion.schema import Amount, MotionKind, SceneBrief
-from physagent_jax.motion.vectors import clamp, normalise, scale
+from physagent_jax.motion.vectors import clamp, dot, normalise, scale
 from physagent_jax.motion.windows import Window, halve
 
 SHORTEST_STROKE, _SHORTEST_SWING = 2.0, 4.0  # frames; faster ones alias in the pictures
@@ -135,6 +135,12 @@ class Task:
         event, whole = self.event, self.event.region is None and not self.event.limbs
         turns = whole and event.effect is Effect.TURN and not self.builder.anchored
         return find_spin(event.amount, event.motion.manner, event.direction, self.brief) if turns else None
+
+    @property
+    def is_raised(self) -> bool:
+        """Return whether something keeps it up: what was planned last raised it."""
+        last, up = self.builder.expectations[-1:], self.brief.directions.up
+        return any(each.kind is MotionKind.MOVE and dot(each.direction or up, up) > 0.5 for each in last)
 
     @property
     def needs_brake(self) -> bool:

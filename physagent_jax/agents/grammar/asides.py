@@ -19,6 +19,7 @@ from physagent_jax.agents.grammar.mentions import (
     get_last_motion,
     has_motion,
 )
+from physagent_jax.agents.grammar.poses import read_landings, read_poses
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.lexicon import Effect, Join, Motion
 
@@ -28,7 +29,6 @@ OTHER = "other"
 _REPLACED = {kind: (kind,) for kind in (MentionKind.PLACE, MentionKind.SENSE, MentionKind.QUANTITY)} | {
     way: WAYS for way in WAYS
 }
-_OVERTURNING = (Effect.LEAN, Effect.PUSH, Effect.STRIKE, Effect.TURN, Effect.ROLL, Effect.FALL, Effect.TOPPLE)
 _HOVERING = (Effect.TURN, Effect.ROLL, Effect.STILL)
 _REACH = 20  # words before a correction in which the corrected ones stand
 # What ends a comparison.
@@ -262,47 +262,6 @@ def read_returns(mentions: list[Mention], _names: frozenset[str]) -> list[Mentio
     return result
 
 
-def read_landings(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
-    """Makes a toppling of what ends on a side: "it falls on its back", "push it so that it lies on its side".
-
-    How an object lies while it goes is no part that is moved: "it slides to the left on its back".
-    """
-    result, verbs, ways = list(mentions), [], []
-    for at, side in enumerate(mentions):
-        if side.motion is not None and side.phrase != "flat":  # "flat on its back"
-            verbs.append(at)
-        ways += [at] if side.kind in WAYS else []
-        way = read_sections()["lying"].get(side.phrase)
-        if not verbs or way is None or at < verbs[-1] + 3:
-            continue
-        on, owner = mentions[at - 2 : at]
-        if on.form not in ("on", "onto") or owner.form not in get_set("pronouns_of_owners"):
-            continue
-        lies = mentions[verbs[-1]].phrase == "lie" and len(verbs) > 1
-        moving = [at for at in verbs[:-1] if (m := mentions[at].motion) and m.effect is not Effect.STILL]
-        lies = lies and bool(moving)  # "tips over and stays lying on its face"
-        acts = moving[-1] if lies else verbs[-1]
-        verb, motion = mentions[acts], get_last_motion(mentions[: acts + 1])
-        overturns = motion is not None and motion.effect in _OVERTURNING and (lies or on.form == "onto")
-        if (
-            overturns
-            or motion is not None
-            and motion.effect is Effect.TOPPLE
-            or verb.phrase in get_set("landing")
-        ):
-            for place in range(acts + 1, at):
-                if place == at - 2 or mentions[place].phrase in ("flat", "lie"):
-                    result[place] = empty(mentions[place])
-            result[acts] = replace(verb, value=LEXICON.motions["topple"], phrase="topple")
-            # "over to the right, so that it lies on its side"
-            known = side.phrase == "side" and bool(ways)
-            lying = replace(side, kind=MentionKind.DIRECTION, value=(way,), phrase="to lie on a side")
-            result[at] = empty(side) if known else lying
-        elif on.form == "on" and motion is not None and motion.generic and way in ("away", "toward"):
-            result[at] = empty(side)
-    return result
-
-
 def read_aloft(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
     """Takes its weight from what only turns "in the air"; what rolls there turns about its own line."""
     motions = [mention.motion for mention in mentions if mention.motion is not None]
@@ -326,6 +285,7 @@ PASSES = (
     mark_exceptions,
     read_comparisons,
     read_returns,
+    read_poses,
     read_landings,
     read_aloft,
 )

@@ -33,6 +33,7 @@ def _index_phrases() -> dict[str, Node]:
     lexicon = LEXICON
     tables: tuple[tuple[MentionKind, dict], ...] = (
         (MentionKind.REPEAT, lexicon.repeats),
+        (MentionKind.POSE, lexicon.poses),
         (MentionKind.VERB, lexicon.motions),
         (MentionKind.CAUSE, lexicon.causes),
         (MentionKind.GRAVITY, lexicon.gravity),
@@ -181,6 +182,8 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
             return True  # "wobble it on its base"
         another = before in ("a", "an") and not set(words) & LEXICON.one_of_many
         return (text in LEXICON.agents and not owned) or another and reader.get_text(at + 1) != "of"
+    if kind is MentionKind.POSE and words[-1] in ("down", "up") and reader.is_after_determiner(at):
+        return True  # "pull the tip down"
     if kind is MentionKind.ANCHOR and value == "none":  # "the free end"
         return behind in LEXICON.part_adjectives or behind in LEXICON.part_nouns
     if kind is not MentionKind.VERB:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from physagent_jax.agents.grammar.asides import list_segments
 from physagent_jax.agents.grammar.mentions import LOOSE, MOTIONS, Mention, MentionKind, get_phrase
-from physagent_jax.agents.grammar.nouns import is_telling
+from physagent_jax.agents.grammar.nouns import is_a_name_of_its_own, is_telling
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.lexicon import Effect, Motion
 from physagent_jax.motion.schema import SceneBrief
@@ -94,12 +94,13 @@ class _Spot:
 def sort_words(mentions: list[Mention], names: frozenset[str], brief: SceneBrief) -> Coverage:
     """The unknown words of a sentence by whether they may bear on the motion; ``names`` are words for the object."""
     named = any(mention.phrase in names for mention in mentions)
-    nameless = not is_telling(brief.object_name)
+    nameless, own = not is_telling(brief.object_name), is_a_name_of_its_own(brief)
     found: dict[str, list[str]] = {"ignored": [], "doubtful": [], "parts": [], "taken": []}
     seen: set[str] = set()
     for spot in _list_spots(mentions, names):
         look = is_look(spot.word) and not (_is_telling_a_part(spot) or _is_moved_part(spot))
-        if nameless and spot.word.isalpha() and _is_named_here(spot, named, found["taken"]):
+        unnamed = nameless or own and not _is_a_part(spot)
+        if unnamed and spot.word.isalpha() and _is_named_here(spot, named, found["taken"]):
             kind = "taken"
         elif look or mentions[spot.index].kind is MentionKind.IGNORED:
             kind = "ignored"

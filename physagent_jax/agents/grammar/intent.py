@@ -74,6 +74,7 @@ def _make_clause(clause: Clause, clauses: list[Clause]) -> intent.Clause:
             stays=clause.stays,
             pace=next((str(m.value) for m in clause.select(MentionKind.PACE)), ""),
             elsewhere=clause.elsewhere,
+            pose=next((m.value for m in clause.select(MentionKind.POSE)), ""),
             said=_cut(clause.words),
             text=_cut(" ".join(m.words for m in sorted(mentions, key=lambda m: m.first))),
         )

@@ -35,6 +35,7 @@ class MentionKind(enum.Enum):
     TIME = enum.auto()  # TimeSpan
     QUANTITY = enum.auto()  # Quantity
     REVERSAL = enum.auto()  # "other" or "same"
+    POSE = enum.auto()  # Side that points down
     ORDINAL = enum.auto()  # int: "the second time"
     SOLID = enum.auto()  # Solid
     GRAVITY = enum.auto()  # str: where to

@@ -14,6 +14,7 @@ from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.grammar.tokens import FORMS, tokenise
 from physagent_jax.agents.intent import Solid
 from physagent_jax.agents.lexicon import NAMED, Effect, Names, Place
+from physagent_jax.agents.materials import UNKNOWN_KIND
 from physagent_jax.motion.parts import list_names
 from physagent_jax.motion.schema import SceneBrief
 
@@ -58,6 +59,12 @@ def is_telling(name: str) -> bool:
     return any(len(word) > 2 and word not in get_set("names_of_files") for word in _split(name))
 
 
+def is_a_name_of_its_own(brief: SceneBrief) -> bool:
+    """Return whether a name tells nobody what the object is, as a person's does: no noun, and of no kind."""
+    told = set(_split(brief.object_name)) & set(_add_plurals(brief.object_nouns))
+    return bool(brief.object_nouns) and brief.object_kind == UNKNOWN_KIND and not told
+
+
 def _split(name: str) -> list[str]:
     """The words of a name, "ExplodingBarrel" of two."""
     apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
@@ -65,13 +72,14 @@ def _split(name: str) -> list[str]:
 
 
 def _find_halves(name: Iterable[str], texts: list[str]) -> set[str]:
-    """The words of a sentence that a name runs together: "goat head", "goat" of "goathead", "bike" of "motorbike"."""
+    """The words of a sentence that a name runs together ("goat head" of "goathead"), and longer ones ("sailboat")."""
     found = set()
     for word in name:
         found |= {half for pair in pairwise(texts) if "".join(pair) == word for half in pair}
         halves = {text for text in texts if _LEAST <= len(text) <= len(word) - 3}
         ends = {text for text in halves if word.startswith(text) or word.endswith(text)}
         found |= {text for text in ends if not _has_other_meaning(text)}
+        found |= {text for text in texts if _LEAST <= len(word) <= len(text) - 3 and text.endswith(word)}
     return found
 
 

@@ -52,7 +52,9 @@ def _read_at(reader: Reader, at: int) -> Mention:
 def _read_once(reader: Reader, at: int) -> Mention | None:
     """Reads "once it has landed", a time and no count, and "..., so it goes right", what comes of it."""
     join = {"once": Join.AFTER, "so": Join.RESULT}.get(reader.get_text(at))
-    subject = get_set("pronouns") | reader.names | {"the"}
+    if reader.get_text(at) == "that" and "so" in (reader.get_text(at - 2), reader.get_text(at - 3)):
+        join = Join.RESULT  # "so fast that its leaves fly out"
+    subject = get_set("pronouns") | get_set("pronouns_of_owners") | reader.names | {"the"}
     if join is None or reader.get_text(at + 1) not in subject:
         return None
     return reader.make_mention(MentionKind.JOIN, join, reader.get_text(at), [at])

@@ -188,7 +188,9 @@ def _is_moving_beside(before: Clause, clause: Clause) -> bool:
 def _relate(cause: Clause, effect: Clause) -> list[Clause]:
     """Merges an effect with its cause; returns it where it stays a clause of its own."""
     first, second = get_verb(cause.head), get_verb(effect.verb)
+    drops = first.effect is Effect.FALL and not first.gives and second.effect in (Effect.ROLL, Effect.PUSH)
     another = second.effect is Effect.TURN and first.gravity  # "toss it so that it flips"
+    another |= drops  # "drop it so that it rolls"
     another = (
         another
         or {first.effect, second.effect} <= {Effect.TURN, Effect.SCALE, Effect.SWAY}
@@ -196,6 +198,9 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
             second.effect is not first.effect  # "twist it until it tears"
         )
     )
+    flung = second.generic and second.effect is Effect.PUSH and first.effect is Effect.TURN
+    if flung and effect.select(MentionKind.PLACE):  # "spin it so fast that its leaves fly outwards"
+        return []
     if first.wrings and second.effect is Effect.TURN:  # "wring it: its upper end turns against its lower end"
         effect.modifiers = [m for m in effect.modifiers if m.kind is not MentionKind.PLACE]
         _absorb(cause, effect)
@@ -207,11 +212,13 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
             )
         _absorb(cause, effect)
         return []
+    if second.effect is Effect.LEAN and second.angle:  # "lift its front until it stands on its back end"
+        cause.modifiers = [m for m in cause.modifiers if m.kind is not MentionKind.PLACE]
     if second.effect is Effect.TOPPLE and cause.has(*DRIVING) and not cause.select(*WAYS):
         cause.modifiers += effect.select(*WAYS)  # "push it until it tips over to the right"
     if second.effect in _SEPARATE or another or is_end(first, second):
         ends = second.effect in (Effect.STILL, Effect.RELEASE) or is_end(first, second)
-        effect.join = Join.THEN if ends else Join.WHILE
+        effect.join = Join.THEN if ends or drops else Join.WHILE
         return [effect]
     driven = first.effect in DRIVING and first.direction is None
     sized = driven and second.effect in (Effect.SCALE, Effect.SWELL)  # "pull it until it is longer"

@@ -34,7 +34,8 @@ def inflect(verb: str) -> set[str]:
 def read_forms() -> dict[str, str]:
     """Every inflected form of every verb in the lexicon, to its lemma; lemmas themselves win."""
     lexicon = read_lexicon()
-    lemmas = {phrase.split()[0] for phrase in lexicon.motions} | set(lexicon.irregular)
+    verbs = (phrase for phrase, each in lexicon.motions.items() if not (each.generic and " " in phrase))
+    lemmas = {phrase.split()[0] for phrase in verbs} | set(lexicon.irregular)  # "head over heels" is no verb
     forms: dict[str, str] = {}
     for lemma in sorted(lemmas):
         for form in inflect(lemma):

@@ -28,7 +28,9 @@ _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _LIMITS = {"min": MAGNITUDE_MIN, "max": MAGNITUDE_MAX}
 Reader = Callable[[Any], Any]  # of a value of YAML
 Parser = Callable[[Any, str], Any]  # of a section and the words for where it stands
-_DIRECTIONS = frozenset("left right up down toward away x y z long lengthwise own beside".split())
+_DIRECTIONS = frozenset(
+    "left right up down toward away x y z long lengthwise own beside ahead behind".split()
+)
 
 
 class LexiconError(ValueError):

@@ -11,6 +11,9 @@ from physagent_jax.motion.schema import SeenManner
 Names = tuple[str, ...]
 """Names of directions (`motion.schema.DirectionTable`); several are added as vectors."""
 
+Side = Literal["up", "down", "head", "toward", "behind", "away", "belly", "left", "right", "beside", "askew"]
+"""A side of the object that points down (`motion.attitudes`)."""
+
 OPPOSITES = (("left", "right"), ("up", "down"), ("toward", "away"))
 """Names of directions that cancel."""
 
@@ -63,6 +66,7 @@ class Motion:
         bound: Whether ``direction`` is part of what it means: nothing is lifted downwards.
         angle: Angle by which it turns, unless the sentence says [degrees]; 0 = no certain one.
         tumbles: Whether a direction is where the top of a turn goes.
+        leaps: Whether what stands leaps for it.
         picture: Whether a turn's clockwise is meant in the picture plane, not as seen from above.
         lands: Whether it is how a fall ends: told after a fall, it tells of the same one.
         floats: Whether it is at rest where there is no gravity.
@@ -75,6 +79,7 @@ class Motion:
         manner: The manner in which it goes on (`motion.schema.SeenManner`).
         alone: The motion that it is where nothing was done before; empty = none.
         quick: Whether it is over in an instant.
+        pose: The side that points down as it falls; empty = none in particular.
         taps: Whether it is a blow to what is soft.
         skill: Name of the skill that it stands for; None = what its effect is compiled to.
     """
@@ -96,6 +101,7 @@ class Motion:
     bound: bool = False
     angle: float = 0.0
     tumbles: bool = False
+    leaps: bool = False
     picture: bool = False
     lands: bool = False
     floats: bool = False
@@ -108,6 +114,7 @@ class Motion:
     manner: SeenManner = ""
     alone: str = ""
     quick: bool = False
+    pose: Side | Literal[""] = ""
     taps: bool = False
     skill: str | None = None
 
@@ -210,6 +217,7 @@ class Lexicon:
     senses: dict[str, int]
     views: dict[str, Names]
     reversals: dict[str, Literal["other", "same"]]
+    poses: dict[str, Side]
     addressees: frozenset[str]
     locations: frozenset[str]
     intensities: dict[str, float]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from physagent_jax.agents.context import AgentContext, Observation
+from physagent_jax.agents.materials import DENTED, find_materials, find_meaning
 from physagent_jax.agents.protocols import PlannerAgent
 from physagent_jax.agents.trace import Reply
 from physagent_jax.motion.judging.seen import View
@@ -23,7 +24,11 @@ class RulePlanner(PlannerAgent):
         expectations, reading = context.expectations, context.reading
         obstacles, unsure = (reading.world.obstacles, reading.unsure) if reading else ((), ())
         gravity, field = _has_gravity(context, seen), seen.force_field
-        view = View(seen.report, context.brief, expectations, field, gravity, obstacles, context.prompt)
+        told = (find_meaning(each.word) for each in find_materials(context.prompt, context.brief))
+        dented = any(each is not None and each.preset in DENTED for each in told)
+        view = View(
+            seen.report, context.brief, expectations, field, gravity, obstacles, context.prompt, dented
+        )
         return Reply(judge(view, unsure))
 
 

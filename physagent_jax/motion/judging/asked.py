@@ -113,6 +113,13 @@ class Asked:
             return "how a part moves along the line of sight is not measured without depth"
         return "" if self.view.shows_approach(self.span[0], self.until) else BY_SIZE
 
+    @property
+    def askew(self) -> bool:
+        """Return whether the whole leans towards the viewer or away, so that no angle in the picture tells how far."""
+        axis, table = self.direction, self.view.brief.directions
+        leans = self.kind is MotionKind.ROTATE and self.motion.part is None and self.motion.limb is None
+        return leans and axis is not None and abs(cosine(axis, table.right)) > _IN_PLANE
+
     def _leans(self, share: float) -> bool:
         """Return whether the direction or axis lies along a line of sight without measured depth, by a cosine."""
         down = self.view.brief.directions.down if self.kind is MotionKind.FALL else None
@@ -123,6 +130,18 @@ class Asked:
     def together(self) -> list[ExpectedMotion]:
         """The motions that are asked for at the same time."""
         return [e for e in self.view.expectations if e is not self.motion and share_time(e, self.motion)]
+
+    @cached_property
+    def limb_turns(self) -> bool:
+        """Return whether it is a limb that is seen to turn about its joint; its middle goes along a chord."""
+        limb = self.end if self.motion.limb is not None else None
+        return limb is not None and self.view.turns_limb(limb, *self.span)
+
+    @property
+    def tumbles(self) -> bool:
+        """Return whether it turns in a flight, in which the axis of what is not round wanders."""
+        flies = (e.kind is MotionKind.MOVE and (e.sudden or e.manner == "fly") for e in self.together)
+        return self.kind is MotionKind.ROTATE and self.end is None and any(flies)
 
     @cached_property
     def obstacle(self) -> ObstacleRequest | None:

@@ -8,6 +8,7 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.comparing import (
+    SAME_WAY,
     START,
     check_limit,
     compare_amount,
@@ -72,7 +73,8 @@ def check_rotation(asked: Asked) -> list[Check]:
         if response and response[0] < at:
             question = "about which axis does it start to turn?"
             checks.append(compare_direction(asked, question, response[1], spread, within=START))
-        checks.append(compare_direction(asked, "about which axis does it turn?", peak, spread))
+        within = START if asked.tumbles else SAME_WAY
+        checks.append(compare_direction(asked, "about which axis does it turn?", peak, spread, within=within))
     if motion.repeats > 1:
         path = [dot(v, axis or peak) for _, v in view.turns(first, view.last, asked.end)]
         checks.append(count_turns(asked, path, 0.35 * (max(path) - min(path)) + 1.0))

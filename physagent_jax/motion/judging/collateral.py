@@ -19,6 +19,7 @@ from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.comparing import check_limit, make_unseen_check
 from physagent_jax.motion.judging.seen import Course, Signal, View
 from physagent_jax.motion.judging.stages import group_stages
+from physagent_jax.motion.judging.toppling import find_lean
 from physagent_jax.motion.matching import AXIAL
 from physagent_jax.motion.schema import Check, ExpectedMotion, MotionKind
 from physagent_jax.motion.vectors import cross, dot, norm, normalise, reject, scale, subtract
@@ -30,8 +31,6 @@ _SHATTERS = re.compile(
     r"(?<!not )(?<!without )\b(shatter|break(s|ing)?\b(?! free| away)|splinter|crumbl|melt|dissolv|\w+ pieces)"
 )
 """Words of who asks that its matter gives way, in whichever clause."""
-_SQUASHED = re.compile(r"\b(clay|dough|snow|mud|putty|plasticine|wax|butter|sand|slime)\b")
-"""Matter that stays as a blow has squashed it."""
 _TRAVELS = (MotionKind.MOVE, MotionKind.FALL, MotionKind.SWAY)
 _VIOLENT = 1.3  # strength from which leaving the picture at the end is part of it
 _LATE, _END = 0.75, 0.95  # share of the clip
@@ -40,15 +39,18 @@ _LEVEL = 0.5  # sine of a way's slope
 _ASIDE = 0.22  # [body lengths] that a thing may wander while it is only turned or deformed
 _BESIDE = 0.9  # of the way along what was asked that it may go across: less than is another direction
 _TOPPLED = 0.7  # [body lengths] that the centre of what tips over goes: half its height and half its breadth
+_HALF = 0.5  # [body lengths] of its way as it tips over beside which it may roll aside
 _TURN_PUSHED = 30.0  # [degrees] that what is deformed, or pushed in empty space, may turn
 _TURN_PRESSED = (
-    15.0  # [degrees] the same of what is only deformed as it stands: from more on it is about to fall over
+    15.0  # [degrees] the same of what is only pressed as it stands: from more on it is about to fall over
 )
 _TURN_SLID = 60.0  # [degrees] about the vertical that what is pushed over the ground may turn
 _TURN_TIPPED = (
     120.0  # [degrees] about a level axis of what stands and is pushed over: a quarter turn, and rocking
 )
 _TURN_TUMBLING = 500.0  # [degrees] of what is hit, dropped, or acted on at one end
+_ON_END = 0.9  # cosine of an axis to the vertical, about which what stands turns on its foot
+_FALLEN_OVER = 50.0  # [degrees] that what turns on its foot may lean
 _TURN_HELD = 70.0  # [degrees] that the affine fit of a bent thing may show
 _STRAIN = 0.4  # [1] that a soft thing may deform while it is pushed
 _STRAIN_HIT = 0.6  # [1] the same when it turns, or bends while it is held
@@ -113,6 +115,8 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     lines = [e.direction or down for e in moves]
     longest = max(norm(p) for _, p in course)
     reach = max((abs(dot(p, line)) for _, p in course for line in lines), default=0.0)
+    along = max((dot(p, way) for _, p in course for way in view.find_topples()), default=0.0)
+    reach = max(reach, min(along, _HALF))
     limit = max(_ASIDE, _BESIDE * reach)
     strained = [e for e in asked if e.kind in AXIAL]
     if strained and (view.anchored or view.grounded):  # held at one end, or standing: the centre follows
@@ -167,17 +171,20 @@ def _check_turning(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     if not turns or bent or _gives_way(view) or any(e.direction is None for e in rotations):
         return []
     limit = _TURN_HELD if view.anchored else _TURN_PUSHED
-    if view.grounded and not view.anchored and all(e.kind in AXIAL for e in asked):
+    if view.grounded and not view.anchored and all(e.kind is MotionKind.SQUEEZE for e in asked):
         limit = _TURN_PRESSED
     if rotations:
         limit = max(limit, 0.75 * max(norm(v) for _, v in turns))
     if not view.anchored and (_is_rough(view, asked) or (_is_partial(asked) and not rotations)):
         limit = max(limit, _TURN_TUMBLING)
     axes, sigma = [e.direction for e in rotations if e.direction is not None], view.sigma("rotation")
-    name = "turns_otherwise" if rotations else "turns_unasked"
+    name, up = "turns_otherwise" if rotations else "turns_unasked", view.brief.directions.up
+    upright = all(abs(dot(axis, up)) > _ON_END for axis in axes) and view.grounded and not view.anchored
+    if axes and upright and not _is_rough(view, asked) and len(rotations) == len(asked):
+        leans = [(t, norm(find_lean(v, up))) for t, v in turns]
+        return _check_lasting(view, "falls_over", leans, _FALLEN_OVER, sigma)
     if not _may_tip(view, asked):
         return _check_lasting(view, name, _measure_distances(turns, axes), limit, sigma)
-    up = view.brief.directions.up
     about = [(t, abs(dot(v, up))) for t, v in _reject_all(turns, axes)]
     over = _measure_distances(turns, [*axes, up])
     spins = _check_lasting(view, name, about, max(limit, _TURN_SLID), sigma)
@@ -222,7 +229,7 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     ]
     left = (
         _find_left(view, strains)
-        if (swings or tumbles) and not view.anchored and not _is_partial(asked) and not _stays_squashed(view)
+        if (swings or tumbles) and not view.anchored and not _is_partial(asked) and not view.keeps_dents
         else []
     )
     if left and min(v for _, v in left) > _STRAIN:  # it swings or lands, and is out of shape from then on
@@ -232,11 +239,6 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         _STRAIN_TUMBLING if tumbles else _STRAIN_TWISTED if twists else _STRAIN_HIT if yielding else _STRAIN
     )
     return _check_lasting(view, "shape", strains, limit, sigma)
-
-
-def _stays_squashed(view: View) -> bool:
-    """Return whether it is said to be of what keeps the shape that a fall gives it."""
-    return _SQUASHED.search(view.sentence.lower()) is not None
 
 
 def _list_unseen_sides(view: View) -> set[int]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from physagent_jax.motion.judging.comparing import read_words
 from physagent_jax.motion.schema import Check
 
 _REASONS = {
@@ -11,7 +12,7 @@ _REASONS = {
     "repeats": "is not seen as often as the sentence says",
     "return": "does not end as it should: it comes back where it should stay, or stays where it should come back",
     "stillness": "is not still",
-    "part": "is not done by the part that is named alone",
+    "part": "is not done by the named part alone: the rest moves too",
     "order": "does not come at its time",
 }
 _BESIDE = {
@@ -25,7 +26,8 @@ def explain_failure(
 ) -> str:
     """Explain why a clip is no success, for people; empty where nothing failed and all was seen.
 
-    What was asked goes before what happens beside it, and its direction before its amount.
+    That it falls to pieces goes before what was asked, that before what else happens, and its direction before its
+    amount.
 
     Args:
         failed: The checks that failed, the worst first.
@@ -33,7 +35,8 @@ def explain_failure(
         words: The sentence's words for each expected motion.
         motionless: Whether nothing is seen to move in the whole clip.
     """
-    own = [each for each in failed if each.aspect not in _BESIDE] or failed
+    broken = [each for each in failed if each.aspect == "integrity"]
+    own = broken or [each for each in failed if each.aspect not in _BESIDE] or failed
     check = next((each for each in own if each.aspect == "direction"), None) or next(iter(own), None)
     if check is not None:
         asked = words[check.expectation] and f"'{words[check.expectation]}'"
@@ -49,7 +52,11 @@ def explain_failure(
 def _explain(check: Check, asked: str) -> str:
     beside = _BESIDE.get(check.aspect)
     if beside is not None:
-        return f"{asked} may be there, but {beside}."
+        seen = next(
+            (each.get("plain", "") for each in read_words().values() if each["question"] == check.question),
+            "",
+        )
+        return f"{asked} may be there, but {beside}{seen and f': {seen}'}."
     if check.aspect in _REASONS:
         return f"{asked} {_REASONS[check.aspect]}."
     gain = check.gain

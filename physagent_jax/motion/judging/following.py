@@ -40,6 +40,7 @@ moves."""
 _PRESSED_REST = 0.15  # the same of an end that is pressed or drawn along itself
 _ROLLS_OVER = re.compile(r"\broll\w*\b(?!.*(\d|full|complete|whole|degree|turn)).*\bover\b")
 _TO_ITS_BACK = 210.0  # [degrees] short of a whole turn, what rolls over has come to lie on its back
+_ASKEW = 15.0  # [degrees] off an angle that is only told from what is foreshortened, and half of a small one
 _WORDS = read_words()
 _QUANTITY = "is it as much as the sentence says?"
 _DURATION = "does it last as long as the sentence says?"
@@ -97,6 +98,8 @@ def _check_quantity(asked: Asked) -> list[Check]:
         raise _Unseen(asked.hidden or f"{motion.amount.unit} say nothing about such a motion")
     if motion.amount.unit == "seconds":
         return _check_duration(asked, tolerance)
+    if tolerance.unit == "degrees" and asked.askew:
+        tolerance = tolerance.widened(min(_ASKEW, 0.5 * motion.amount.value))
     if tolerance.unit == "degrees" and _ROLLS_OVER.search(motion.words.lower()):
         tolerance = dataclasses.replace(tolerance, low=min(tolerance.low, motion.amount.value - _TO_ITS_BACK))
     until, figure = asked.until if motion.released or motion.sudden else last, asked.figure

@@ -9,6 +9,7 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.comparing import (
+    SAME_WAY,
     START,
     check_limit,
     compare_amount,
@@ -18,10 +19,10 @@ from physagent_jax.motion.judging.comparing import (
 )
 from physagent_jax.motion.judging.counting import count_turns
 from physagent_jax.motion.judging.seen import Course, View, find_farthest, find_first_response
-from physagent_jax.motion.judging.toppling import find_sinking
+from physagent_jax.motion.judging.toppling import find_sinking, find_sunk_top
 from physagent_jax.motion.matching import is_thrown_up, share_time
 from physagent_jax.motion.schema import Check, MotionKind
-from physagent_jax.motion.vectors import cosine, cross, dot, norm, normalise, reject, scale, subtract
+from physagent_jax.motion.vectors import add, cosine, cross, dot, norm, normalise, reject, scale, subtract
 
 _DOWN = 0.7  # cosine
 _FIRST = 0.15  # of the farthest excursion: what is seen of a motion first
@@ -30,6 +31,9 @@ _SINKS = 0.4  # share of what its middle sinks by as it tips over that is seen a
 _PUT_BACK = re.compile(r"\b(set|put|place|lay|bring|return|let)\b.*\b(down|back)\b")
 _ALL_BACK = 1.25  # of the way that it had come: something that is put back where it was may go so far
 _ASIDE = 0.22  # [body lengths] that it may wander to either side as it tips over
+_LANDED = 0.8  # of its way down, from where on what topples lies
+_TURNED = 0.6  # of its way that is enough of a limb which is seen to turn
+_MIDDLE = 0.5  # of the way down of its top that its middle goes as it tips over
 _OVERTURNS, _TIPPED = (
     0.7,
     0.3,
@@ -91,6 +95,10 @@ def check_move(asked: Asked) -> list[Check]:
     seconds, at_end = view.seconds(first, until), asked.end is not None
     tolerance = tolerances.expect_move(motion, view.anchored, seconds=seconds, drift=coasting, end=at_end)
     tolerance = view.fit_to_limb(tolerance, motion)
+    if asked.limb_turns:
+        tolerance = tolerance.scaled(_TURNED, least=0.75 * tolerances.VISIBLE)
+    if view.grounded and any(e.kind is MotionKind.ROTATE and e.words == motion.words for e in asked.together):
+        tolerance = replace(tolerance, high=2.0 * tolerance.high)  # what rolls goes on rolling
     if direction is not None and any(cosine(way, direction) > _OVERTURNS for way in view.find_topples()):
         # What it brings about is judged there.
         tolerance = replace(tolerance.scaled(_TIPPED, least=tolerances.LEAST), high=2.0 * tolerance.high)
@@ -136,7 +144,8 @@ def _check_direction(
         frame, first = max(found, key=lambda response: cosine(response[1], direction))
         question, how = "which way does it start?", f", at frame {frame}"
         checks.append(compare_direction(asked, question, first, how=how, within=START))
-    checks.append(compare_direction(asked, "which way does it go?", peak))
+    within = START if asked.limb_turns else SAME_WAY
+    checks.append(compare_direction(asked, "which way does it go?", peak, within=within))
     return checks
 
 
@@ -172,6 +181,9 @@ def check_fall(asked: Asked) -> list[Check]:
     top = max(range(len(heights)), key=lambda i: heights[i])
     bottom = min(range(top, len(heights)), key=lambda i: heights[i])
     fallen = heights[top] - heights[bottom]
+    topples = any(view.topples(e) and share_time(e, motion) for e in view.expectations)
+    if topples:  # where it rolls on from where it lies is no fall
+        bottom = next(i for i in range(top, len(heights)) if heights[top] - heights[i] >= _LANDED * fallen)
     way = subtract(course[bottom][1], course[top][1])
     moves = [e.direction for e in view.expectations if e.kind is MotionKind.MOVE and e.direction is not None]
     level = [reject(each, down) for each in moves]  # what was thrown that way goes on that way as it falls
@@ -181,11 +193,13 @@ def check_fall(asked: Asked) -> list[Check]:
     ):
         way = reject(way, other, low=0.0)
     tolerance = tolerances.expect_fall(view.seconds(first, last))
-    if any(view.topples(e) and share_time(e, motion) for e in view.expectations):
+    if topples:
         sinks = _SINKS * find_sinking(view, view.find_topples())
         if sinks < tolerances.LEAST:
             return []  # it is broader than high, and hardly gets lower
         tolerance = replace(tolerance, low=min(tolerance.low, sinks))
+        sunk = _MIDDLE * find_sunk_top(view, first, last)  # its middle may be low at first
+        way, fallen = add([way, scale(down, max(sunk - dot(way, down), 0.0))]), max(fallen, sunk)
         for across in (cross(each, down) for each in view.find_topples()):
             way = reject(way, across, -_ASIDE, _ASIDE)
     checks = []

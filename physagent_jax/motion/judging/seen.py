@@ -38,6 +38,7 @@ TO_SIGMA = 1 / 1.645
 _UNKNOWN = Uncertainty(displacement=0.04, along=0.2, rotation=8.0, axis=12.0, stretch=0.08, frequency=0.2)
 ALONG_END = 0.65  # cosine: the end nearest to a direction that lies between two of them is taken
 SAME_LINE = 0.97  # cosine
+_TURNS = 20.0  # [degrees] from which on a limb is seen to turn
 _TOPPLES = 0.5  # sine of an axis to the vertical
 _ZERO = (0.0, 0.0, 0.0)
 
@@ -55,6 +56,7 @@ class View:
         gravity: Whether things that are let go fall.
         obstacles: What the sentence puts in the way.
         sentence: The sentence itself, for what it rules out.
+        keeps_dents: Whether it is said to be of matter that keeps the shape which a blow gives it.
     """
 
     report: MotionReport
@@ -64,6 +66,7 @@ class View:
     gravity: bool = False
     obstacles: tuple[ObstacleRequest, ...] = ()
     sentence: str = ""
+    keeps_dents: bool = False
 
     @property
     def anchored(self) -> bool:
@@ -115,6 +118,8 @@ class View:
         moved = [norm(p) for _, p in course]
         for end in self.report.parts:
             moved += [norm(p) / 1.5 for _, p in self.course(0, self.last, end)]
+            if end.limb is not None and self.turns_limb(end, 0, self.last):
+                return False
         lost = any(end.limb is not None and None in end.centroid for end in self.report.parts)
         if not course or lost or max(moved) >= self.visible or not self.shows_approach(0, self.last):
             return False
@@ -124,6 +129,11 @@ class View:
             return False
         strains = [abs(v) for axis in self.visible_axes for _, v in self.strains(axis, 0, self.last)]
         return max(strains, default=0.0) < max(tolerances.VISIBLE_STRAIN, self.uncertainty("stretch"))
+
+    def turns_limb(self, limb: PartMotion, first: int, last: int) -> bool:
+        """Return whether a limb is seen to turn in some frames."""
+        turns = [norm(v) for _, v in self.turns(first, last, limb)]
+        return max(turns, default=0.0) >= max(_TURNS, 2.0 * self.sigma("rotation"))
 
     def topples(self, turn: ExpectedMotion) -> bool:
         """Return whether a turn tips over what stands: it ends in a fall, and is about no upright axis."""
@@ -151,7 +161,7 @@ class View:
         """
         if motion.limb is None:
             return tolerance
-        return tolerance.scaled(norm(self.brief.parts[motion.limb].arm), least=0.5 * tolerances.VISIBLE)
+        return tolerance.scaled(norm(self.brief.parts[motion.limb].arm), least=0.75 * tolerances.VISIBLE)
 
     def find_end(self, direction: Vector) -> PartMotion | None:
         """The end towards a direction; None if the report tells no ends apart."""

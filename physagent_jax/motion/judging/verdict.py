@@ -17,6 +17,7 @@ from physagent_jax.motion.schema import Check, Judgement, MotionKind, Stage, Ver
 
 HIGHEST_FAILURE = 0.99
 """Score of a FAIL, at most."""
+_UNDERSTOOD = "What is understood of the sentence is seen."
 _UNASKED = ("collateral", "integrity")
 _CHECKERS: dict[MotionKind, Callable[[Asked], list[Check]]] = {
     MotionKind.MOVE: check_move,
@@ -106,7 +107,7 @@ def _suggest(
     failed.sort(key=lambda check: (find_stage(check.expectation, stages) or 0, check.score))
     unseen = [check for check in checks if check.passed is None]
     words = [each.words for each in view.expectations]
-    parts = [explain_failure(failed, unseen, words, motionless=motionless)]
+    parts = [explain_failure(failed, unseen, words, motionless=motionless) or _UNDERSTOOD]
     parts += [describe_doubts(unsure)] if unsure else []
     parts += [_describe_failure(check, words[check.expectation], stages) for check in failed]
     if unseen:

@@ -17,6 +17,7 @@ from physagent_jax.mpm.numbers import cast
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.burden import find_firmness
+from physagent_jax.scene.compile.idle import SOFT
 from physagent_jax.scene.compile.select import DTYPE, select_box
 from physagent_jax.scene.damping import Mode, compute_viscosity
 from physagent_jax.scene.fragments import FIRM, find_seams
@@ -70,6 +71,11 @@ class ParticleMaterials:
         )
         firmness = None if self.firmness is None else self.firmness[order]
         return dataclasses.replace(self, choice=self.choice[order], firmness=firmness, numbers=numbers)
+
+    def soften(self, idle: np.ndarray) -> ParticleMaterials:
+        """The same with next to no stiffness of ``idle`` particles, shape (n,)."""
+        firmness = np.ones(len(idle)) if self.firmness is None else self.firmness
+        return dataclasses.replace(self, firmness=np.where(idle, SOFT * firmness, firmness))
 
     def with_numbers(self, numbers: Sequence[Mapping[str, Any]], dtype: Any) -> ParticleMaterials:
         """The same with other numbers, one mapping for each of ``choices``; what they do not name is kept.

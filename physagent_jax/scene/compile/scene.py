@@ -37,6 +37,7 @@ from physagent_jax.scene.compile.boundaries import compile_boundaries
 from physagent_jax.scene.compile.constraints import compile_constraints
 from physagent_jax.scene.compile.equilibrium import balance_weight
 from physagent_jax.scene.compile.forces import compile_forces, compile_skills
+from physagent_jax.scene.compile.idle import find_idle
 from physagent_jax.scene.compile.materials import ParticleMaterials
 from physagent_jax.scene.compile.origins import Origins
 from physagent_jax.scene.compile.parameters import keep_balance, put_materials, put_own, put_rest
@@ -214,6 +215,9 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     balanced = balance_weight(model, state, still, config, body)
     if balanced is not None:
         state = dataclasses.replace(state, F=to_device(balanced.F, DTYPE))
+    if (idle := find_idle(config, constraints, still, rest)).any():
+        materials = materials.soften(idle)
+        model = model.replace(materials=materials.build_materials())
     substeps = _count_substeps(config, model, state)
     model = model.replace(dt=to_device(config.timing.frame_dt / substeps, DTYPE))
     camera = make_reference_camera(config.camera, config.rendering, config.domain)

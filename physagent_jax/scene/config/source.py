@@ -36,6 +36,7 @@ class Source(Strict):
         up: The file's own up axis; rotated onto +z.
         tilt: Rotation after that about the world's x and y axes together, a rotation vector [degrees], with which the
             object stands level (`scene.level`).
+        attitude: The same after that, with which it begins as the sentence says: upside down, on its side [degrees].
         opacity_threshold: Gaussians with a lower opacity are dropped.
         splat_encoding: How the file stores scales and opacities (`gaussians.formats.encoding`); None = found from
             its content.
@@ -56,6 +57,7 @@ class Source(Strict):
     kind: str = "object"
     up: SignedAxis = "+z"
     tilt: tuple[Degrees, Degrees] = (0.0, 0.0)
+    attitude: tuple[Degrees, Degrees] = (0.0, 0.0)
     opacity_threshold: float = Field(default=0.02, ge=0, lt=1)
     splat_encoding: SplatEncoding | None = None
     crop: tuple[Number, Number, Number, Number, Number, Number] | None = None

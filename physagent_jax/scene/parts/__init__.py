@@ -4,14 +4,15 @@
 `caps` what sits on a seam. `limbs` makes one tree of them, `roles` says what each may be called and `digits` which are
 fingers; `evidence` weighs that. `ends` finds toes, tips, handles and stems, which do not stick out. `marking` makes
 data of all of them. `named` finds the particles of what is named, `places` those of a region that has a word for its
-place, and `cells` makes a part of them.
+place, and `cells` makes a part of them. `aliases` gives parts the names that a sentence has for them.
 """
 
+from physagent_jax.scene.parts.aliases import find_aliases as find_aliases
 from physagent_jax.scene.parts.marking import find_parts as find_parts
 from physagent_jax.scene.parts.named import choose_parts as choose_parts
 from physagent_jax.scene.parts.named import find_groups as find_groups
 from physagent_jax.scene.parts.named import find_pieces as find_pieces
 from physagent_jax.scene.parts.named import join_parts as join_parts
 from physagent_jax.scene.parts.named import make_parts as make_parts
-from physagent_jax.scene.parts.places import Frame as Frame
 from physagent_jax.scene.parts.places import find_places as find_places
+from physagent_jax.scene.parts.regions import Frame as Frame

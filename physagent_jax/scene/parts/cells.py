@@ -17,10 +17,13 @@ _TOUCH = 2.0  # spacings between particles that touch
 _SLIM = 3.5  # length over the radius of gyration of where it joins, from which on a piece turns about its joint: a
 # cube on a cube has 2.4, an arm 5
 _OFF = 0.2  # of its length, by which the middle of what turns about its joint lies off it
+_FLAT, _THICK = 0.6, 0.92  # spread of a disc along its axle over that across, and of what is called a wheel
+_ROUND = 0.85  # the lesser spread across the axle over the larger
+_RIM = 1.15  # farthest from the axle over that of an even disc of the same spread: the corners of a square are at 1.22
 _JOINT = 0.3  # of the way from joint to tip that bends, of what is one skin with the rest
 
 
-def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool) -> Part:
+def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool, wheel: bool = False) -> Part:
     """The part that some of the particles are.
 
     A piece of its own, whose surface is closed, moves with all its particles; what is of one skin with the rest bends
@@ -31,6 +34,7 @@ def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool) -> Part:
         points: Particles at rest [m], shape (n, 3).
         mask: Those of the part, shape (n,); neither none nor all.
         joined: Whether it is of one skin with the rest.
+        wheel: Whether it is called a wheel: then it may be nearly as thick as it is broad.
     """
     low, high = points.min(0), points.max(0)
     box, size = np.maximum(high - low, 1e-12), float((high - low).max())
@@ -42,7 +46,9 @@ def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool) -> Part:
     length = float(np.linalg.norm(tip - joint))
     width = float(np.sqrt(((contact - joint) ** 2).sum(1).mean()))
     off = float(np.linalg.norm(centre - joint))
-    seated = length < _SLIM * max(width, 1e-9) or off < _OFF * length
+    axle = _find_axle(own, _THICK if wheel else _FLAT)
+    rolls = axle is not None and not joined
+    seated = rolls or length < _SLIM * max(width, 1e-9) or off < _OFF * length
     arm = tip - joint
     if seated:  # it goes up or out as far as it is long
         out = centre - joint
@@ -78,8 +84,22 @@ def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool) -> Part:
         if (norm := np.linalg.norm(away)) > 1e-9 * size
         else (0, 0, 1),
         share=round(float(mask.mean()), 4),
+        axle=axle,
         neck=tuple(np.round(contact.std(0) / size, 4).tolist()) if joined else (0, 0, 0),
     )
+
+
+def _find_axle(own: np.ndarray, flat: float) -> tuple[float, float, float] | None:
+    """The thin axis of what is round and at most so ``flat``, as a unit vector; None if it is not."""
+    spread, axes = np.linalg.eigh(np.cov(own.T) if len(own) > 3 else np.eye(3))
+    if spread[0] > flat**2 * spread[1] or spread[1] < _ROUND**2 * spread[2]:
+        return None
+    away = np.hypot(*((own - own.mean(0)) @ axes[:, 1:]).T)
+    if np.quantile(away, 0.98) > _RIM * np.sqrt(2 * spread[1:].sum()):
+        return None
+    axle = axes[:, 0] * np.sign(axes[np.abs(axes[:, 0]).argmax(), 0])
+    x, y, z = np.round(axle, 4).tolist()
+    return x, y, z
 
 
 def find_contact(own: np.ndarray, rest: np.ndarray, size: float) -> np.ndarray:

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.forces.part import Part, PartChoice, list_parts
+from physagent_jax.forces.part import Part, PartChoice, list_parts, split_name
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.scene.mesh_formats import MeshPart
 from physagent_jax.scene.parts.cells import fit_part
@@ -26,6 +26,7 @@ _FEWEST = 5  # particles
 _SKIN = 4  # edges that a part's surface shares with others, from which on they are one skin
 _TOLD = 0.9  # share of the object that named parts cover, from which on the file names all of it
 _WITHIN = 0.8  # share of a shape in a named part, from which on it is a part of that
+_WHEELS = frozenset("wheel wheels tyre tire tyres tires gear cog pulley roller rotor propeller fan".split())
 _FORELEG = re.compile(r"\barm$")
 _SAME = 0.5  # overlap (intersection over union) from which on a shape is the part that is named
 
@@ -136,7 +137,8 @@ def make_parts(points: np.ndarray, groups: Sequence[Group]) -> tuple[Part, ...]:
         points: Particles at rest [m], shape (n, 3).
         groups: Groups with the file's names.
     """
-    told = [fit_part(points, group.mask, joined=group.joined) for group in groups]
+    rolls = [not _WHEELS.isdisjoint(split_name(group.name)) for group in groups]
+    told = [fit_part(points, g.mask, joined=g.joined, wheel=wheel) for g, wheel in zip(groups, rolls)]
     return tuple(
         part.model_copy(update=dict(name=group.name, origin="file")) for part, group in zip(told, groups)
     )

@@ -1,0 +1,123 @@
+"""Poses: how the object is turned as it falls, or lies in the end, and what it only comes to stand on.
+
+"Drop it upside down", "onto its leaves" and "nose first" tell how it is turned before it falls. "Lands face down" and
+"falls on its back" tell where it tips over to. What it "ends up on" after any other motion ("on its wheels") is no part
+that is moved.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from physagent_jax.agents.grammar.mentions import WAYS, Mention, MentionKind, empty, get_last_motion
+from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
+from physagent_jax.agents.lexicon import Effect, Place
+
+_NOUNS = (
+    MentionKind.PLACE,
+    MentionKind.UNKNOWN,
+    MentionKind.DIRECTION,
+    MentionKind.PLANE,
+    MentionKind.FUNCTION,
+)
+_OVERTURNING = (Effect.LEAN, Effect.PUSH, Effect.STRIKE, Effect.TURN, Effect.ROLL, Effect.FALL, Effect.TOPPLE)
+_ENDING = (Effect.TURN, Effect.ROLL, Effect.JUMP, Effect.TOPPLE, Effect.FALL)
+
+
+def read_poses(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Tells poses of falls from parts, and empties what else comes to stand on: "rolls and ends up on its wheels"."""
+    result, verbs = list(mentions), []
+    for at, mention in enumerate(mentions):
+        if mention.motion is not None and mention.phrase != "upside down":
+            if mention.phrase.startswith("land on") and _find_drop(mentions, verbs) is not None:
+                side = mention.motion.direction if mention.motion.effect is Effect.TOPPLE else "up"
+                result[at] = replace(mention, kind=MentionKind.POSE, value=side, phrase="pose")
+            else:
+                verbs.append(at)
+            continue
+        first, side = _find_side(mentions, at)
+        motion = mentions[verbs[-1]].motion if verbs else None
+        if side is None or motion is None:
+            continue
+        if (fall := _find_drop(mentions, verbs)) is not None:
+            told = any(m.kind is MentionKind.POSE for m in result[fall:at])
+            result[first : at + 1] = map(empty, mentions[first : at + 1])
+            if side and not told:
+                result[at] = replace(mention, kind=MentionKind.POSE, value=side, phrase="pose")
+            if motion.lands:  # "so that it lands on its head"
+                result[verbs[-1]] = empty(mentions[verbs[-1]])
+        elif first < at and mention.phrase not in read_sections()["lying"] and motion.effect in _ENDING:
+            result[first : at + 1] = map(empty, mentions[first : at + 1])
+    return result
+
+
+def _find_side(mentions: list[Mention], at: int) -> tuple[int, str | None]:
+    """The first mention of a pose that ends at ``at`` and its side; "" = a side that is not known, None = no pose."""
+    mention = mentions[at]
+    if mention.kind is MentionKind.POSE:
+        return at, str(mention.value)
+    if mention.phrase == "upside down":
+        return at, "up"
+    owned = at >= 2 and mentions[at - 1].form in get_set("pronouns_of_owners")
+    if not owned or mentions[at - 2].form not in ("on", "onto") or mention.kind not in _NOUNS:
+        return at, None
+    if (side := read_sections()["lying"].get(mention.phrase)) is not None:
+        return at - 2, side
+    side = " ".join(mention.value.names) if isinstance(mention.value, Place) else ""
+    return at - 2, side if side in ("up", "down", "toward", "away", "left", "right") else ""
+
+
+def _find_drop(mentions: list[Mention], verbs: list[int]) -> int | None:
+    """Index of the fall through the air that the last verb is, or is the end of; what stands and falls tips over."""
+    last = mentions[verbs[-1]].motion if verbs else None
+    for at in reversed(verbs):
+        motion = mentions[at].motion
+        if motion is None or motion.effect is not Effect.FALL or motion.gives:
+            return None
+        if not (motion.topples or motion.lands or motion.bounces):
+            return at
+        if not (motion.lands and last is not None and last.lands):
+            return None
+    return None
+
+
+def read_landings(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Makes a toppling of what ends on a side: "it falls on its back", "push it so that it lies on its side".
+
+    How an object lies while it goes is no part that is moved: "it slides to the left on its back".
+    """
+    result, verbs, ways = list(mentions), [], []
+    for at, side in enumerate(mentions):
+        if side.motion is not None and side.phrase != "flat":  # "flat on its back"
+            verbs.append(at)
+        ways += [at] if side.kind in WAYS else []
+        first, way = _find_side(result, at)
+        told = side.kind is MentionKind.POSE or side.phrase in read_sections()["lying"]
+        if not verbs or not told or way not in read_sections()["lying"].values() or first <= verbs[-1]:
+            continue
+        if _find_drop(mentions, verbs) is not None:
+            continue
+        on = mentions[first]
+        lies = mentions[verbs[-1]].phrase == "lie" and len(verbs) > 1
+        moving = [at for at in verbs[:-1] if (m := mentions[at].motion) and m.effect is not Effect.STILL]
+        lies = lies and bool(moving)  # "tips over and stays lying on its face"
+        acts = moving[-1] if lies else verbs[-1]
+        verb, motion = mentions[acts], get_last_motion(mentions[: acts + 1])
+        overturns = motion is not None and motion.effect in _OVERTURNING and (lies or on.form != "on")
+        if (
+            overturns
+            or motion is not None
+            and motion.effect is Effect.TOPPLE
+            or verb.phrase in get_set("landing")
+        ):
+            for place in range(acts + 1, at):
+                if place == first or mentions[place].phrase in ("flat", "lie"):
+                    result[place] = empty(mentions[place])
+            result[acts] = replace(verb, value=LEXICON.motions["topple"], phrase="topple")
+            # "over to the right, so that it lies on its side"
+            known = side.phrase == "side" and bool(ways)
+            lying = replace(side, kind=MentionKind.DIRECTION, value=(way,), phrase="to lie on a side")
+            result[at] = empty(side) if known else lying
+        elif on.form == "on" and motion is not None and motion.generic and way in ("away", "toward"):
+            result[at] = empty(side)
+    return result

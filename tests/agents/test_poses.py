@@ -1,0 +1,216 @@
+"""Poses: the side that points down as something falls, what it ends up on, and matter that gives way."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from physagent_jax.agents.compiler import compile_intent
+from physagent_jax.agents.grammar.semantic import read_intent
+from physagent_jax.forces.schema import ActionType
+from physagent_jax.motion.attitudes import find_attitude
+from physagent_jax.motion.schema import MotionKind
+from physagent_jax.scene.placement import find_tilt_rotation
+from tests.agents.scenes import brief, read
+
+LONG: dict[str, Any] = dict(extents=(1.0, 0.6, 0.4), long_axis=(1.0, 0.0, 0.0))
+TALL: dict[str, Any] = dict(extents=(0.4, 1.0, 0.4), long_axis=(0.0, 0.0, 1.0))
+
+
+def stand(name="thing", **changes):
+    return brief(object_name=name, world="ground", frames_fixed=False, **changes)
+
+
+@pytest.mark.parametrize(
+    ("sentence", "shape", "down"),
+    [
+        ("drop the thing upside down", TALL, (0, 0, 1)),
+        ("drop the thing upside down onto its leaves", TALL, (0, 0, 1)),
+        ("drop the thing so that it lands on its head", TALL, (0, 0, 1)),
+        ("the thing falls from the sky and lands on its roof", LONG, (0, 0, 1)),
+        ("the thing plunges nose first onto the ground", LONG, (1, 0, 0)),
+        ("the thing drops head first", TALL, (0, 0, 1)),
+        ("the thing falls from the sky face first", TALL, (0, -1, 0)),
+        ("the thing falls off the table and lands on its back", TALL, (0, 1, 0)),
+        ("the thing falls off the table and lands on its back", LONG, (0, 0, 1)),
+        ("drop the thing on its left side", TALL, (-1, 0, 0)),
+        ("the thing drops feet first", TALL, (0, 0, -1)),
+    ],
+)
+def test_a_drop_begins_in_the_attitude_that_is_told(sentence, shape, down):
+    reply = read(sentence, stand(**shape))
+    assert reply.force_field.default_drop and not reply.force_field.actions
+    assert [each.kind for each in reply.expectations] == [MotionKind.FALL]
+    assert not reply.expectations[0].partial and not reply.unsure and not reply.unknown_parts
+    assert reply.world.attitude is not None
+    np.testing.assert_allclose(find_tilt_rotation(reply.world.attitude) @ down, (0, 0, -1), atol=1e-9)
+
+
+def test_what_falls_as_it_stands_has_no_attitude():
+    for sentence in (
+        "drop the thing",
+        "the thing falls from the sky and lands on its feet",
+        "knock the thing over",
+    ):
+        assert read(sentence, stand(**TALL)).world.attitude in (None, (0.0, 0.0)), sentence
+
+
+def test_what_stands_and_falls_on_a_side_tips_over():
+    reply = read("the thing falls over and lies face down", stand(**TALL))
+    assert reply.world.attitude is None and not reply.unsure
+    assert reply.expectations[0].kind is MotionKind.ROTATE
+    np.testing.assert_allclose(reply.expectations[0].direction or (), (1, 0, 0), atol=1e-9)
+
+
+def test_what_lies_is_turned_over_onto_its_back():
+    reply = read("flip the thing onto its back", stand(**LONG))
+    (turn,) = reply.expectations
+    assert turn.amount is not None and turn.amount.value == 180
+    assert abs(np.dot(turn.direction or (), (1, 0, 0))) == pytest.approx(1)
+
+
+@pytest.mark.parametrize("end", ["wheels", "feet", "leaves", "tyres"])
+def test_what_it_ends_up_on_is_no_part_that_moves(end):
+    reply = read(f"the thing rolls over sideways once and ends up on its {end}", stand(**LONG))
+    (turn,) = reply.expectations
+    assert not (reply.unknown_parts or reply.unsure or turn.partial)
+    assert turn.amount is not None and turn.amount.value == 360
+    assert abs(np.dot(turn.direction or (), (1, 0, 0))) == pytest.approx(1)
+
+
+def test_an_end_is_raised_until_it_stands_on_the_other():
+    reply = read("lift the front of the thing until it stands on its back end", stand(**LONG))
+    (turn,) = reply.expectations
+    assert turn.kind is MotionKind.ROTATE and turn.amount is not None and turn.amount.value == 80
+    assert not turn.partial and turn.part is None
+
+
+def test_a_flip_is_leapt():
+    field = read("the thing does a backflip", stand(**TALL)).force_field
+    assert [each.action_type for each in field.actions] == [ActionType.IMPULSE, ActionType.TORQUE]
+    np.testing.assert_allclose(field.actions[1].vector, (-1, 0, 0), atol=1e-9)  # its top goes back
+
+
+def test_it_tumbles_the_way_that_it_is_thrown():
+    reply = read("throw the thing forward so it tumbles head over heels once", stand(**LONG))
+    turn = next(each for each in reply.expectations if each.kind is MotionKind.ROTATE)
+    np.testing.assert_allclose(turn.direction or (), (1, 0, 0), atol=1e-9)
+    assert not reply.unsure
+
+
+@pytest.mark.parametrize("verb", ["sags", "slumps", "collapses", "buckles under its own weight"])
+def test_what_gives_way_stays_where_it_stands_and_becomes_soft(verb):
+    reply = read(f"the thing {verb}", stand(**TALL))
+    assert [each.kind for each in reply.expectations] == [MotionKind.SQUEEZE]
+    assert not (reply.force_field.default_drop or reply.force_field.actions or reply.unsure)
+    assert reply.materials
+
+
+def test_what_is_knocked_until_it_collapses_keeps_its_matter():
+    reply = read("hit the thing so that it collapses", stand(**TALL))
+    assert not reply.materials and MotionKind.ROTATE in [each.kind for each in reply.expectations]
+
+
+def test_a_back_is_behind_a_person_and_on_top_of_what_lies():
+    assert find_attitude("away", stand(**TALL)) == pytest.approx((-90.0, 0.0))
+    assert find_attitude("away", stand(**LONG)) == find_attitude("up", stand(**LONG))
+
+
+def test_the_front_is_told_by_the_names_of_parts():
+    from physagent_jax.forces.part import Part
+    from physagent_jax.forces.schema import CellsRegion
+
+    cells: dict[str, Any] = dict(moved=CellsRegion(inside=((0.1, 0.5, 0.5),), outside=((0.9, 0.5, 0.5),)))
+    cells["rest"] = cells["moved"]
+    names = (("hood", (-1.0, 0.0, 0.0)), ("taillights", (1.0, 0.0, 0.1)))
+    parts = tuple(
+        Part(
+            name=name,
+            origin="file",
+            joint=(0.5, 0.5, 0.5),
+            arm=side,
+            side=side,
+            share=0.1,
+            roles=("side",),
+            **cells,
+        )
+        for name, side in names
+    )
+    turn = find_tilt_rotation(find_attitude("head", stand(parts=parts, **LONG)))
+    np.testing.assert_allclose(turn @ (-1.0, 0.0, 0.0), (0, 0, -1), atol=1e-9)
+
+
+def test_what_tips_onto_an_unknown_end_moves_as_a_whole():
+    reply = read("the thing tips forward and falls on its beak", stand(**TALL))
+    assert not reply.unknown_parts and not reply.unsure
+
+
+@pytest.mark.parametrize(
+    ("sentence", "kinds"),
+    [
+        ("lift the thing and shake it", ["move", "sway"]),
+        ("the thing rattles and jumps up", ["sway", "move", "fall"]),
+        ("the thing slides to the left and flips over", ["move", "rotate"]),
+    ],
+)
+def test_what_would_hide_each_other_comes_one_after_the_other(sentence, kinds):
+    motions = read(sentence, stand(**LONG)).expectations
+    assert [each.kind.value for each in motions] == kinds
+    assert motions[1].window[0] >= motions[0].window[1] - 0.5
+
+
+def test_a_fall_that_bounces_is_one_fall():
+    reply = read("the thing is dropped and bounces twice", stand(**TALL))
+    assert [each.kind for each in reply.expectations] == [MotionKind.FALL] and not reply.force_field.actions
+
+
+def test_what_bends_down_to_the_ground_is_not_dropped():
+    reply = read("the thing bends down until it touches the ground", stand(may_be_held=True, **TALL))
+    assert not reply.force_field.default_drop and not reply.unsure
+    (bend,) = reply.expectations
+    assert bend.kind is MotionKind.MOVE and bend.direction == pytest.approx((-1, 0, 0))
+
+
+def test_a_boat_that_rolls_from_side_to_side_rocks_about_its_line():
+    (rock,) = read("the thing rolls from side to side", stand(**LONG)).expectations
+    assert rock.kind is MotionKind.SWAY and rock.manner == "rock"
+
+
+def test_parts_that_a_spin_flings_out_are_not_turned_alone():
+    reply = read("spin the thing so fast that its leaves fly outwards", stand(**TALL))
+    (turn,) = reply.expectations
+    assert turn.kind is MotionKind.ROTATE and not turn.partial and not reply.unsure
+
+
+def test_what_it_does_between_a_leap_and_its_landing_is_done_in_the_air():
+    motions = read("the thing jumps up, spins around once in the air and lands", stand(**TALL)).expectations
+    assert [each.kind.value for each in motions[:2]] == ["move", "rotate"]
+    assert motions[1].window[0] == motions[0].window[0]
+
+
+def test_what_is_dropped_so_that_it_rolls_falls_first():
+    reply = read("drop the thing on its side so that it rolls a little", stand(**TALL))
+    assert reply.force_field.default_drop and reply.world.attitude is not None
+    assert [each.kind.value for each in reply.expectations] == ["fall", "move", "rotate"]
+
+
+def test_what_is_shaken_is_let_go_before_it_hops_away():
+    scene = stand(**TALL)
+    field = compile_intent(
+        read_intent("the thing shakes itself and then hops away", scene), scene
+    ).force_field
+    (leap,) = field.actions
+    held = max(each.held_until or each.active_time[1] for each in field.constraints)
+    assert leap.active_time is not None and held <= leap.active_time[0] + 0.5
+
+
+def test_a_couch_has_its_back_behind_and_a_thing_that_lies_on_top():
+    for name, angle in (("couch", 90.0), ("thing", 180.0)):
+        turn = read(f"the {name} tips over onto its back", stand(name, **LONG)).expectations[0]
+        assert (turn.amount is None) == (angle == 90.0), name
+
+
+def test_a_wheelie_is_done_and_ended():
+    reply = read("the thing does a wheelie and then drops back down", stand(**LONG))
+    (turn,) = reply.expectations
+    assert turn.kind is MotionKind.ROTATE and turn.released and not reply.unsure
