@@ -81,6 +81,14 @@ def test_the_objects_own_name_is_the_object():
     assert find_limbs("push the upper arm to the left", arm, object_name="robot-arm")[0] == [0]
 
 
+@pytest.mark.parametrize("name", ["coffee_grinder", "grinder"])
+def test_numbered_pieces_of_the_objects_own_name_are_no_parts_by_that_word(name):
+    pieces = [make_part(f"grinder {number}") for number in (1, 2, 3)]
+    assert find_limbs("push the grinder to the left", *pieces, object_name=name) == ([None], ())
+    assert find_limbs("push grinder 2 to the left", *pieces, object_name=name)[0] == [1]
+    assert find_limbs("push the leg to the left", make_part("leg 1"), object_name=name)[0] == [0]
+
+
 def test_a_plural_means_all_and_a_word_for_several_is_asked_about():
     boxes = [make_part(f"{where} box", side) for where, side in (("top", (0, 0, 1)), ("bottom", (0, 0, -1)))]
     assert sorted(find_limbs("turn the boxes", *boxes)[0]) == [0, 1]
