@@ -133,6 +133,7 @@ def test_the_sentences_are_many_different_and_of_every_kind():
         ("fourth", 20, 5, "4ca76606e04e86f2"),
         ("fifth", 20, 5, "5c0b5bdb1ef0352c"),
         ("sixth", 20, 5, "40f088f1b3113338"),
+        ("seventh", 20, 5, "5f3e39558da59383"),
     ],
 )
 def test_pairs_that_were_held_back_are_as_they_were_written(group, pairs, things, digest):
