@@ -1,6 +1,6 @@
 """Pairs on a seventh lot of objects that nothing was developed with, written before any was run, and never changed.
 
-As the sixth lot: a language model wrote them from pictures of the objects, and saw neither the code nor other sentences.
+As the sixth lot: a language model wrote them from pictures of the objects, without the code or other sentences.
 """
 
 from __future__ import annotations
