@@ -57,6 +57,8 @@ def carry_along(reply: SemanticReply, body: Body, parts: Sequence[Part], frame_d
     limbs = [each.limb for each in kept if each.limb is not None]
     if limbs:
         part = parts[limbs[0]]
+        if part.origin == "option":  # whoever marked it means just that
+            return reply
         if len(set(limbs)) == 1 and len(limbs) == len(kept) and not _bears(part.moved, body):
             reply = dent(reply, body, part, frame_dt)
         if len(set(limbs)) != 1 or len(limbs) != len(kept) or not all(_goes(each) for each in kept):

@@ -139,10 +139,15 @@ def test_what_is_rooted_and_shaken_upwards_is_pushed(sentence):
     assert reply.force_field.actions and not reply.force_field.constraints
 
 
-@pytest.mark.parametrize(
-    "sentence", ["shake the robot", "the robot bobs up and down", "the robot is tossed to and fro"]
-)
-def test_what_is_shaken_goes_as_a_whole(sentence):
+def test_what_is_shaken_is_led_as_a_whole():
+    reply = read("shake the robot", brief(**STANDING))
+    led = reply.force_field.constraints
+    assert reply.anchor.kind is None and led and not reply.force_field.actions
+    assert all(each.region is None and each.bend is None for each in led)
+
+
+@pytest.mark.parametrize("sentence", ["the robot bobs up and down", "the robot is tossed to and fro"])
+def test_what_goes_to_and_fro_goes_as_a_whole(sentence):
     reply = read(sentence, brief(**STANDING))
     assert reply.anchor.kind is None and reply.force_field.actions and not reply.force_field.constraints
 
