@@ -11,6 +11,8 @@ from physagent_jax.forces.schema import BoxRegion, ForceField, VelocityConstrain
 from physagent_jax.mpm import stable_dt
 from physagent_jax.scene import config as c
 from physagent_jax.scene.compile import compile_scene
+from physagent_jax.scene.compile import scene as compile_module
+from physagent_jax.simulation.simulate import simulate_frames
 from tests.scene.small_scenes import make_config, make_small_body
 
 FRAMES = 4
@@ -78,3 +80,23 @@ def test_what_flows_by_its_stress_keeps_its_stiffness(body):
         hardening_modulus=0,
     )
     assert not soften(lead(body, material=metal)).any()
+
+
+def test_what_is_free_goes_as_if_idle_matter_were_stiff(body, monkeypatch):
+    """Exactly: no node that a free particle shares has any of its stress. The middle is free, between both grips."""
+    config = lead(body, anchor=BoxRegion(low=(0, 0, 0), high=(1, 1, 0.2))).config
+    timing = config.timing.model_copy(update=dict(substep_dt=5e-4))
+    config = config.model_copy(update=dict(domain=c.Domain(size=3.0, cells=60), timing=timing))
+    ends = []
+    for drop in (False, True):
+        if drop:
+            monkeypatch.setattr(
+                compile_module, "find_idle", lambda *given: np.zeros(len(body.particles.x), bool)
+            )
+        scene = compile_scene(config, body)
+        idle = soften(scene)
+        assert not idle.all() and idle.any() != drop
+        *_, last = simulate_frames(scene, None)
+        ends.append(np.asarray(last.state.x))
+    np.testing.assert_allclose(*ends, rtol=0, atol=1e-6)
+    assert np.abs(ends[0] - np.asarray(scene.state.x)).max() > 0.1
