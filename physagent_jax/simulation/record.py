@@ -37,7 +37,8 @@ class SimulationRecord(Strict):
         stable_dt: The closed-form bound at the start [s]; None = there is none, as where nothing has stress.
         redone_frames: Frames that were redone with a smaller step, with the reason.
         stopped_particles: Particle-steps at which a particle was stopped at the domain's wall.
-        kinetic_energy, elastic_energy: Per frame [J].
+        kinetic_energy, elastic_energy: Per frame [J]. Matter that is led for the whole clip has next to no elastic
+            energy: its stress moves nothing, and it is soft (`scene.compile.idle`).
         gravitational_energy: Per frame, over frame 0's [J]; empty in records of earlier versions.
         momentum: Per frame [kg m/s].
         angular_momentum: Per frame, about the mass centre of frame 0 [kg m^2/s]; empty as above.
