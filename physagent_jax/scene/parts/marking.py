@@ -170,10 +170,13 @@ def _find_across(lattice: Lattice, nodes: np.ndarray, rest: np.ndarray) -> np.nd
     """The nodes of the rest that are near a part across a gap, as a stem is beside an upright arm; shape (k,)."""
     reach = _GAP * float(np.ptp(lattice.places, axis=0).max())
     necks = np.concatenate(lattice.find_necks(nodes))
-    near, joined = (
-        np.asarray(KDTree(lattice.places[each]).query(lattice.places[rest])[0]) for each in (nodes, necks)
-    )
-    return rest[(near < reach) & (joined > 2 * reach)]
+
+    def find_within(those: np.ndarray, others: np.ndarray, bound: float) -> np.ndarray:
+        tree = KDTree(lattice.places[others])
+        return np.isfinite(tree.query(lattice.places[those], distance_upper_bound=bound)[0])
+
+    near = rest[find_within(rest, nodes, reach)]
+    return near[~find_within(near, necks, 2 * reach)] if len(near) else near
 
 
 def _find_near(lattice: Lattice, nodes: np.ndarray) -> np.ndarray:
