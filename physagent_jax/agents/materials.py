@@ -123,6 +123,12 @@ def find_materials(text: str, brief: SceneBrief) -> tuple[MaterialMention, ...]:
     return tuple(_Finder(text, brief).find())
 
 
+def find_nouns(text: str, brief: SceneBrief) -> tuple[str, ...]:
+    """Find the nouns that a sentence has for its object, and for no place of it."""
+    finder = _Finder(text, brief)
+    return tuple(finder.tokens[at] for at in range(len(finder.tokens)) if finder.is_object(at))
+
+
 def mask_materials(text: str, mentions: Iterable[MaterialMention]) -> str:
     """A sentence with blanks for what tells nothing but a material, so that motions can be read without it.
 
@@ -233,14 +239,14 @@ class _Finder:
         alone = not self._get(owner).isalpha() or self._get(owner) == "like"
         between = {*self.tokens[owner + 1 : place]}
         told = {"if", "though", "it"} & between or "," in between and not self._is_other_noun(owner)
-        return place if alone or told or self._is_object(owner) else None
+        return place if alone or told or self.is_object(owner) else None
 
     def _is_other_noun(self, at: int) -> bool:
         """Return whether a word with an article is a thing and no way: "a table", but not "away" or "the left"."""
         ways = read_lexicon().directions
         return self._get(at) not in ways and self._get(at - 1) in self.around["determiners"]
 
-    def _is_object(self, at: int) -> bool:
+    def is_object(self, at: int) -> bool:
         """Return whether a noun is the object: by its name, or as one that may name it and is no place of anything."""
         noun = self._get(at)
         return noun in self.names or (noun in self.nouns and not self._is_placed(at))
@@ -254,7 +260,7 @@ class _Finder:
         place = self._back(at, self.unnamed - {"of"})
         no_owners = self.around["containers"] | {"it", "one", "itself"}
         said = self._get(place) == "of" and self._get(place - 1) not in no_owners
-        return place - 1 if said and self._is_object(place - 1) else None
+        return place - 1 if said and self.is_object(place - 1) else None
 
     def _find_turn(self, at: int) -> int | None:
         """The beginning of "turns to"; scenery has an article ("collapses into the sand")."""

@@ -125,7 +125,16 @@ class ResolvedRun:
             reply: What the sentence says of the scene; None = it is not read yet.
         """
         template = self.template if reply is None else self.with_reply(reply)
-        return hold_upright(template, body, self._choose_support(reply))[0]
+        support = self._choose_support(reply)
+        if reply is not None and self._is_rigid(reply) and template.anchor.kind == "none":
+            rigid = hold_upright(make_rigid(template), body, support)[0]
+            template = template if rigid.anchor.kind != "none" else rigid
+        return hold_upright(template, body, support)[0]
+
+    def _is_rigid(self, reply: SemanticReply) -> bool:
+        """Return whether what is hard moves as a whole."""
+        said = self.find_material(reply).preset
+        return keeps_shape(reply) and is_hard(self.spec.material, self.template.source.kind, said)
 
     def place(self, body: Body, reply: SemanticReply | None = None) -> tuple[SceneTemplate, tuple[str, ...]]:
         """The scene in which the object stays as it was captured, and in words what had to be changed for that.
@@ -150,13 +159,12 @@ class ResolvedRun:
         before, template = template.camera, self._look_at_parts(template, body, reply)
         viewed = () if template.camera == before else (VIEW_NOTE.format(template.camera.azimuth_degrees),)
         options = self._choose_support(reply)
-        template, support = hold_upright(template, body, options)
         hold = self.find_hold(reply, body)
-        held = () if hold is None else check_hold(hold, template.anchor, body, reply, self.base_dir)
-        said = self.find_material(reply).preset
-        keeps = hold is None and keeps_shape(reply)
-        if keeps and is_hard(self.spec.material, template.source.kind, said):
+        if hold is None and self._is_rigid(reply):
             template, told = make_rigid(template), (RIGID_NOTE,)  # a softer stand-in's looks are not seen
+        template, support = hold_upright(template, body, options)
+        held = () if hold is None else check_hold(hold, template.anchor, body, reply, self.base_dir)
+        said, keeps = self.find_material(reply).preset, hold is None and keeps_shape(reply)
         standing, notes = make_stand(template, body, options)
         bearing = standing.bearing
         if keeps and bearing is not None and is_stiffened(self.spec.material, said, bearing):
@@ -190,7 +198,7 @@ class ResolvedRun:
 
     def find_material(self, reply: SemanticReply) -> SaidMaterial:
         """The material that the sentence chooses, given its ``reply``."""
-        if not reply.materials:
+        if not (reply.materials or self.spec.prompt):
             return SaidMaterial()
         brief = make_brief(self.template, frames_fixed=self.frames_fixed)
         return choose_said_material(self.spec.prompt, brief, self.spec.material, reply.materials)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from physagent_jax.agents.materials import MaterialMention, find_materials, find_meaning
+from physagent_jax.agents.materials import MaterialMention, find_materials, find_meaning, find_nouns
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.names import find_nearest
 from physagent_jax.motion.schema import SceneBrief
 from physagent_jax.run.spec import MaterialChoice
 from physagent_jax.scene.materials import LIBRARY, find_material
-from physagent_jax.scene.priors import PRIORS
+from physagent_jax.scene.priors import PRIORS, UNKNOWN, guess_kind, is_hard
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,8 @@ def choose_said_material(
     known = [pair for pair in known if pair[1].becomes] or known
     presets = list(dict.fromkeys(meaning.preset for _, meaning in known))
     if not presets:
-        return SaidMaterial(notes=tuple(notes))
+        named = None if mentions or choice.name or choice.physgm else _find_named_kind(prompt, brief)
+        return named or SaidMaterial(notes=tuple(notes))
     said = " and ".join(f"'{mention.phrase}'" for mention, _ in known)
     if choice.name is not None or choice.physgm is not None:
         mine = choice.name or "PhysGM's prediction"
@@ -97,6 +98,16 @@ def tell_material(
         why = "the sentence says what the object is made of, and no material was chosen for the run"
         evidence += (Evidence(words=said.phrase, field="material", value=said.preset, why=why),)
     return reply.model_copy(update=dict(evidence=evidence, notes=(*reply.notes, *said.notes)))
+
+
+def _find_named_kind(prompt: str, brief: SceneBrief) -> SaidMaterial | None:
+    """The hard kind of matter that the sentence's noun for the object tells where its name tells none: "the statue"."""
+    kinds = {noun: guess_kind(noun) for noun in find_nouns(prompt, brief)}
+    hard = [noun for noun, kind in kinds.items() if is_hard(kind)]
+    if brief.object_kind not in (UNKNOWN, "toy") or not hard:
+        return None
+    note = f"material: that of the kind '{kinds[hard[0]]}', by '{hard[0]}' in the sentence; --material overrides"
+    return SaidMaterial(kinds[hard[0]], hard[0], (note,))
 
 
 def _locate(prompt: str, brief: SceneBrief, words: tuple[str, ...]) -> list[MaterialMention]:

@@ -80,6 +80,8 @@ def compile_strike(task: Task) -> None:
     if rises and event.motion.tumbles:
         spin_aloft(task, find_lean_axis(task.brief.directions.toward, task.brief))
     rise, fall = divide(window, [1.0, 1.0])
+    if count > 1:  # every one of them is a rise
+        rise, fall = window, divide(window, [1.0] * 2 * count)[-1]
     task.expect(
         MotionKind.SWAY if swings else MotionKind.MOVE,
         way,

@@ -103,8 +103,8 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
     elif effect is Effect.TOPPLE and _is_on_its_back(event, brief):
         event.ways = [way for way in event.ways if way.text.lower() != "back"]
         phrase = "turn over"
-    elif effect is Effect.ROLL and has_wheels(brief):
-        phrase = "push"  # its wheels turn, and it does not
+    elif (effect is Effect.ROLL or motion.steps) and has_wheels(brief):
+        phrase = "cruise"  # its wheels turn, and it does not
     elif effect is Effect.SWELL and (told or event.pick(WayKind.LINE, WayKind.PLANE)):
         return replace(motion, effect=Effect.SCALE), phrase  # "expands horizontally", "grows upwards"
     else:
@@ -136,7 +136,7 @@ def _is_on_its_back(event: Event, brief: SceneBrief) -> bool:
 
 def has_wheels(brief: SceneBrief) -> bool:
     """Return whether it rolls on wheels, and so stays upright when it is rolled."""
-    return not read_lexicon().wheeled.isdisjoint(re.findall(r"[^\W\d_]+", brief.object_name.lower()))
+    return brief.object_kind == "vehicle" or not read_lexicon().wheeled.isdisjoint(re.findall(r"[^\W\d_]+", brief.object_name.lower()))
 
 
 def _resolve_strength(event: Event, before: Event | None) -> None:

@@ -81,6 +81,7 @@ class Motion:
         quick: Whether it is over in an instant.
         pose: The side that points down as it falls; empty = none in particular.
         taps: Whether it is a blow to what is soft.
+        steps: Whether it goes on feet: what has wheels rolls instead.
         skill: Name of the skill that it stands for; None = what its effect is compiled to.
     """
 
@@ -116,6 +117,7 @@ class Motion:
     quick: bool = False
     pose: Side | Literal[""] = ""
     taps: bool = False
+    steps: bool = False
     skill: str | None = None
 
     @property
@@ -213,6 +215,7 @@ class Lexicon:
     ends: dict[str, Names]
     axes: dict[str, Names]
     planes: dict[str, Names]
+    own_ways: dict[str, Names]
     sides: dict[str, Literal["both", "all"]]
     senses: dict[str, int]
     views: dict[str, Names]
