@@ -203,6 +203,8 @@ class ExpectedMotion(Strict):
         even: True if it is to go at one speed ("evenly", "at a constant speed").
         leaves_place: True if a move takes the object as a whole from its place: it is thrown, it jumps, it slides or
             is carried, or it goes a told distance. False for what may as well bend an object whose foot is held.
+        put_back: True if a move brings it back to where it was, or down to what it stood on.
+        may_stop_short: True if a turn over may as well end on its back: no number tells how far.
         manner: How it goes on.
         amount: A quantity that the sentence names; None = none.
     """
@@ -221,6 +223,8 @@ class ExpectedMotion(Strict):
     stays: bool = False
     even: bool = False
     leaves_place: bool = False
+    put_back: bool = False
+    may_stop_short: bool = False
     manner: SeenManner = ""
     amount: Amount | None = None
     words: str = ""

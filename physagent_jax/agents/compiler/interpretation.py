@@ -125,7 +125,8 @@ def _join_cause(event: Event) -> tuple[Motion, str]:
     if (verb.generic and verb.effect is Effect.PUSH) or struck or quakes:
         return cause, event.cause_phrase
     skill = cause.skill if verb.effect is cause.effect else verb.skill  # "a vortex spins it"
-    return replace(verb, brief=verb.brief or cause.brief, skill=skill), event.phrase
+    cycles = max(verb.cycles, cause.cycles)  # "it shakes in an earthquake"
+    return replace(verb, brief=verb.brief or cause.brief, skill=skill, cycles=cycles), event.phrase
 
 
 def _is_on_its_back(event: Event, brief: SceneBrief) -> bool:

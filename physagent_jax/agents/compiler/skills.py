@@ -21,10 +21,10 @@ from physagent_jax.forces.schema import ActionType
 from physagent_jax.forces.skills import find_skill
 from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.axes import find_lean_axis
-from physagent_jax.motion.efforts import find_strain_magnitude, find_swing_magnitude
+from physagent_jax.motion.efforts import find_lengths, find_strain_magnitude, find_swing_magnitude
 from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.schema import MotionKind
-from physagent_jax.motion.swaying import bend, find_bend, fold, leads_aside, lies, rock, shake, sway
+from physagent_jax.motion.swaying import bend, find_bend, fold, leads_aside, lies, rock, shake, sway, walk
 from physagent_jax.motion.vectors import dot, normalise, scale
 from physagent_jax.motion.windows import Window, divide, divide_swings
 
@@ -59,8 +59,14 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
 
 
 def _compile_push(task: Task) -> None:
-    if task.event.repeat.alternate:
+    event, builder, (first, last) = task.event, task.builder, task.window
+    if event.repeat.alternate:
         _compile_sway(task)
+    elif event.motion.steps and builder.grounded and not (builder.anchored or event.region) and last > first:
+        count = task.limit_count(event.motion.cycles)
+        lengths = find_lengths(event.amount, task.brief)
+        builder.constraints += walk(task.brief, task.direction, event.strength, count, task.window, lengths)
+        task.expect(MotionKind.MOVE, task.direction, task.window, leaves_place=True)
     else:
         _compile_by_skill(task, ActionType.TRANSLATION.value)
 

@@ -94,6 +94,8 @@ class Task:
             "manner": event.motion.manner,
             "even": (event.clause.pace == "even" or event.motion.floats or event.is_quick)
             and kind in (MotionKind.MOVE, MotionKind.ROTATE),
+            "put_back": event.motion.puts_back or event.is_back,
+            "may_stop_short": event.motion.loose and not (event.clause.quantities or event.clause.repetitions),
             "amount": event.amount or self._find_duration(),
         }
         for limb in event.limbs or (None,):

@@ -82,6 +82,8 @@ class Motion:
         pose: The side that points down as it falls; empty = none in particular.
         taps: Whether it is a blow to what is soft.
         steps: Whether it goes on feet: what has wheels rolls instead.
+        puts_back: Whether it ends where it was before.
+        loose: Whether its angle is only about so large.
         skill: Name of the skill that it stands for; None = what its effect is compiled to.
     """
 
@@ -118,6 +120,8 @@ class Motion:
     pose: Side | Literal[""] = ""
     taps: bool = False
     steps: bool = False
+    puts_back: bool = False
+    loose: bool = False
     skill: str | None = None
 
     @property

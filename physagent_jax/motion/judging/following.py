@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import re
 from collections.abc import Callable
 
 from physagent_jax.core.turning import find_turning_points
@@ -38,7 +37,6 @@ _REST_SHARE = {False: 0.75, True: 0.4}
 """Share of the moving end's motion that the other may show: a part drags the rest along; an excepted one hardly
 moves."""
 _PRESSED_REST = 0.15  # the same of an end that is pressed or drawn along itself
-_ROLLS_OVER = re.compile(r"\broll\w*\b(?!.*(\d|full|complete|whole|degree|turn)).*\bover\b")
 _TO_ITS_BACK = 210.0  # [degrees] short of a whole turn, what rolls over has come to lie on its back
 _ASKEW = 15.0  # [degrees] off an angle that is only told from what is foreshortened, and half of a small one
 _WORDS = read_words()
@@ -100,7 +98,7 @@ def _check_quantity(asked: Asked) -> list[Check]:
         return _check_duration(asked, tolerance)
     if tolerance.unit == "degrees" and asked.askew:
         tolerance = tolerance.widened(min(_ASKEW, 0.5 * motion.amount.value))
-    if tolerance.unit == "degrees" and _ROLLS_OVER.search(motion.words.lower()):
+    if tolerance.unit == "degrees" and motion.may_stop_short:
         tolerance = dataclasses.replace(tolerance, low=min(tolerance.low, motion.amount.value - _TO_ITS_BACK))
     until, figure = asked.until if motion.released or motion.sudden else last, asked.figure
     if tolerance.unit == "degrees" and motion.kind is not MotionKind.ROTATE:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 
 from physagent_jax.core.strict import Vector
@@ -28,7 +27,6 @@ _DOWN = 0.7  # cosine
 _FIRST = 0.15  # of the farthest excursion: what is seen of a motion first
 _KEPT = 0.4  # of the farthest excursion that a free thing has left where it ends
 _SINKS = 0.4  # share of what its middle sinks by as it tips over that is seen at least
-_PUT_BACK = re.compile(r"\b(set|put|place|lay|bring|return|let)\b.*\b(down|back)\b")
 _ALL_BACK = 1.25  # of the way that it had come: something that is put back where it was may go so far
 _ASIDE = 0.22  # [body lengths] that it may wander to either side as it tips over
 _LANDED = 0.8  # of its way down, from where on what topples lies
@@ -104,7 +102,7 @@ def check_move(asked: Asked) -> list[Check]:
         tolerance = replace(tolerance.scaled(_TIPPED, least=tolerances.LEAST), high=2.0 * tolerance.high)
     if asked.obstacle is not None:
         tolerance = tolerance.limited(asked.obstacle.distance)
-    if direction is not None and _PUT_BACK.search(motion.words.lower()):
+    if direction is not None and motion.put_back:
         there = asked.course(0, first)  # however gently, it goes all the way back
         come = -dot(there[-1][1], direction) if there else 0.0
         tolerance = replace(tolerance, high=max(tolerance.high, _ALL_BACK * come))
