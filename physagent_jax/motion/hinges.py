@@ -17,6 +17,7 @@ from physagent_jax.motion.vectors import add, cross, dot, norm, normalise, scale
 _NEAR = 0.06  # [body lengths] beyond the least distance, within which a piece touches the rest
 _OFF = 0.25  # of its reach across the hinge, by which its middle is away from it at least
 _LONG = 2.5  # length of a hinge over its breadth, at least
+_STEPS = 20  # of the search for the direction of a hinge
 _GAP = 4.0  # [degrees] that are left where it is closed
 _OPENED, _FURTHER = 100.0, 30.0  # [degrees] by which it opens, and what stands open already
 _OPEN = 45.0  # [degrees] to the rest from which on it stands open
@@ -51,7 +52,7 @@ def find_hinge(part: Part, brief: SceneBrief) -> Hinge | None:
     inside, outside = ([_stretch(seed, box) for seed in seeds] for seeds in (part.moved.inside, part.moved.outside))
     near = [min(math.dist(a, b) for b in outside) for a in inside]
     touching = [a for a, distance in zip(inside, near) if distance < min(near) + _NEAR]
-    place, middle, rest = map(_average, (touching, inside, outside))
+    place, middle, rest = _average(touching), _find_middle(inside), _find_middle(outside)
     line = _find_line(touching, place)
     if line is None:
         return None
@@ -63,6 +64,12 @@ def find_hinge(part: Part, brief: SceneBrief) -> Hinge | None:
     angle = math.degrees(math.atan2(norm(cross(arm, other)), dot(arm, other)))
     x, y, z = (a / b for a, b in zip(place, box))
     return Hinge((x, y, z), scale(line, 1.0 if dot(line, axis) > 0 else -1.0), angle)
+
+
+def find_hinged(brief: SceneBrief) -> tuple[int, ...]:
+    """The place in the brief's parts of what opens and closes, where none is named: the highest with a hinge."""
+    hinged = [index for index, part in enumerate(brief.parts) if find_hinge(part, brief)]
+    return tuple(sorted(hinged, key=lambda index: -brief.parts[index].side[2])[:1])
 
 
 def _find_box(brief: SceneBrief) -> Vector:
@@ -83,15 +90,23 @@ def _average(places: list[Vector]) -> Vector:
     return scale(add(places), 1.0 / len(places))
 
 
+def _find_middle(places: list[Vector]) -> Vector:
+    """The middle of the box around places, which are denser where parts meet."""
+    x, y, z = (0.5 * (min(along) + max(along)) for along in zip(*places))
+    return x, y, z
+
+
 def _reject(way: Vector, line: Vector) -> Vector:
     return subtract(way, scale(line, dot(way, line)))
 
 
 def _find_line(places: list[Vector], middle: Vector) -> Vector | None:
     """The line along which places lie (unit vector); None if they are as broad as they are long."""
-    far = max(places, key=lambda place: math.dist(place, middle))
-    line = normalise(subtract(far, middle))
+    ways = [subtract(place, middle) for place in places]
+    line = normalise(max(ways, key=norm))
+    for _ in range(_STEPS):  # towards the direction in which they are spread most
+        line = line and normalise(add(scale(way, dot(way, line)) for way in ways))
     if line is None:
         return None
-    broad = max(norm(_reject(subtract(place, middle), line)) for place in places)
-    return line if math.dist(far, middle) > _LONG * broad else None
+    broad = max(norm(_reject(way, line)) for way in ways)
+    return line if max(abs(dot(way, line)) for way in ways) > _LONG * broad else None

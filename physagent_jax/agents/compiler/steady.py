@@ -194,7 +194,12 @@ def add_steady(task: Task, kind: ActionType, vector: Vector, magnitude: float) -
     """Adds a force or torque over the window, braked in its second half if need be; returns where it acts."""
     event, window, builder = task.event, task.window, task.builder
     lasts, stops = event.when.lasts, task.needs_brake
-    if event.motion.brief and lasts is None and not stops:  # what is braked needs its time
+    gentle = event.effect is Effect.PUSH and event.strength < 1 and builder.grounded and not builder.anchored
+    if gentle and not (stops or lasts or event.limbs or event.is_in_wind or event.clause.pace):
+        # It goes as far as its word promises, and stops.
+        share = math.sqrt((find_word_effort(event.strength, event.effect) or 1.0) / event.strength)
+        window = (window[0], window[0] + max(share * (window[1] - window[0]), min(1.0, builder.brief.last)))
+    elif event.motion.brief and lasts is None and not stops:  # what is braked needs its time
         window = shorten(window, builder.brief.last)
     told = lasts is not None and lasts.unit != "clip" and not event.when.within
     brakes = stops and not told
