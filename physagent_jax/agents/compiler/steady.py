@@ -16,7 +16,7 @@ from physagent_jax.agents.compiler.events import BY_DEFAULT, Event
 from physagent_jax.agents.compiler.schedule import find_frames, has_to_stop
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.calibration import GAIN_MAX, MAGNITUDE_MAX, MAGNITUDE_MIN, TURN, find_magnitude
+from physagent_jax.forces.calibration import GAIN_MAX, GAIN_MIN, MAGNITUDE_MAX, MAGNITUDE_MIN, TURN, find_magnitude
 from physagent_jax.forces.description import describe_entry
 from physagent_jax.forces.schema import Action, ActionType
 from physagent_jax.motion.efforts import find_held_magnitude, find_spin
@@ -70,7 +70,7 @@ class Task:
             action_type=kind,
             vector=vector,
             magnitude=size if magnitude > 0 else -size,
-            gain=round(clamp(abs(magnitude) / size, 1.0, GAIN_MAX), 3) if gains else 1.0,
+            gain=round(clamp(abs(magnitude) / size, GAIN_MIN, GAIN_MAX), 3) if gains else 1.0,
             active_time=builder.fit_window(window),
             region=event.region,
         )
@@ -94,7 +94,7 @@ class Task:
             "manner": event.motion.manner,
             "even": (event.clause.pace == "even" or event.motion.floats or event.is_quick)
             and kind in (MotionKind.MOVE, MotionKind.ROTATE),
-            "put_back": event.motion.puts_back or event.is_back,
+            "put_back": event.motion.puts_back or event.is_back and window[0] > 0,
             "may_stop_short": event.motion.loose and not (event.clause.quantities or event.clause.repetitions),
             "amount": event.amount or self._find_duration(),
         }
@@ -143,6 +143,13 @@ class Task:
         """Return whether something keeps it up: what was planned last raised it."""
         last, up = self.builder.expectations[-1:], self.brief.directions.up
         return any(each.kind is MotionKind.MOVE and dot(each.direction or up, up) > 0.5 for each in last)
+
+    @property
+    def is_gentle(self) -> bool:
+        """Return whether something on the ground is pushed gently: no farther than that promises."""
+        event, builder = self.event, self.builder
+        pushed = event.effect is Effect.PUSH and event.strength < 1 and not (event.limbs or event.is_in_wind)
+        return pushed and builder.grounded and not (builder.anchored or event.region or event.when.lasts)
 
     @property
     def needs_brake(self) -> bool:
@@ -194,17 +201,12 @@ def add_steady(task: Task, kind: ActionType, vector: Vector, magnitude: float) -
     """Adds a force or torque over the window, braked in its second half if need be; returns where it acts."""
     event, window, builder = task.event, task.window, task.builder
     lasts, stops = event.when.lasts, task.needs_brake
-    gentle = event.effect is Effect.PUSH and event.strength < 1 and builder.grounded and not builder.anchored
-    if gentle and not (stops or lasts or event.limbs or event.is_in_wind or event.clause.pace):
-        # It goes as far as its word promises, and stops.
-        share = math.sqrt((find_word_effort(event.strength, event.effect) or 1.0) / event.strength)
-        window = (window[0], window[0] + max(share * (window[1] - window[0]), min(1.0, builder.brief.last)))
-    elif event.motion.brief and lasts is None and not stops:  # what is braked needs its time
+    if event.motion.brief and lasts is None and not stops:  # what is braked needs its time
         window = shorten(window, builder.brief.last)
     told = lasts is not None and lasts.unit != "clip" and not event.when.within
     brakes = stops and not told
     speed_up, slow_down = halve(window)
-    gains = kind is ActionType.TORQUE and task.spin is not None
+    gains = kind is ActionType.TORQUE and task.spin is not None or task.is_gentle
     frames = slow_down[1] - speed_up[0] if brakes else window[1] - window[0]
     magnitude *= _find_dose(task, magnitude, frames * builder.brief.frame_dt, brakes)
     if builder.anchored and task.is_reached_within and not task.after:
@@ -250,7 +252,7 @@ def _find_dose(task: Task, magnitude: float, seconds: float, braked: bool) -> fl
         effort = find_effort(event.amount, event.effect, brief)
         if event.amount is None and task.spin is not None:
             effort = math.radians(task.spin) / TURN
-        elif event.amount is None and braked:
+        elif event.amount is None and (braked or task.is_gentle):
             effort = find_word_effort(event.strength, event.effect)
         shortest = max(seconds, brief.frame_dt)
         wanted = effort and find_magnitude(effort, shortest, brief.seconds, braked=braked)

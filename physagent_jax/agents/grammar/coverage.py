@@ -102,7 +102,8 @@ class _Spot:
 def sort_words(mentions: list[Mention], names: frozenset[str], brief: SceneBrief) -> Coverage:
     """The unknown words of a sentence by whether they may bear on the motion; ``names`` are words for the object."""
     named = any(mention.phrase in names for mention in mentions)
-    nameless, own = not is_telling(brief.object_name), brief.object_kind == UNKNOWN_KIND
+    nameless = not is_telling(brief.object_name)
+    own = bool(brief.object_nouns) and brief.object_kind == UNKNOWN_KIND  # it may be called anything
     found: dict[str, list[str]] = {"ignored": [], "doubtful": [], "parts": [], "taken": []}
     seen: set[str] = set()
     for spot in _list_spots(mentions, names):
