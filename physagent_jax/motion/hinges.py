@@ -49,7 +49,9 @@ def find_hinge(part: Part, brief: SceneBrief) -> Hinge | None:
     if not part.moved.rigid:
         return None
     box = _find_box(brief)
-    inside, outside = ([_stretch(seed, box) for seed in seeds] for seeds in (part.moved.inside, part.moved.outside))
+    inside, outside = (
+        [_stretch(seed, box) for seed in seeds] for seeds in (part.moved.inside, part.moved.outside)
+    )
     near = [min(math.dist(a, b) for b in outside) for a in inside]
     touching = [a for a, distance in zip(inside, near) if distance < min(near) + _NEAR]
     place, middle, rest = _average(touching), _find_middle(inside), _find_middle(outside)

@@ -19,7 +19,7 @@ from physagent_jax.forces.schema import CellsRegion
 Manner = Literal["", "bend", "rock", "wobble", "shake", "fly", "fold", "crumple", "hinge"]
 """The manner of a motion: it bends over its foot, which stays; it tilts over the edges of its foot as a whole; its foot
 stays and its own stiffness does the rest; it goes to and fro, foot and all; it leaves the ground; one half
-goes over the other; it is pressed from one side after another; it turns about the edge at which it is joined; or any ("")."""
+goes over the other; it is pressed from one side after another; it turns about its hinge; or any ("")."""
 SeenManner = Manner | Literal["spin"]
 """The same of what is to be seen; what spins shows all of its sides."""
 LAST_FRAME = 1e5

@@ -106,7 +106,9 @@ def _find_named_kind(prompt: str, brief: SceneBrief) -> SaidMaterial | None:
     hard = [noun for noun, kind in kinds.items() if is_hard(kind)]
     if brief.object_kind not in (UNKNOWN, "toy") or not hard:
         return None
-    note = f"material: that of the kind '{kinds[hard[0]]}', by '{hard[0]}' in the sentence; --material overrides"
+    note = (
+        f"material: that of the kind '{kinds[hard[0]]}', by '{hard[0]}' in the sentence; --material overrides"
+    )
     return SaidMaterial(kinds[hard[0]], hard[0], (note,))
 
 

@@ -186,8 +186,8 @@ PRIORS: dict[str, Prior] = {
         hard=True,
     ),
     "tool": Prior(
-        ("tool", "hammer", "axe", "wrench", "spanner", "shovel", "spade", "saw", "knife", "sword", "screwdriver", "pliers",
-         "drill", "rake", "pickaxe", "anvil"),
+        ("tool", "hammer", "axe", "wrench", "spanner", "shovel", "spade", "saw", "knife", "sword", "screwdriver",
+         "pliers", "drill", "rake", "pickaxe", "anvil"),
         2e5, 0.3, 500.0,
         "wood and steel; they are 1e5 times stiffer: chosen for visible motion",
         damping_ratio=0.01,

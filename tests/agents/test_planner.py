@@ -746,7 +746,9 @@ def test_a_push_that_tips_it_over_need_not_take_it_away():
 def test_what_is_set_down_gently_goes_all_the_way_it_was_lifted():
     half = LAST / 2
     lift = expected(direction=UP, window=(0, half), words="lift")
-    down = expected(direction=DOWN, window=(half, LAST), strength=0.5, put_back=True, words="set it down gently")
+    down = expected(
+        direction=DOWN, window=(half, LAST), strength=0.5, put_back=True, words="set it down gently"
+    )
     seen = show(lambda t: (0, 0, 0.6 * (ramp(t, 0, half) - ramp(t, half, LAST))))
     assert passes((lift, down), seen, brief(world="ground"))
     lower = down.model_copy(update={"put_back": False, "words": "lower it slightly"})

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 
 from physagent_jax.agents import intent
@@ -14,7 +13,7 @@ from physagent_jax.agents.lexicon import NAMED, Effect, Motion, Repeat, read_lex
 from physagent_jax.agents.materials import LIMP
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.part import is_plural
+from physagent_jax.forces.part import is_plural, split_name
 from physagent_jax.forces.slabs import make_end_region, make_middle_region
 from physagent_jax.motion.attitudes import has_back_on_top
 from physagent_jax.motion.axes import find_lean_axis
@@ -138,7 +137,9 @@ def _is_on_its_back(event: Event, brief: SceneBrief) -> bool:
 
 def has_wheels(brief: SceneBrief) -> bool:
     """Return whether it rolls on wheels, and so stays upright when it is rolled."""
-    return brief.object_kind == "vehicle" or not read_lexicon().wheeled.isdisjoint(re.findall(r"[^\W\d_]+", brief.object_name.lower()))
+    return brief.object_kind == "vehicle" or not read_lexicon().wheeled.isdisjoint(
+        split_name(brief.object_name)
+    )
 
 
 def _resolve_strength(event: Event, before: Event | None) -> None:

@@ -14,7 +14,7 @@ from physagent_jax.agents.compiler.blows import (
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
 from physagent_jax.agents.compiler.events import WayKind
 from physagent_jax.agents.compiler.schedule import Slot
-from physagent_jax.agents.compiler.steady import Task, add_steady, make_impulse_window, shorten
+from physagent_jax.agents.compiler.steady import Task, add_steady
 from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, QUICK, SWING
 from physagent_jax.forces.schema import ActionType
@@ -26,7 +26,7 @@ from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.swaying import bend, find_bend, fold, leads_aside, lies, rock, shake, sway, walk
 from physagent_jax.motion.vectors import dot, normalise, scale
-from physagent_jax.motion.windows import Window, divide, divide_swings
+from physagent_jax.motion.windows import Window, divide, divide_swings, make_impulse_window, shorten
 
 _UPRIGHT = 0.7  # cosine
 _LEAN = 0.5  # torque of a lean relative to a full turn

@@ -16,17 +16,22 @@ from physagent_jax.agents.compiler.events import BY_DEFAULT, Event
 from physagent_jax.agents.compiler.schedule import find_frames, has_to_stop
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.calibration import GAIN_MAX, GAIN_MIN, MAGNITUDE_MAX, MAGNITUDE_MIN, TURN, find_magnitude
+from physagent_jax.forces.calibration import (
+    GAIN_MAX,
+    GAIN_MIN,
+    MAGNITUDE_MAX,
+    MAGNITUDE_MIN,
+    TURN,
+    find_magnitude,
+)
 from physagent_jax.forces.description import describe_entry
 from physagent_jax.forces.schema import Action, ActionType
 from physagent_jax.motion.efforts import find_held_magnitude, find_spin
 from physagent_jax.motion.schema import Amount, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import clamp, dot, normalise, scale
-from physagent_jax.motion.windows import Window, halve
+from physagent_jax.motion.windows import Window, halve, shorten
 
 SHORTEST_STROKE, _SHORTEST_SWING = 2.0, 4.0  # frames; faster ones alias in the pictures
-IMPULSE_FRAMES = 1.0
-GUST = 0.3  # part of its window during which a gust impulses
 _DRIFTS = "The object is free and would drift on: it is braked"
 BRAKED_BEFORE = f"{_DRIFTS} before what follows."
 
@@ -95,7 +100,8 @@ class Task:
             "even": (event.clause.pace == "even" or event.motion.floats or event.is_quick)
             and kind in (MotionKind.MOVE, MotionKind.ROTATE),
             "put_back": event.motion.puts_back or event.is_back and window[0] > 0,
-            "may_stop_short": event.motion.loose and not (event.clause.quantities or event.clause.repetitions),
+            "may_stop_short": event.motion.loose
+            and not (event.clause.quantities or event.clause.repetitions),
             "amount": event.amount or self._find_duration(),
         }
         for limb in event.limbs or (None,):
@@ -226,11 +232,6 @@ def add_steady(task: Task, kind: ActionType, vector: Vector, magnitude: float) -
     return window
 
 
-def shorten(window: Window, last: float) -> Window:
-    """The part of a window in which a gust or a burst acts."""
-    return (window[0], window[0] + max(GUST * (window[1] - window[0]), min(1.0, last)))
-
-
 def _brake_after(task: Task, kind: ActionType, vector: Vector, magnitude: float, window: Window) -> None:
     """Adds the brake behind a told time."""
     first, end = round(window[0]), round(window[1])
@@ -257,8 +258,3 @@ def _find_dose(task: Task, magnitude: float, seconds: float, braked: bool) -> fl
         shortest = max(seconds, brief.frame_dt)
         wanted = effort and find_magnitude(effort, shortest, brief.seconds, braked=braked)
     return 1.0 if wanted is None else max(wanted, 1e-3) / abs(magnitude)
-
-
-def make_impulse_window(at: float) -> Window:
-    """The shortest window that begins nearest to ``at``."""
-    return (float(round(at)), round(at) + IMPULSE_FRAMES)

@@ -182,7 +182,7 @@ def is_look(word: str) -> bool:
 
 
 def _is_named_here(spot: _Spot, named: bool, taken: list[str]) -> bool:
-    """Return whether a noun is the object of a sentence that does not name it otherwise: "knock the chess piece over"."""
+    """Return whether a noun is the object, which is not named otherwise: "knock the chess piece over"."""
     done_to = spot.get(-1) in get_set("determiners") and spot.get(-2) not in get_set("prepositions")
     verb, before = spot.skip(1, get_set("auxiliaries")), spot.mentions[spot.begin : spot.index]
     noun = has_motion(before) or verb is not None and verb.kind in MOTIONS  # "the gizmo zorps": a verb
@@ -323,7 +323,8 @@ def _is_describing(spot: _Spot) -> bool:
     noun = spot.skip(1)
     if noun is None:
         return False
-    known = noun.phrase in spot.names | get_set("stand_ins") or noun.form in LEXICON.scene_nouns or noun.kind is MentionKind.PLACE
+    known = noun.phrase in spot.names | get_set("stand_ins") or noun.form in LEXICON.scene_nouns
+    known = known or noun.kind is MentionKind.PLACE
     return known or noun.motion is not None and noun.motion.wind
 
 
