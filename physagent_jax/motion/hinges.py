@@ -37,11 +37,11 @@ class Hinge:
     axis: Vector
     angle: float
 
-    def find_turn(self, opens: bool) -> tuple[Vector, float]:
-        """The axis and the angle [degrees] by which it opens, or closes."""
-        if opens:
-            return scale(self.axis, -1.0), _FURTHER if self.angle > _OPEN else _OPENED
-        return self.axis, max(self.angle - _GAP, _GAP)
+    def find_angle(self, axis: Vector | None) -> float:
+        """The angle by which it opens or closes about an axis [degrees]."""
+        if axis is not None and dot(axis, self.axis) < 0:
+            return _FURTHER if self.angle > _OPEN else _OPENED
+        return max(self.angle - _GAP, _GAP)
 
 
 def find_hinge(part: Part, brief: SceneBrief) -> Hinge | None:

@@ -103,8 +103,9 @@ def tell_material(
 def _find_named_kind(prompt: str, brief: SceneBrief) -> SaidMaterial | None:
     """The hard kind of matter that the sentence's noun for the object tells where its name tells none: "the statue"."""
     kinds = {noun: guess_kind(noun) for noun in find_nouns(prompt, brief)}
-    hard = [noun for noun, kind in kinds.items() if is_hard(kind)]
-    if brief.object_kind not in (UNKNOWN, "toy") or not hard:
+    may = {UNKNOWN: PRIORS.keys(), "toy": {"statue"}}.get(brief.object_kind, ())
+    hard = [noun for noun, kind in kinds.items() if is_hard(kind) and kind in may]
+    if not hard:
         return None
     note = (
         f"material: that of the kind '{kinds[hard[0]]}', by '{hard[0]}' in the sentence; --material overrides"

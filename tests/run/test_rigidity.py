@@ -51,7 +51,8 @@ def place(table, prompt, **parts):
     "prompt",
     ["push the stool to the left", "drop the stool", "throw the stool up into the air", "spin the stool around",
      "lift the stool up and hold it there", "the stool stands still", "hit the stool hard from the left",
-     "tip the stool over to the left", "knock the stool over"],
+     "tip the stool over to the left", "knock the stool over", "shake the stool",
+     "the stool shakes in an earthquake and then stands still"],
 )  # fmt: skip
 def test_what_is_hard_and_moved_as_a_whole_is_rigid(table, prompt):
     template, _ = place(table, prompt)
@@ -77,6 +78,28 @@ def test_what_is_hard_and_moved_as_a_whole_is_rigid(table, prompt):
 )
 def test_what_changes_its_shape_is_not(table, prompt):
     assert place(table, prompt)[0].material.model is not RIGID
+
+
+@pytest.mark.parametrize(
+    ("prompt", "rigid"),
+    [
+        ("the statue is hit from the left", True),
+        ("the statue shakes in an earthquake", True),
+        ("the chair is hit from the left", True),
+        ("a foam statue is hit from the left", False),
+        ("the figure is hit from the left", False),
+        ("it is hit by a statue from the left", False),
+    ],
+)
+def test_a_noun_for_something_hard_tells_what_a_nameless_thing_is_made_of(table, prompt, rigid):
+    """What is hard bears its weight, so that it is not held and bent."""
+    path, body = table
+    thing = {"path": str(path), "up": "+z", "kind": "object"}
+    run = resolve(small(path, prompt, object=thing, frames=30, particles=1500))
+    reply = read_for_scene(run, body, with_rules().semantic.compile).value
+    template, notes = run.place(body, reply)
+    assert (RIGID_NOTE in notes) is rigid
+    assert not rigid or template.anchor.kind == "none" and run.find_hold(reply, body) is None
 
 
 @pytest.mark.parametrize(
@@ -126,7 +149,7 @@ def test_a_field_without_a_sentence_keeps_the_kinds_stiffness(table):
 
 
 def test_hard_are_kinds_and_materials_that_nobody_sees_bend():
-    assert KINDS == {"instrument", "furniture", "vessel", "vehicle"}
+    assert KINDS == {"instrument", "furniture", "vessel", "vehicle", "statue", "tool"}
     hard = {name for name, entry in LIBRARY.items() if is_hard(entry.material)}
     assert {"steel", "glass", "concrete", "oak"} & set(LIBRARY) <= hard
     assert not {"rubber", "cork", "sand", "water", "jelly", "snow"} & hard

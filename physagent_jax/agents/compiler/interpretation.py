@@ -381,10 +381,8 @@ def _swing_on_hinge(event: Event, brief: SceneBrief) -> bool:
     if (hinge := find_hinge(brief.parts[event.limbs[0]], brief)) is None:
         event.motion = replace(event.motion, manner="")
         return False
-    axis, angle = hinge.find_turn(event.motion.direction == "up")
-    event.motion = replace(event.motion, effect=Effect.TURN)
-    event.amount = event.amount or Amount(value=round(angle, 1), unit="degrees")
-    _turn(event, axis, "about its hinge")
+    event.motion, opens = replace(event.motion, effect=Effect.TURN), event.motion.direction == "up"
+    _turn(event, scale(hinge.axis, -1.0 if opens else 1.0), "about its hinge")
     return True
 
 

@@ -206,7 +206,11 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     """Principal strains where none was asked for; the volume, if a stretch or squeeze was."""
     tensors = _list_tensors(view)
     axial = [e for e in asked if e.kind in AXIAL]
-    if not tensors or any(e.direction is None for e in axial) or any(e.manner == "fold" for e in asked):
+    if (
+        not tensors
+        or any(e.direction is None for e in axial)
+        or any(e.manner in ("fold", "hinge") for e in asked)
+    ):
         return []
     sigma = view.sigma("stretch")
     if axial:
