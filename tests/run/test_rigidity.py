@@ -92,7 +92,7 @@ def test_what_changes_its_shape_is_not(table, prompt):
     ],
 )
 def test_a_noun_for_something_hard_tells_what_a_nameless_thing_is_made_of(table, prompt, rigid):
-    """What is hard bears its weight, so that it is not held and bent."""
+    """A hard thing bears its weight, so that it is not held and bent."""
     path, body = table
     thing = {"path": str(path), "up": "+z", "kind": "object"}
     run = resolve(small(path, prompt, object=thing, frames=30, particles=1500))
