@@ -13,7 +13,8 @@ import numpy as np
 
 from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.regions import make_region_mask
-from physagent_jax.scene.parts.regions import Frame, Regions, is_figure_on_base, read_places
+from physagent_jax.scene.parts.figures import is_figure_on_base
+from physagent_jax.scene.parts.regions import Frame, Regions, read_places
 
 
 def find_places(
