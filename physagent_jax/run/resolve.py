@@ -40,7 +40,7 @@ from physagent_jax.scene.config.material import MODEL_PARAMETERS
 from physagent_jax.scene.config.photo import ELEVATION
 from physagent_jax.scene.load import hash_file, is_photo
 from physagent_jax.scene.part_view import find_part_motion, turn_to_parts
-from physagent_jax.scene.parts import Frame, find_aliases, find_places
+from physagent_jax.scene.parts import Frame, find_aliases, find_places, guess_parts
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import (
     PRIORS,
@@ -105,6 +105,7 @@ class ResolvedRun:
             word for part in known if part.stands_for and " " in part.name for word in split_name(part.name)
         }
         words = [word for word in split_name(prompt) if word not in named]
+        known = (*known, *guess_parts(body.shape, known, words, viewer))
         places = find_places(body.shape, known, words, name, viewer)
         return (*known, *places, *find_aliases(body.shape, places, prompt, name, viewer.toward))
 

@@ -16,6 +16,7 @@ from physagent_jax.forces.schema import CellsRegion
 from physagent_jax.scene.parts.cells import spread
 
 _BASED = 0.3  # length over the object's, above which what is on top is no head but a figure on its base
+_LEAST = 0.004  # share of a figure that a part of it has: less is a speck of the capture
 _MOST_SEEDS = 256  # of a region
 _BASE_SEEDS = 48  # that tell the base from a part of the figure
 _HEADS = frozenset(("head", "top", "lid", "crown"))  # roles of what is on top of a figure
@@ -45,8 +46,10 @@ def add_figure(
     if mask.sum() < 2 or mask.all():
         return tuple(parts)
     frame = _Frame(points, points[mask], spread(points[~mask], _BASE_SEEDS))
-    found = [frame.move(part, role) for part in find(points[mask]) for role in _name(part)]
-    plain = figures[0].model_copy(update=dict(roles=("top",)))
+    told = [part for part in find(points[mask]) if part.share > _LEAST]
+    found = [frame.move(part, role) for part in told for role in _name(part)]
+    headed = any(part.roles == ("head",) for part in found)
+    plain = figures[0].model_copy(update=dict(roles=("top",) if headed else figures[0].roles))
     return (*(plain if part is figures[0] else part for part in parts), *found)
 
 

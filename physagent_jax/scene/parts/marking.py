@@ -14,6 +14,7 @@ from physagent_jax.scene.parts.digits import name_digits
 from physagent_jax.scene.parts.ends import find_ends
 from physagent_jax.scene.parts.evidence import weigh
 from physagent_jax.scene.parts.figures import add_figure
+from physagent_jax.scene.parts.heading import find_overhang
 from physagent_jax.scene.parts.lattice import Lattice, make_lattice
 from physagent_jax.scene.parts.limbs import PLAIN, Limb, add_blunt, find_limbs, measure
 from physagent_jax.scene.parts.roles import Roles
@@ -37,7 +38,9 @@ def find_parts(points: np.ndarray) -> tuple[Part, ...]:
     Returns:
         Parts with at least one role each; none for an object without limbs.
     """
-    return add_figure(points, _find_own(points), _find_own)
+    front, parts = find_overhang(points), add_figure(points, _find_own(points), _find_own)
+    told = dict(front=None if front is None else tuple(front.tolist()))
+    return tuple(part.model_copy(update=told) for part in parts)
 
 
 def _find_own(points: np.ndarray) -> tuple[Part, ...]:

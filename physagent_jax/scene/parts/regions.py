@@ -92,6 +92,7 @@ class Regions:
                         name=row.get("end", "") + side + word,
                         origin="place",
                         seated=True,
+                        front=None if self._overhang is None else tuple(self._overhang.tolist()),
                         arm=self._find_arm(mask, row, sign),
                     )
                     told |= dict(confidence=1.0 if part is None else part.confidence)
@@ -169,7 +170,7 @@ class Regions:
         every = np.ones(len(self.points), bool)
         upright = self._count("leg") == 2 or not self._count("leg") and self._is_tall()
         upright |= not self._count("leg") and self._count("head") == 1 and self._count("arm") == 2
-        if of == "whole":
+        if of == "whole" or of == "overhang" and self._overhang is not None:
             return [(every, None)]
         if of in ("main", "tower"):
             thing = of == "tower" or not self._is_figure()
@@ -204,7 +205,7 @@ class Regions:
         if not found and of == "head":  # a word for what is on a head tells that there is one
             found = [(m, part) for m, part in zip(self.masks, self.parts) if "head" in part.roles]
             found *= len(found) == 1
-        if not found and of == "head" and upright:
+        if not found and of == "head" and (upright or self._overhang is not None):
             masks = [
                 make_region_mask(each.moved, self.points) for each in self.find("head", read_places()["head"])
             ]
@@ -275,8 +276,11 @@ class Regions:
         away = float(np.linalg.norm(off))
         if away > _OFF * np.ptp(self.points, axis=0).max():
             return off / away
-        overhang = find_overhang(self.points)
-        return self.viewer.toward if overhang is None else overhang
+        return self.viewer.toward if self._overhang is None else self._overhang
+
+    @functools.cached_property
+    def _overhang(self) -> np.ndarray | None:
+        return find_overhang(self.points)
 
     @functools.cached_property
     def _deck(self) -> Deck | None:
