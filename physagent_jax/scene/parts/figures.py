@@ -25,8 +25,8 @@ Seeds = tuple[tuple[float, float, float], ...]
 
 
 def is_figure_on_base(part: Part) -> bool:
-    """Return whether a part on top is so high that it is a figure, and what it stands on its base."""
-    return part.roles[:1] == ("top",) and abs(part.arm[2]) > _BASED
+    """Return whether a part on top is so high that it is a figure, and what it stands on its base: no loose piece."""
+    return part.roles[:1] == ("top",) and abs(part.arm[2]) > _BASED and not part.moved.rigid
 
 
 def add_figure(
