@@ -41,8 +41,8 @@ _SWAYS = 0.6  # of a plain angle, to either side of a limb that goes to and fro
 _ALONG = 0.85  # cosine to the limb from which on a way leads along it
 _REACH = 0.3  # of its length, by which a plain word moves a limb along itself
 _DENTED = 0.6  # the same of a region that is pressed into what it is one skin with
-_DRAWN = 0.08  # [body lengths] that such a region is drawn at least, or by its length, as its border hardly goes along
-_LIMIT = 0.6  # of its length, by which a short limb is drawn at most, so that it is seen
+_DRAWN = 0.12  # [body lengths] that such a region is drawn at least, or by its length, as its border hardly goes along
+_LIMIT = 1.0  # of its length, by which a short limb is drawn at most, so that it is seen
 _PRESSED, _DEEPEST = (
     0.5,
     0.6,

@@ -23,6 +23,7 @@ from physagent_jax.scene.parts import (
     find_groups,
     find_parts,
     find_pieces,
+    join_chains,
     join_parts,
     make_parts,
 )
@@ -152,7 +153,8 @@ def _find_named(
     groups = [each for each in groups if 0 < each.mask[:count].sum() < count]
     named = make_parts(points, [dataclasses.replace(each, mask=each.mask[:count]) for each in groups])
     pieces = find_pieces(points, named, [each.mask[count:] for each in groups])
-    return branch_numbered(points, named, name), bind_pieces(means, points, pieces[1], pieces[0])
+    named = join_chains(points, branch_numbered(points, named, name))
+    return named, bind_pieces(means, points, pieces[1], pieces[0])
 
 
 def _warn_if_sparse(particles: Particles, dx: float) -> None:

@@ -5,7 +5,7 @@ import pytest
 
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.regions import make_region_mask
-from physagent_jax.scene.parts import Frame, branch_numbered, guess_parts
+from physagent_jax.scene.parts import Frame, branch_numbered, guess_parts, join_chains
 from physagent_jax.scene.parts.branches import find_branches, is_numbered
 from physagent_jax.scene.parts.cells import fit_part
 from physagent_jax.scene.parts.figures import add_figure, is_figure_on_base
@@ -116,3 +116,19 @@ def test_a_figure_on_its_base_has_parts_of_its_own():
     assert points[mask, 2].min() > 1.3 and mask.sum() > 0.6 * (points[:, 2] > 1.38).sum()
     assert abs(head.joint[2] - (1.4 + 0.6) / 2.2) < 0.05 and head.share < 0.1
     assert add_figure(points, [head], find) == (head,)
+
+
+def test_sections_with_names_make_a_limb():
+    sections = [((0, 0, 0), (0.3, 0.2, 0.3)), ((0.42, 0, 0.1), (0.13, 0.06, 0.06)), ((0.66, 0, 0.1), (0.12, 0.06, 0.06))]
+    clouds = [make([piece], count=count) for piece, count in zip(sections, (3000, 200, 200))]
+    points, labels = np.concatenate(clouds), np.repeat(range(3), [len(each) for each in clouds])
+    names = ("body", "upper right arm", "right hand")
+    parts = [
+        fit_part(points, labels == k, joined=False).model_copy(update=dict(name=name, origin="file"))
+        for k, name in enumerate(names)
+    ]
+    *same, arm = join_chains(points, parts)
+    assert same == parts and arm.name == "right arm" and not arm.seated and arm.arm[0] > 0.35
+    assert make_region_mask(arm.moved, points).sum() == (labels > 0).sum()
+    assert join_chains(points, [*parts[:2], parts[2].model_copy(update=dict(name="right arm"))])[-1].name == "right arm"
+    assert join_chains(points, parts[:2]) == tuple(parts[:2])

@@ -10,6 +10,7 @@ limb for a word that is none of these for certain. `aliases` gives parts the nam
 
 from physagent_jax.scene.parts.aliases import find_aliases as find_aliases
 from physagent_jax.scene.parts.branches import branch_numbered as branch_numbered
+from physagent_jax.scene.parts.branches import join_chains as join_chains
 from physagent_jax.scene.parts.guesses import guess_parts as guess_parts
 from physagent_jax.scene.parts.marking import find_parts as find_parts
 from physagent_jax.scene.parts.named import choose_parts as choose_parts

@@ -1,7 +1,7 @@
 """The branches of an object of pieces that are only numbered: what hangs on the rest by one piece, with that piece.
 
 "grinder 11" says nothing, but arm and grip of a crank hang on a grinder together. They have no name, as limbs that the
-shape shows, and a place.
+shape shows, and a place. Sections that have names make limbs: an upper arm, a lower one and a hand are an arm.
 """
 
 from __future__ import annotations
@@ -23,6 +23,11 @@ _LARGEST = 0.4  # share of the object that a branch has at most
 _FEWEST = 8  # particles
 _NEAREST, _OFF = 0.05, 0.25  # share of a branch that is nearest to the rest; of its length, by which its middle is off
 # an end
+_CHAINS = {
+    "arm": frozenset("arm forearm elbow wrist hand".split()),
+    "leg": frozenset("leg thigh shin calf knee ankle foot".split()),
+}
+"""Words for the sections of a limb, by the word for all of it."""
 _STEEP = 0.8  # cosine to the vertical, from which on a branch is on top or at the bottom
 
 
@@ -52,6 +57,26 @@ def branch_numbered(points: np.ndarray, parts: Sequence[Part], name: str) -> tup
     return (*kept, *(_make(points, mask) for mask in find_branches(points, labels)))
 
 
+def join_chains(points: np.ndarray, parts: Sequence[Part]) -> tuple[Part, ...]:
+    """The parts, and behind them the whole limbs of which the file names but sections: an arm of upper arm and hand.
+
+    Args:
+        points: Particles at rest, z up [m], shape (n, 3).
+        parts: Parts that the file names.
+    """
+    names, found = [split_name(part.name) for part in parts], []
+    for whole, sections in _CHAINS.items():
+        for side in ("left", "right"):
+            own = [k for k, name in enumerate(names) if side in name and not sections.isdisjoint(name)]
+            if len(own) < 2 or any({*name} == {side, whole} for name in names):
+                continue
+            mask = np.logical_or.reduce([make_region_mask(parts[k].moved, points) for k in own])
+            if mask.any() and not mask.all():
+                made = _make(points, mask, joined=not all(parts[k].moved.rigid for k in own))
+                found.append(made.model_copy(update=dict(name=f"{side} {whole}", origin="file", roles=())))
+    return (*parts, *found)
+
+
 def find_branches(points: np.ndarray, labels: np.ndarray) -> list[np.ndarray]:
     """The branches as masks of particles, smaller ones first; bool, shape (n,) each.
 
@@ -78,9 +103,9 @@ def find_branches(points: np.ndarray, labels: np.ndarray) -> list[np.ndarray]:
     return sorted(found.values(), key=lambda mask: int(mask.sum()))
 
 
-def _make(points: np.ndarray, mask: np.ndarray) -> Part:
+def _make(points: np.ndarray, mask: np.ndarray, *, joined: bool = False) -> Part:
     """The part that a branch is. It turns about the end at which it is nearest to the rest, if that is an end."""
-    part, own, low = fit_part(points, mask, joined=False), points[mask], points.min(0)
+    part, own, low = fit_part(points, mask, joined=joined), points[mask], points.min(0)
     role = "top" if part.side[2] > _STEEP else "bottom" if part.side[2] < -_STEEP else "side"
     told: dict[str, Any] = dict(roles=(role,))
     tree: Any = KDTree(points[~mask])

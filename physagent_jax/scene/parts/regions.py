@@ -95,7 +95,7 @@ class Regions:
                         front=None if self._overhang is None else tuple(self._overhang.tolist()),
                         arm=self._find_arm(mask, row, sign),
                     )
-                    told |= dict(confidence=1.0 if part is None else part.confidence)
+                    told |= dict(confidence=row.get("chance", 1.0 if part is None else part.confidence))
                     if row.get("hangs"):
                         told |= (sign and self._stick_out(mask)) or self._hang(mask, -_UP)
                     told |= self._hang(mask, _UP) if row.get("nods") else {}
