@@ -15,7 +15,11 @@ from tests.scene.test_part_roles import make
 
 VIEWER = Frame(toward=np.array([0.0, -1.0, 0.0]), right=np.array([1.0, 0.0, 0.0]))
 # A long body with its head raised at -x, a slim tail at +x and a small spike on its back.
-WORM = [((-0.6, 0, 0.1), (0.6, 0, 0.1), 0.12), ((-0.6, 0, 0.1), (-0.7, 0, 0.7), 0.1), ((-0.7, 0, 0.7), (-1.0, 0, 0.7), 0.1)]
+WORM = [
+    ((-0.6, 0, 0.1), (0.6, 0, 0.1), 0.12),
+    ((-0.6, 0, 0.1), (-0.7, 0, 0.7), 0.1),
+    ((-0.7, 0, 0.7), (-1.0, 0, 0.7), 0.1),
+]
 TAIL, SPIKE = ((0.6, 0, 0.1), (1.1, 0, 0.2), 0.04), ((0.0, 0, 0.1), (0.0, 0, 0.4), 0.03)
 WINGED = [((0, 0, 0), (0.1, 0.1, 0.4)), *(((0.25 * k, 0.1, 0.1), (0.2, 0.03, 0.3)) for k in (1, -1))]
 
@@ -23,13 +27,17 @@ WINGED = [((0, 0, 0), (0.1, 0.1, 0.4)), *(((0.25 * k, 0.1, 0.1), (0.2, 0.03, 0.3
 def list_worm():
     points = make([*WORM, TAIL, SPIKE], count=6000)
     masks = [points[:, 0] > 0.74, (points[:, 2] > 0.24) & (np.abs(points[:, 0]) < 0.1)]
-    return points, [fit_part(points, mask, joined=True).model_copy(update=dict(roles=("side",))) for mask in masks]
+    return points, [
+        fit_part(points, mask, joined=True).model_copy(update=dict(roles=("side",))) for mask in masks
+    ]
 
 
 def test_the_limb_that_looks_most_like_a_tail_is_taken_for_it_and_is_unsure():
     points, limbs = list_worm()
     (tail,) = guess_parts(points, limbs, ["tail"], VIEWER)
-    assert tail.name == "tail" and tail.roles == ("tail",) and tail.unsure and tail.stands_for == "side (part 1)"
+    assert (
+        tail.name == "tail" and tail.roles == ("tail",) and tail.unsure and tail.stands_for == "side (part 1)"
+    )
     (horn,) = guess_parts(points, limbs, ["horns"], VIEWER)
     assert horn.stands_for == "side (part 2)"
 
@@ -53,7 +61,10 @@ def test_the_other_one_of_a_pair_is_the_image_of_the_one_that_is_found():
 
 def test_every_row_of_guesses_has_measures_that_are_known():
     known = {"high", "low", "away", "centred", "ahead", "behind", "slim", "flat", "large", "small", "long"}
-    assert all(set(row) <= known | {"words", "role", "pair", "spins"} and set(row) & known for row in _read().values())
+    assert all(
+        set(row) <= known | {"words", "role", "pair", "spins"} and set(row) & known
+        for row in _read().values()
+    )
 
 
 def test_what_juts_out_high_up_over_nothing_tells_the_front():
@@ -101,9 +112,13 @@ def test_only_the_objects_own_name_with_a_number_says_nothing(name, numbered):
 
 def test_a_figure_on_its_base_has_parts_of_its_own():
     """What is found on the figure alone is told in the frame of the whole; a lid on a figure is its head."""
-    points = make([((0, 0, 0), (0.45, 0.45, 0.6)), ((0, 0, 1.0), (0.15, 0.15, 0.5)), ((0, 0, 1.5), (0.1, 0.1, 0.1))])
+    points = make(
+        [((0, 0, 0), (0.45, 0.45, 0.6)), ((0, 0, 1.0), (0.15, 0.15, 0.5)), ((0, 0, 1.5), (0.1, 0.1, 0.1))]
+    )
     above = points[:, 2] > 0.62
-    figure = fit_part(points, above, joined=True).model_copy(update=dict(roles=("top", "head"), arm=(0, 0, 0.4)))
+    figure = fit_part(points, above, joined=True).model_copy(
+        update=dict(roles=("top", "head"), arm=(0, 0, 0.4))
+    )
 
     def find(own):
         assert own[:, 2].min() > 0.55
@@ -119,7 +134,11 @@ def test_a_figure_on_its_base_has_parts_of_its_own():
 
 
 def test_sections_with_names_make_a_limb():
-    sections = [((0, 0, 0), (0.3, 0.2, 0.3)), ((0.42, 0, 0.1), (0.13, 0.06, 0.06)), ((0.66, 0, 0.1), (0.12, 0.06, 0.06))]
+    sections = [
+        ((0, 0, 0), (0.3, 0.2, 0.3)),
+        ((0.42, 0, 0.1), (0.13, 0.06, 0.06)),
+        ((0.66, 0, 0.1), (0.12, 0.06, 0.06)),
+    ]
     clouds = [make([piece], count=count) for piece, count in zip(sections, (3000, 200, 200))]
     points, labels = np.concatenate(clouds), np.repeat(range(3), [len(each) for each in clouds])
     names = ("body", "upper right arm", "right hand")
@@ -130,5 +149,8 @@ def test_sections_with_names_make_a_limb():
     *same, arm = join_chains(points, parts)
     assert same == parts and arm.name == "right arm" and not arm.seated and arm.arm[0] > 0.35
     assert make_region_mask(arm.moved, points).sum() == (labels > 0).sum()
-    assert join_chains(points, [*parts[:2], parts[2].model_copy(update=dict(name="right arm"))])[-1].name == "right arm"
+    assert (
+        join_chains(points, [*parts[:2], parts[2].model_copy(update=dict(name="right arm"))])[-1].name
+        == "right arm"
+    )
     assert join_chains(points, parts[:2]) == tuple(parts[:2])

@@ -21,7 +21,10 @@ from physagent_jax.scene.parts.cells import fit_part
 _NEIGHBOURS, _TOUCH = 12, 2.5  # particles beside one, and spacings within which pieces touch
 _LARGEST = 0.4  # share of the object that a branch has at most
 _FEWEST = 8  # particles
-_NEAREST, _OFF = 0.05, 0.25  # share of a branch that is nearest to the rest; of its length, by which its middle is off
+_NEAREST, _OFF = (
+    0.05,
+    0.25,
+)  # share of a branch that is nearest to the rest; of its length, by which its middle is off
 # an end
 _CHAINS = {
     "arm": frozenset("arm forearm elbow wrist hand".split()),
@@ -113,6 +116,11 @@ def _make(points: np.ndarray, mask: np.ndarray, *, joined: bool = False) -> Part
     joint = own[distance <= np.quantile(distance, _NEAREST)].mean(0)
     tip = own[np.linalg.norm(own - joint, axis=1).argmax()]
     if np.linalg.norm(own.mean(0) - joint) > _OFF * np.linalg.norm(tip - joint):
-        ends = (joint - low) / np.maximum(np.ptp(points, axis=0), 1e-12), (tip - joint) / np.ptp(points, axis=0).max()
-        told |= dict(zip(("joint", "arm"), (tuple(np.round(each, 4).tolist()) for each in ends)), seated=False)
+        ends = (
+            (joint - low) / np.maximum(np.ptp(points, axis=0), 1e-12),
+            (tip - joint) / np.ptp(points, axis=0).max(),
+        )
+        told |= dict(
+            zip(("joint", "arm"), (tuple(np.round(each, 4).tolist()) for each in ends)), seated=False
+        )
     return part.model_copy(update=told)

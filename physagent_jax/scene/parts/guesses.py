@@ -98,7 +98,9 @@ class _Looks:
         if row.get("pair"):
             chosen += self._find_image(best)
         places = [float(np.asarray(part.side) @ viewer.right) for part, _ in chosen]
-        names = [noun] if len(chosen) == 1 else [f"{('left', 'right')[p == max(places)]} {noun}" for p in places]
+        names = (
+            [noun] if len(chosen) == 1 else [f"{('left', 'right')[p == max(places)]} {noun}" for p in places]
+        )
         told = dict(roles=tuple(row.get("role", "").split()[:1]), confidence=_CHANCE, origin="shape")
         if row.get("spins"):
             part = chosen[0][0]
@@ -139,7 +141,9 @@ class _Looks:
         mirror = find_mirrors(make_lattice(whole))[0]
         images = mirror.reflect(own)
         met = np.asarray(KDTree(whole).query(images)[0]) < _NEAR * size
-        across = abs(float(mirror.measure(own.mean(0)))) > 0.5 * float(np.abs(mirror.measure(own)).std() + 1e-12)
+        across = abs(float(mirror.measure(own.mean(0)))) > 0.5 * float(
+            np.abs(mirror.measure(own)).std() + 1e-12
+        )
         mask = np.asarray(KDTree(images).query(self.points)[0]) < _NEAR * size
         mask &= self.whole & ~self.masks[index]
         if met.mean() < _MET or not across or mask.sum() < _FEWEST:

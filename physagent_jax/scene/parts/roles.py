@@ -39,7 +39,10 @@ _FOOT, _BORNE = (
     0.15,
     0.8,
 )  # of the height, below which the middle of a foot is; share of the ground that feet cover
-_LEG, _HALF = 0.16, 0.6  # of the height, from which on legs are long; share of the ground that shorter ones cover
+_LEG, _HALF = (
+    0.16,
+    0.6,
+)  # of the height, from which on legs are long; share of the ground that shorter ones cover
 
 
 class Roles:
