@@ -130,8 +130,8 @@ class Part(Strict):
         axle: The line about which a disc or a wheel turns (unit world vector); None for what is none.
         neck: Spread of where it joins the rest along each world axis (standard deviations) [body lengths]; 0 = not
             known, or nothing joins them.
-        front: The level way in which the object looks, as what juts out high up tells it (unit world vector); None = not
-            known.
+        front: The level way in which the object looks, as what juts out high up tells it (unit world vector); None =
+            not known.
         confidence: Chance that its first role is right, by how clearly its shape tells.
     """
 

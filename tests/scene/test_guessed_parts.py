@@ -5,7 +5,14 @@ import pytest
 
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.regions import make_region_mask
-from physagent_jax.scene.parts import Frame, branch_numbered, guess_parts, join_chains
+from physagent_jax.scene.parts import (
+    Frame,
+    branch_numbered,
+    find_parts,
+    find_places,
+    guess_parts,
+    join_chains,
+)
 from physagent_jax.scene.parts.branches import find_branches, is_numbered
 from physagent_jax.scene.parts.cells import fit_part
 from physagent_jax.scene.parts.figures import add_figure, is_figure_on_base
@@ -111,7 +118,7 @@ def test_only_the_objects_own_name_with_a_number_says_nothing(name, numbered):
 
 
 def test_a_figure_on_its_base_has_parts_of_its_own():
-    """What is found on the figure alone is told in the frame of the whole; a lid on a figure is its head."""
+    """In the frame of the whole; a lid on a figure is its head."""
     points = make(
         [((0, 0, 0), (0.45, 0.45, 0.6)), ((0, 0, 1.0), (0.15, 0.15, 0.5)), ((0, 0, 1.5), (0.1, 0.1, 0.1))]
     )
@@ -154,3 +161,20 @@ def test_sections_with_names_make_a_limb():
         == "right arm"
     )
     assert join_chains(points, parts[:2]) == tuple(parts[:2])
+
+
+def test_the_upper_part_of_what_has_a_front_is_its_head_and_of_a_statue_a_slab():
+    points = make([((0, 0, 0), (0.2, 0.2, 0.5)), ((0, 0, 0.7), (0.1, 0.1, 0.4))], count=4000)
+    upper = fit_part(points, points[:, 2] > 0.5, joined=True)
+    upper = upper.model_copy(update=dict(roles=("top", "head"), arm=(0, 0, 0.4)))
+    assert not find_places(
+        points, [upper.model_copy(update=dict(front=(1, 0, 0)))], ["head"], "thing", VIEWER
+    )
+    (head,) = find_places(points, [upper], ["head"], "thing", VIEWER)
+    assert head.origin == "place"
+
+
+def test_ragged_edges_below_a_pedestal_are_no_legs():
+    edges = [((x, y, -0.58), (x, y, -0.7), 0.04) for x in (-0.4, 0.4) for y in (-0.4, 0.4)]
+    block = [((x, y, -0.55), (x, y, 0.55), 0.2) for x in (-0.3, 0, 0.3) for y in (-0.3, 0, 0.3)]
+    assert not any("leg" in part.roles for part in find_parts(make([*block, *edges], count=8000)))
