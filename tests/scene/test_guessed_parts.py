@@ -1,5 +1,7 @@
 """Parts that are taken for want of surer ones: figures on a base, branches of numbered pieces, the likeliest limb."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,6 @@ from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.scene.parts import (
     Frame,
     branch_numbered,
-    find_parts,
     find_places,
     guess_parts,
     join_chains,
@@ -16,8 +17,9 @@ from physagent_jax.scene.parts import (
 from physagent_jax.scene.parts.branches import find_branches, is_numbered
 from physagent_jax.scene.parts.cells import fit_part
 from physagent_jax.scene.parts.figures import add_figure, is_figure_on_base
-from physagent_jax.scene.parts.guesses import _read
+from physagent_jax.scene.parts.guesses import read_guesses
 from physagent_jax.scene.parts.heading import find_overhang
+from physagent_jax.scene.parts.roles import Roles
 from tests.scene.test_part_roles import make
 
 VIEWER = Frame(toward=np.array([0.0, -1.0, 0.0]), right=np.array([1.0, 0.0, 0.0]))
@@ -70,7 +72,7 @@ def test_every_row_of_guesses_has_measures_that_are_known():
     known = {"high", "low", "away", "centred", "ahead", "behind", "slim", "flat", "large", "small", "long"}
     assert all(
         set(row) <= known | {"words", "role", "pair", "spins"} and set(row) & known
-        for row in _read().values()
+        for row in read_guesses().values()
     )
 
 
@@ -174,7 +176,14 @@ def test_the_upper_part_of_what_has_a_front_is_its_head_and_of_a_statue_a_slab()
     assert head.origin == "place"
 
 
-def test_ragged_edges_below_a_pedestal_are_no_legs():
-    edges = [((x, y, -0.58), (x, y, -0.7), 0.04) for x in (-0.4, 0.4) for y in (-0.4, 0.4)]
-    block = [((x, y, -0.55), (x, y, 0.55), 0.2) for x in (-0.3, 0, 0.3) for y in (-0.3, 0, 0.3)]
-    assert not any("leg" in part.roles for part in find_parts(make([*block, *edges], count=8000)))
+@pytest.mark.parametrize(
+    ("length", "covered", "stands"), [(0.1, 0.3, False), (0.1, 0.8, True), (0.3, 0.3, True)]
+)
+def test_ragged_edges_below_a_pedestal_are_no_legs(length, covered, stands):
+    """Legs are long, or most of what is on the ground is theirs."""
+    roles = Roles.__new__(Roles)
+    roles.places = np.array([(0.0, 0.0, 0.01)] * 100 + [(0.0, 0.0, 1.0)] * 50)
+    roles.low, roles.size, roles.height = np.zeros(3), 1.0, 1.0
+    edge = SimpleNamespace(nodes=np.arange(round(100 * covered)), length=length)
+    roles.limbs = [edge]
+    assert roles.bear([0]) is stands

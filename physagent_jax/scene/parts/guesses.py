@@ -35,7 +35,7 @@ _FEWEST = 8  # particles
 
 
 @functools.cache
-def _read() -> dict[str, dict[str, Any]]:
+def read_guesses() -> dict[str, dict[str, Any]]:
     text = (resources.files("physagent_jax.scene.parts") / "guesses.yaml").read_text("utf-8")
     return {word: row for row in yaml.safe_load(text) for word in row["words"].split(", ")}
 
@@ -55,8 +55,8 @@ def guess_parts(
     roles = {role for part in parts for role in part.roles[:1]}
     found: list[Part] = []
     for word in dict.fromkeys(words):
-        noun = next((each for each in (word, word.removesuffix("s")) if each in _read()), None)
-        row = _read().get(noun or "", {})
+        noun = next((each for each in (word, word.removesuffix("s")) if each in read_guesses()), None)
+        row = read_guesses().get(noun or "", {})
         if noun is None or noun in named or roles & {*row.get("role", "").split()}:
             continue
         found += _Looks(points, parts).guess(noun, row, viewer)

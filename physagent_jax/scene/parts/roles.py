@@ -112,12 +112,12 @@ class Roles:
         ]
         outer = [k for k in standing if not set(list_outer(self.limbs, k)) & set(standing)]
         legs = [k for k in outer if any(k != j and are_alike(self.limbs[k], self.limbs[j]) for j in outer)]
-        return legs if self._bear(legs) else self._find_feet()
+        return legs if self.bear(legs) else self._find_feet()
 
-    def _bear(self, legs: list[int]) -> bool:
+    def bear(self, legs: list[int]) -> bool:
         """Return whether legs bear the object, or are long: ragged edges below a pedestal do not, and are short."""
         long = max((self.limbs[k].length for k in legs), default=0.0) * self.size > _LEG * self.height
-        return long or self._measure_borne(legs) > _HALF
+        return bool(long) or self._measure_borne(legs) > _HALF
 
     def _measure_borne(self, feet: list[int]) -> float:
         """The share of what is on the ground that belongs to some limbs."""
