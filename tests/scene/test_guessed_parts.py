@@ -1,6 +1,7 @@
 """Parts that are taken for want of surer ones: figures on a base, branches of numbered pieces, the likeliest limb."""
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -77,7 +78,8 @@ def test_every_row_of_guesses_has_measures_that_are_known():
 
 
 def test_what_juts_out_high_up_over_nothing_tells_the_front():
-    assert np.allclose(find_overhang(make(WORM, count=6000)), (-1, 0, 0), atol=0.1)
+    front = find_overhang(make(WORM, count=6000))
+    assert front is not None and np.allclose(front, (-1, 0, 0), atol=0.1)
     assert find_overhang(make([((0, 0, 0), (0.3, 0.3, 0.5))], count=3000)) is None  # all around
     assert find_overhang(make(WORM[:1], count=3000)) is None  # flat
 
@@ -181,7 +183,7 @@ def test_the_upper_part_of_what_has_a_front_is_its_head_and_of_a_statue_a_slab()
 )
 def test_ragged_edges_below_a_pedestal_are_no_legs(length, covered, stands):
     """Legs are long, or most of what is on the ground is theirs."""
-    roles = Roles.__new__(Roles)
+    roles: Any = Roles.__new__(Roles)
     roles.places = np.array([(0.0, 0.0, 0.01)] * 100 + [(0.0, 0.0, 1.0)] * 50)
     roles.low, roles.size, roles.height = np.zeros(3), 1.0, 1.0
     edge = SimpleNamespace(nodes=np.arange(round(100 * covered)), length=length)

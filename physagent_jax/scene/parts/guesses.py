@@ -36,6 +36,7 @@ _FEWEST = 8  # particles
 
 @functools.cache
 def read_guesses() -> dict[str, dict[str, Any]]:
+    """The rows of the table by their words."""
     text = (resources.files("physagent_jax.scene.parts") / "guesses.yaml").read_text("utf-8")
     return {word: row for row in yaml.safe_load(text) for word in row["words"].split(", ")}
 

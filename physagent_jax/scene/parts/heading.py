@@ -74,7 +74,8 @@ def find_overhang(points: np.ndarray) -> np.ndarray | None:
     index = np.floor((points - low) / step).astype(int)
     solid = np.zeros(index.max(0) + 1, bool)
     solid[tuple(index.T)] = True
-    solid = ndimage.binary_closing(np.pad(solid, 2), np.ones((1, 1, 3), bool))[2:-2, 2:-2, 2:-2]
+    closed = ndimage.binary_closing(np.pad(solid, 2), np.ones((1, 1, 3), bool))
+    solid = np.asarray(closed, bool)[2:-2, 2:-2, 2:-2]
     depth = solid.shape[2]
     top = np.where(solid.any(2), depth - 1 - solid[:, :, ::-1].argmax(2), 0)
     gap = ~solid & (np.arange(depth) < top[..., None])
