@@ -20,6 +20,7 @@ _LEAST = 0.004  # share of a figure that a part of it has: less is a speck of th
 _MOST_SEEDS = 256  # of a region
 _BASE_SEEDS = 48  # that tell the base from a part of the figure
 _HEADS = frozenset(("head", "top", "lid", "crown"))  # roles of what is on top of a figure
+_STANDING = frozenset(("top", "bottom"))  # roles of all that is seen of a mere lump on a base
 _OWN = frozenset("head ear horn arm wing tail nose finger thumb".split())  # of a figure's other parts
 Seeds = tuple[tuple[float, float, float], ...]
 
@@ -40,8 +41,8 @@ def add_figure(
         find: The parts of what stands by itself.
     """
     figures = [part for part in parts if is_figure_on_base(part)]
-    if len(figures) != 1:
-        return tuple(parts)
+    if len(figures) != 1 or not _STANDING.issuperset(part.roles[0] for part in parts):
+        return tuple(parts)  # a cactus shows its arms
     mask = ~make_region_mask(figures[0].rest, points)
     if mask.sum() < 2 or mask.all():
         return tuple(parts)
