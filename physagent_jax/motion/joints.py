@@ -41,6 +41,7 @@ _SWAYS = 0.6  # of a plain angle, to either side of a limb that goes to and fro
 _ALONG = 0.85  # cosine to the limb from which on a way leads along it
 _REACH = 0.3  # of its length, by which a plain word moves a limb along itself
 _DENTED = 0.6  # the same of a region that is pressed into what it is one skin with
+_SHOWN = 0.08  # [body lengths] that a loose piece is moved along itself at least, so that it is seen
 _DRAWN = 0.12  # [body lengths] that such a region is drawn at least, or by its length, as its border hardly goes along
 _LIMIT = 1.0  # of its length, by which a short limb is drawn at most, so that it is seen
 _PRESSED, _DEEPEST = (
@@ -342,7 +343,8 @@ class Turning:
             size = self.brief.size if told.unit == "metres" else 1.0
             return self.driver.shift(way, told.value / size, window, stop)
         place, pressed = self.part.origin == "place", dot(self.arm, way) < -_ALONG
-        drawn = clamp(_DRAWN / max(norm(self.part.arm), 1e-9), _REACH, _LIMIT)
+        least = _DRAWN if max(self.part.neck) else _SHOWN
+        drawn = clamp(least / max(norm(self.part.arm), 1e-9), _REACH, _LIMIT)
         reach = _LIFTED if "lid" in self.part.roles[:1] else drawn
         if place:
             reach = _DENTED if pressed else max(1.0, _DRAWN / max(norm(self.part.arm), 1e-9))
