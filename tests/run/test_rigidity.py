@@ -126,7 +126,7 @@ def test_a_field_without_a_sentence_keeps_the_kinds_stiffness(table):
 
 
 def test_hard_are_kinds_and_materials_that_nobody_sees_bend():
-    assert KINDS == {"instrument", "furniture", "vessel", "vehicle"}
+    assert KINDS == {"instrument", "furniture", "vessel", "vehicle", "statue", "building", "tool"}
     hard = {name for name, entry in LIBRARY.items() if is_hard(entry.material)}
     assert {"steel", "glass", "concrete", "oak"} & set(LIBRARY) <= hard
     assert not {"rubber", "cork", "sand", "water", "jelly", "snow"} & hard
@@ -157,3 +157,15 @@ def test_a_dropped_stool_lands_on_its_legs_in_its_shape(table):
     assert height[0] - height[-1] > 0.1 and np.ptp(height[-8:]) < 2e-3
     assert np.abs(x[-1] - x[-8]).max() < 5e-3
     assert json.loads(scene.config.model_dump_json())["material"]["model"] == "rigid"
+
+
+def test_what_is_called_a_hard_thing_is_rigid(tmp_path):
+    """A file whose name tells nothing: the sentence does."""
+    path = tmp_path / "scan.obj"
+    trimesh.creation.box((0.6, 0.6, 1.0)).export(path)
+    for noun, kind in {"statue": "statue", "animal": "object"}.items():
+        run = resolve(spec(path, f"the {noun} is suddenly hit from the left"))
+        assert run.template.matter == kind and run.template.source.kind == "object"
+        body = make_body(run.template.source, run.template.preset.filling, run.template.preset.domain, ".")
+        reply = read_for_scene(run, body, with_rules().semantic.compile).value
+        assert (run.place(body, reply)[0].material.model is RIGID) is (kind == "statue")
