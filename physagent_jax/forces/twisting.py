@@ -1,8 +1,8 @@
 """Parts that turn in place: what lies between them and the rest is twisted, evenly where it is slender enough.
 
 A seat turns on its stem, and a head on its neck. Twisted within a thin layer, matter is wrung until it looks torn and
-no step is short enough. So the turn grows along a stretch of the object, which begins as near to the part as the shear
-allows. Where no stretch is long and slender enough, the part turns on its narrowest place as a piece of its own.
+no step is short enough. So the turn grows along a stretch of the object that is slender and near to the part. Where no
+stretch is long and slender enough, the part turns on its narrowest place as a piece of its own.
 """
 
 from __future__ import annotations
@@ -16,9 +16,10 @@ from physagent_jax.forces.regions import grade_part
 from physagent_jax.forces.schema import Bend
 from physagent_jax.mpm.pieces import label_pieces
 
-EVEN = 1.0  # [1] of shear, up to which matter looks twisted
-TORN = 3.0  # [1] of the same, beyond which it looks torn
+TORN = 3.0  # [1] of shear, beyond which matter looks torn
 _ALONG = 0.8  # component of an axis along the way out of the rest, from which on a turn about it twists
+_FOOT = 0.1  # of the way from the object's end to the part, that stays
+_FAR = 3.0  # [1] of shear, which is as bad as to turn all of the object but its foot
 _SECTIONS = 32  # across the axis
 _OUTER = 90  # [%] of a section's matter that lies within its radius
 _STEEPEST = 1.5  # of a motion's growth over its depth, over the mean
@@ -84,24 +85,28 @@ def _find_stretch(
 ) -> tuple[float, float, float]:
     """Both ends of the stretch below the border that is to be twisted [m], and its shear [1].
 
-    The nearest that is sheared by `EVEN` at most; else the one that is sheared least.
+    It is sheared little and lies near the part; where all are torn, it is the one that is sheared least.
     """
-    edges = np.linspace(height.min(), border, _SECTIONS + 1)
-    place = np.clip(np.searchsorted(edges, height, side="right") - 1, -1, _SECTIONS)
+    foot = float(height.min()) + _FOOT * (border - float(height.min()))
+    edges = np.linspace(foot, border, _SECTIONS + 1)
+    place = np.searchsorted(edges, height, side="right") - 1  # -1 is below
     place[height > border] = _SECTIONS
     radius = np.array(
-        [_find_radius(x[place == k], axis) if (place == k).any() else np.inf for k in range(_SECTIONS)]
+        [
+            _find_radius(x[near], axis) if (near := abs(place - k) <= 1).any() else np.inf
+            for k in range(_SECTIONS)
+        ]
     )
-    best = (float(edges[0]), float(edges[-1]), np.inf)
+    best, least = (foot, border, np.inf), np.inf
     for top in range(_SECTIONS, 0, -1):
         broadest = np.maximum.accumulate(radius[:top][::-1])[::-1]
         shear = _STEEPEST * broadest * angle / (edges[top] - edges[:top])
-        even = np.flatnonzero(shear <= EVEN)
-        least = int(even[-1]) if len(even) else int(np.argmin(shear))
-        if shear[least] < best[2]:
-            best = (float(edges[least]), float(edges[top]), float(shear[least]))
-        if len(even):
-            return float(edges[least]), float(edges[top]), float(shear[least])
+        cost = np.where(
+            shear <= TORN, shear + _FAR * (border - edges[:top]) / (border - foot), shear + TORN + _FAR
+        )
+        low = int(np.argmin(cost))
+        if cost[low] < least:
+            best, least = (float(edges[low]), float(edges[top]), float(shear[low])), cost[low]
     return best
 
 
