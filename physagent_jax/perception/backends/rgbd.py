@@ -16,6 +16,8 @@ _STAYS = 0.95
 """Share of the frames in which a still thing at the border is in front of the background's surfaces."""
 _AGREE = 0.5
 """Overlap (intersection over union) with depth's mask from which colour may draw the edge."""
+_RIM = np.ones((3, 3), np.uint8)
+"""Reach of what depth alone tells around the edge [px]: there colour decides."""
 _LEAST_SHARE = 2e-4
 """Less of the picture than this is noise, not an object."""
 _UNEXPLAINED = 0.5
@@ -27,7 +29,7 @@ class RgbdSegmenter(Segmenter):
     """The object is what stands in front of the flat surfaces that reach the picture's border.
 
     Where the camera sees no surface behind the object, it is what has depth, with the edge that colour draws before a
-    plain background. Still things that reach the border are furniture. Without depth, or where nothing stands out in
+    plain background: inside of it, what has the background's colour is the object too. Still things that reach the border are furniture. Without depth, or where nothing stands out in
     it, colour alone decides before a plain background; before a busy one, nothing is found and the notes say so.
 
     Attributes:
@@ -75,7 +77,8 @@ class RgbdSegmenter(Segmenter):
         if overlap < _AGREE and not _is_touching_border(solid[0]):
             note = "The object has the background's colour: its mask was taken from depth."
             return Masks(solid, (note,))
-        return Masks(drawn)
+        inside = np.stack([cv2.erode(each.astype(np.uint8), _RIM) > 0 for each in solid])
+        return Masks(drawn | inside)
 
     def _segment_by_colour(self, frames: np.ndarray, why: str) -> Masks:
         """Colour's masks before a plain background, else none."""
