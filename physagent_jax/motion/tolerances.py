@@ -68,6 +68,7 @@ TURN_HELD: Bands = ((4.0, 10.0, 24.0), (15.0, 35.0, 75.0), (48.0, 75.0, 180.0))
 STRETCH: Bands = ((0.1, 0.15, 0.22), (0.15, 0.25, 0.55), (0.35, 0.6, 2.0))
 SQUEEZE: Bands = ((0.1, 0.13, 0.19), (0.13, 0.2, 0.42), (0.28, 0.45, 0.92))
 SWELL: Bands = ((0.06, 0.1, 0.14), (0.09, 0.18, 0.35), (0.23, 0.4, 1.5))
+MOST_OF_PART = 0.92  # of its length that a part may get shorter or longer by, however gently
 SHRINK: Bands = (SWELL[0], SWELL[1], (0.2, 0.3, 0.8))
 
 

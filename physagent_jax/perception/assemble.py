@@ -7,7 +7,8 @@ import dataclasses
 import numpy as np
 
 from physagent_jax.perception import lift
-from physagent_jax.perception.extents import measure_lengths
+from physagent_jax.perception.ends import DIRECTIONS
+from physagent_jax.perception.extents import measure_breadths, measure_lengths
 from physagent_jax.perception.fit import Affine, estimate_hidden_spread
 from physagent_jax.perception.follow import Path
 from physagent_jax.perception.protocols import Depth
@@ -110,6 +111,9 @@ def assemble(
         corners=np.where((cut | beyond)[:, None, None], np.nan, (corners - center) / size),
         box=np.where((cut | beyond)[:, None], np.nan, np.maximum(edges / size, THINNEST)),
         lengths=np.where((cut | beyond)[:, None], np.nan, measure_lengths(outlines, directions) / size),
+        breadths=np.where(
+            (cut | beyond)[:, None, None], np.nan, measure_breadths(outlines, DIRECTIONS, directions) / size
+        ),
         depth_shown=np.array(
             [
                 estimate.relief_known

@@ -153,8 +153,12 @@ def perceive(
         blind=None if estimate.relief_known else camera.forward.astype(float),
     )
     turns = frames.rotation_from(0, len(rgb) - 1)
-    assert frames.lengths is not None
-    extents = describe_extents(frames.lengths, axes, turns, pixel + quality.depth_noise, camera.forward)
+    assert frames.lengths is not None and frames.breadths is not None
+    blur = pixel + quality.depth_noise
+    extents = describe_extents(frames.lengths, axes, turns, blur, camera.forward)
+    breadths = [
+        describe_extents(each, axes, turns, blur, camera.forward) for each in np.moveaxis(frames.breadths, 1, 0)
+    ]
     stretches = [frames.stretch_from(0, t) for t in range(len(rgb))]
     hard = Difficulty(
         pixel=pixel,
@@ -170,7 +174,7 @@ def perceive(
     report = report.model_copy(
         update={
             "extents": extents,
-            "parts": () if path.ends is None else path.ends.describe(size),
+            "parts": () if path.ends is None else path.ends.describe(size, breadths),
             "pieces": tuple(count_pieces(masks)),
             "uncertainty": estimate_uncertainty(hard, turns, report.oscillation, frame_dt),
             "unmeasured_direction": None if estimate.relief_known else tuple(camera.forward.tolist()),

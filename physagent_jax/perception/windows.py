@@ -36,6 +36,8 @@ class Frames:
             [body lengths], shape (T, 2, 3); None if not measured.
         lengths: Lengths of the visible surface along further directions [body lengths], shape (T, k); None if
             not measured.
+        breadths: Mean breadths of the six ends along these directions [body lengths], shape (T, 6, k); None if not
+            measured.
         drift: Standard deviation of the object's distance against that in frame 0 [body lengths], shape (T,); None = as
             small as that of a measured depth is.
         relief_known: Whether the form of the visible surface is measured.
@@ -52,6 +54,7 @@ class Frames:
     reasons: dict[str, list[str]]
     corners: np.ndarray | None = None
     lengths: np.ndarray | None = None
+    breadths: np.ndarray | None = None
     drift: np.ndarray | None = None
     relief_known: bool = True
     tilt: float = 0.0

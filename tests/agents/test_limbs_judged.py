@@ -6,7 +6,7 @@ import pytest
 from physagent_jax.agents.context import AgentContext, Observation
 from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.metrics import report_true_motion
-from physagent_jax.motion.schema import Verdict
+from physagent_jax.motion.schema import MotionKind, Verdict
 from tests.agents.scenes import Unseen, brief
 from tests.agents.test_limbs import HEAD, make_part, read
 
@@ -15,10 +15,11 @@ ARM = make_part("arm", (0.15, 0, 0), (1, 0, 0))
 SHOULDER = np.array([0.2, 0.0, 0.1])
 
 
-def judge(degrees, *, whole=0.0, seen_until=49, shown=1.0):
+def judge(degrees, *, whole=0.0, seen_until=49, shown=1.0, still=None):
     """The verdict on an arm of 0.15 lengths that turns up evenly within a second, on a body that rises by ``whole``.
 
-    Of the way of its middle a share is ``shown``, as of what turns a hidden side.
+    Of the way of its middle a share is ``shown``, as of what turns a hidden side. The part ``still`` is called an arm
+    as well, and does not move.
     """
     chance = np.random.default_rng(0)
     body = chance.uniform((-0.2, -0.1, -0.5), (0.2, 0.1, 0.5), (600, 3))
@@ -29,11 +30,14 @@ def judge(degrees, *, whole=0.0, seen_until=49, shown=1.0):
         c, s = np.cos(np.radians(degrees) * share), np.sin(np.radians(degrees) * share)
         turned = SHOULDER + (arm - SHOULDER) @ np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
         frames.append(np.concatenate([body, turned]) + (0, 0, whole * share))
-    reply = read(SENTENCE, ARM, HEAD)
-    context = AgentContext(SENTENCE, brief(parts=(ARM, HEAD), anchored="all but the part"), (), reply)
+    reply, parts = read(SENTENCE, ARM, HEAD), (ARM, still or HEAD)
+    if still:
+        asked = (*reply.expectations, reply.expectations[0].model_copy(update=dict(limb=1)))
+        reply = reply.model_copy(update=dict(expectations=asked))
+    context = AgentContext(SENTENCE, brief(parts=parts, anchored="all but the part"), (), reply)
     windows = RulePlanner().windows(context)
     report = report_true_motion(
-        np.stack(frames), frame_dt=0.04, windows=windows, parts={0: np.arange(660) >= 600}
+        np.stack(frames), frame_dt=0.04, windows=windows, parts={0: np.arange(660) >= 600, 1: np.arange(660) < 30}
     )
     parts = [
         each.model_copy(
@@ -61,6 +65,29 @@ def test_an_arm_that_is_raised_is_judged_by_itself(degrees, verdict):
 @pytest.mark.parametrize(("shown", "verdict"), [(0.33, "SUCCESS"), (0.15, "FAIL")])
 def test_an_arm_that_is_seen_to_turn_may_show_less_of_its_way(shown, verdict):
     assert judge(45, shown=shown).verdict is Verdict(verdict)
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.1, "FAIL"), (0.01, "SUCCESS")])
+def test_a_small_piece_that_is_called_an_arm_as_well_says_little(share, verdict):
+    assert judge(45, still=ARM.model_copy(update=dict(share=share))).verdict is Verdict(verdict)
+
+
+@pytest.mark.parametrize(("squeezed", "verdict"), [(0.6, "SUCCESS"), (0.02, "FAIL"), (-0.3, "FAIL")])
+@pytest.mark.parametrize("sentence", ["squeeze the head from both sides", "squeeze the top from both sides"])
+def test_a_part_that_is_squeezed_is_judged_by_its_own_breadth(sentence, squeezed, verdict):
+    body = np.random.default_rng(0).uniform((-0.2, -0.2, -0.5), (0.2, 0.2, 0.5), (900, 3))
+    head = body[:, 2] > 0.2
+    frames = []
+    for frame in range(49):
+        frames.append(body.copy())
+        frames[-1][head, 0] *= 1 - squeezed * min(frame / 25, 1.0)
+    reply = read(sentence, HEAD)
+    assert {each.kind for each in reply.expectations} == {MotionKind.SQUEEZE}
+    context = AgentContext(sentence, brief(parts=(HEAD,)), (), reply)
+    windows = RulePlanner().windows(context)
+    report = report_true_motion(np.stack(frames), frame_dt=0.04, windows=windows, parts={0: head})
+    judged = RulePlanner().judge(context, Observation(reply.force_field, report, Unseen())).value
+    assert judged.verdict is Verdict(verdict), judged.checks
 
 
 def test_a_limb_that_turns_the_wrong_way_is_no_stillness():
