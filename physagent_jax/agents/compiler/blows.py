@@ -83,7 +83,7 @@ def compile_strike(task: Task) -> None:
     task.expect(
         MotionKind.SWAY if swings else MotionKind.MOVE,
         way,
-        rise if rises else window,
+        rise if rises and count == 1 else window,
         sudden=True,
         repeats=count,
         released=builder.anchored,

@@ -73,7 +73,8 @@ def list_remedies(case: Case) -> Iterator[Change]:
         yield edits.shorten(case, causes, 0.5, "it should come back after letting go")
     if case.failed("part"):
         yield edits.act_on_part(case, causes)
-    if case.failed("repeats") and not edits.alternates(case, causes):
+    blows = case.expectation.sudden and case.expectation.kind is MotionKind.MOVE  # they go one way
+    if case.failed("repeats") and not blows and not edits.alternates(case, causes):
         yield edits.alternate(case, causes)
     if case.expectation.sudden and case.failed("order") and any(c.pushes for c in causes):
         field = _replace(case, causes, edits.make_actions(case)[:1])

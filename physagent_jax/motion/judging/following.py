@@ -186,7 +186,7 @@ def _check_even(asked: Asked) -> list[Check]:
 
 
 def _check_blows(asked: Asked) -> list[Check]:
-    """Separate pushes: runs of acceleration of a free thing, excursions of a held one."""
+    """Separate pushes: runs of acceleration of a free thing, excursions of a held one, leaps of what hops."""
     count = asked.motion.repeats
     if asked.kind is not MotionKind.MOVE or count < 2:
         return []
@@ -200,7 +200,10 @@ def _check_blows(asked: Asked) -> list[Check]:
     def count_pulses(limit: float) -> int:
         return _count_pulses(gains, limit)
 
-    if asked.view.anchored:
+    if asked.hops:
+        counter, most, noise, span = count_excursions, count, math.sqrt(2.0), max(values) - min(values)
+        threshold = max(_PULSE * span, tolerances.VISIBLE / 2)
+    elif asked.view.anchored:
         counter, most, noise, span = count_excursions, 2 * count, math.sqrt(2.0), max(values) - min(values)
         threshold = max(0.4 * span, tolerances.VISIBLE / 2)
     else:  # the noise is that of half the differences of differences
