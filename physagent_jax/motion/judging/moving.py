@@ -38,6 +38,7 @@ _OVERTURNS, _TIPPED = (
     0.7,
     0.3,
 )  # cosine of a push and where it tips what it pushes; share of its way that is enough
+_ROCKS = 1.5  # of the way of what sways that the middle of what rocks may go: it tilts by as little
 _SWING = 0.35  # of the amplitude: smaller turns are ripples
 _RESPONDED = 0.25  # share of the window in which an earlier opposite motion may still go on
 
@@ -228,7 +229,8 @@ def check_sway(asked: Asked) -> list[Check]:
     tolerance = tolerances.expect_sway(asked.motion, asked.view.anchored, end=asked.end is not None)
     tolerance = asked.view.fit_to_limb(tolerance, asked.motion)
     if asked.motion.manner == "rock":  # the middle of what is low goes less far as it is tilted
-        tolerance = replace(tolerance, low=tolerance.low * asked.view.brief.extents[1])
+        low, high = tolerance.low * asked.view.brief.extents[1], _ROCKS * tolerance.high
+        tolerance = replace(tolerance, low=low, high=high)
     words = f"{amplitude:.2g} body lengths to either side"
     checks = []
     if amount is None or amount.unit == "seconds":
