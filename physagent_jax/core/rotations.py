@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-MOST_ACROSS = np.radians(30.0)
+MOST_ACROSS = np.radians(45.0)
 """Largest part of a rotation across the axis of the whole turns before it [rad]."""
 _ONES, _MIRROR = np.ones(3), np.array([1.0, 1.0, -1.0])
 

@@ -170,6 +170,7 @@ def perceive(
         disagreement=find_disagreement(extents, stretches),
         drift=None if frames.drift is None else frames.find_drift(0, len(rgb) - 1),
         assumed=not frames.relief_known,
+        bridged=0.0 if frames.turned is None else float(np.degrees(frames.turned.guessed)),
     )
     report = report.model_copy(
         update={
