@@ -203,6 +203,7 @@ class ExpectedMotion(Strict):
         even: True if it is to go at one speed ("evenly", "at a constant speed").
         leaves_place: True if a move takes the object as a whole from its place: it is thrown, it jumps, it slides or
             is carried, or it goes a told distance. False for what may as well bend an object whose foot is held.
+        to_ground: True if the way ends at the ground ("bend its head down to the ground").
         manner: How it goes on.
         amount: A quantity that the sentence names; None = none.
     """
@@ -221,6 +222,7 @@ class ExpectedMotion(Strict):
     stays: bool = False
     even: bool = False
     leaves_place: bool = False
+    to_ground: bool = False
     manner: SeenManner = ""
     amount: Amount | None = None
     words: str = ""

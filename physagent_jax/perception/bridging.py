@@ -104,7 +104,10 @@ def _find_steady(rotations: dict[int, np.ndarray], frames: np.ndarray) -> tuple[
     if len(pairs) < FEWEST:
         return None
     steps = np.array(
-        [Rotation.from_matrix(rotations[max(p)] @ rotations[min(p)].T).as_rotvec() / abs(p[0] - p[1]) for p in pairs]
+        [
+            Rotation.from_matrix(rotations[max(p)] @ rotations[min(p)].T).as_rotvec() / abs(p[0] - p[1])
+            for p in pairs
+        ]
     )
     usual = np.median(steps, axis=0)
     alike = np.linalg.norm(steps - usual, axis=1) <= UNLIKE * np.linalg.norm(usual)

@@ -167,9 +167,7 @@ class Ends:
         """Forget which point belongs to which end: what is seeded later has no earlier neighbours."""
         self._last = None
 
-    def describe(
-        self, size: float, breadths: Sequence[tuple[Extent, ...]]
-    ) -> tuple[PartMotion, ...]:
+    def describe(self, size: float, breadths: Sequence[tuple[Extent, ...]]) -> tuple[PartMotion, ...]:
         """Motion of each end and part, for the report.
 
         Args:
@@ -193,5 +191,7 @@ class Ends:
                 None if p is None else tuple(((p(center) - center) / size).tolist()) for p in poses
             ),
             rotation=tuple(None if v is None else tuple(np.degrees(v).tolist()) for v in turns),
-            stretch=tuple(None if p is None else tuple(map(tuple, polar(p.matrix)[1].tolist())) for p in poses),
+            stretch=tuple(
+                None if p is None else tuple(map(tuple, polar(p.matrix)[1].tolist())) for p in poses
+            ),
         )

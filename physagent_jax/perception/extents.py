@@ -52,7 +52,9 @@ def measure_breadths(outlines: list[np.ndarray], ends: np.ndarray, directions: n
         directions: Unit vectors across, shape (k, 3).
     """
     breadths = np.full((len(outlines), len(ends), len(directions)), np.nan)
-    across = [(e, k) for e, k in np.ndindex(len(ends), len(directions)) if abs(ends[e] @ directions[k]) < ACROSS]
+    across = [
+        (e, k) for e, k in np.ndindex(len(ends), len(directions)) if abs(ends[e] @ directions[k]) < ACROSS
+    ]
     for t, points in enumerate(outlines):
         thin = points[:: max(1, len(points) // MOST_POINTS)]
         if len(thin) < SLICES:

@@ -157,7 +157,8 @@ def perceive(
     blur = pixel + quality.depth_noise
     extents = describe_extents(frames.lengths, axes, turns, blur, camera.forward)
     breadths = [
-        describe_extents(each, axes, turns, blur, camera.forward) for each in np.moveaxis(frames.breadths, 1, 0)
+        describe_extents(each, axes, turns, blur, camera.forward)
+        for each in np.moveaxis(frames.breadths, 1, 0)
     ]
     stretches = [frames.stretch_from(0, t) for t in range(len(rgb))]
     hard = Difficulty(

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from physagent_jax.agents.context import AgentContext, Observation
 from physagent_jax.agents.rules.planner import RulePlanner
@@ -37,7 +38,10 @@ def judge(degrees, *, whole=0.0, seen_until=49, shown=1.0, still=None):
     context = AgentContext(SENTENCE, brief(parts=parts, anchored="all but the part"), (), reply)
     windows = RulePlanner().windows(context)
     report = report_true_motion(
-        np.stack(frames), frame_dt=0.04, windows=windows, parts={0: np.arange(660) >= 600, 1: np.arange(660) < 30}
+        np.stack(frames),
+        frame_dt=0.04,
+        windows=windows,
+        parts={0: np.arange(660) >= 600, 1: np.arange(660) < 30},
     )
     parts = [
         each.model_copy(
@@ -134,3 +138,28 @@ def test_a_part_that_is_lost_from_sight_is_neither_still_nor_a_success():
     assert judged.verdict is Verdict.FAIL
     assert any(check.passed is None for check in judged.checks)
     assert all(check.gain is None for check in judged.checks if check.passed is not True), judged.checks
+
+
+@pytest.mark.parametrize(
+    ("sentence", "degrees", "told"),
+    [
+        ("bend the head down", 60, []),
+        ("bend the head down to the ground", 60, [False]),
+        ("bend the head down to the ground", 160, [True]),
+    ],
+)
+def test_a_part_that_is_to_come_to_the_ground_goes_most_of_the_way(sentence, degrees, told):
+    chance = np.random.default_rng(0)
+    body = chance.uniform((-0.1, -0.1, -0.5), (0.1, 0.1, -0.1), (600, 3))
+    neck, joint = chance.uniform((-0.03, -0.03, -0.1), (0.03, 0.03, 0.5), (120, 3)), np.array((0, 0, -0.1))
+    head = make_part("head", (0, 0, 0.6), (0, 0, 1)).model_copy(update=dict(joint=(0.5, 0.5, 0.4)))
+    reply = read(sentence, head)
+    way = np.array(reply.expectations[0].direction)
+    axis = np.cross((0, 0, 1), way - way[2] * np.array((0, 0, 1)))
+    turns = [axis / np.linalg.norm(axis) * np.radians(degrees) * min(k / 25, 1.0) for k in range(49)]
+    frames = [np.concatenate([body, joint + Rotation.from_rotvec(v).apply(neck - joint)]) for v in turns]
+    context = AgentContext(sentence, brief(parts=(head,), anchored="all but the part"), (), reply)
+    windows, number = RulePlanner().windows(context), {0: np.arange(720) >= 600}
+    report = report_true_motion(np.stack(frames), frame_dt=0.04, windows=windows, parts=number)
+    judged = RulePlanner().judge(context, Observation(reply.force_field, report, Unseen())).value
+    assert [c.passed for c in judged.checks if "reach the ground" in c.question] == told

@@ -1238,7 +1238,9 @@ def test_a_slow_motion_may_go_far_in_a_long_clip():
     slow = expected(strength=0.4, window=(0, 99))
     seen = show(lambda t: np.multiply(LEFT, 0.8 * ramp(t, 0, 99)), count=100)
     assert passes(slow, seen, brief(frame_count=100))
-    assert not passes(slow, show(lambda t: np.multiply(LEFT, 1.5 * ramp(t, 0, 99)), count=100), brief(frame_count=100))
+    assert not passes(
+        slow, show(lambda t: np.multiply(LEFT, 1.5 * ramp(t, 0, 99)), count=100), brief(frame_count=100)
+    )
 
 
 def test_leaps_are_counted_by_their_heights():

@@ -19,7 +19,11 @@ def make_chains(*steps, begins=(0, 14), lost=3):
 
 
 def measure(found, t):
-    return None if found.rotations[t] is None else np.degrees(Rotation.from_matrix(found.rotations[t]).magnitude())
+    return (
+        None
+        if found.rotations[t] is None
+        else np.degrees(Rotation.from_matrix(found.rotations[t]).magnitude())
+    )
 
 
 def test_what_turns_alike_before_and_after_has_turned_on():

@@ -14,7 +14,7 @@ from physagent_jax.agents.compiler.amounts import MOST, find_effort, find_word_e
 from physagent_jax.agents.compiler.builder import MAX_ACTIONS, ForceFieldBuilder
 from physagent_jax.agents.compiler.events import BY_DEFAULT, Event
 from physagent_jax.agents.compiler.schedule import find_frames, has_to_stop
-from physagent_jax.agents.lexicon import Effect
+from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import GAIN_MAX, MAGNITUDE_MAX, MAGNITUDE_MIN, TURN, find_magnitude
 from physagent_jax.forces.description import describe_entry
@@ -95,6 +95,7 @@ class Task:
             "even": (event.clause.pace == "even" or event.motion.floats or event.is_quick)
             and kind in (MotionKind.MOVE, MotionKind.ROTATE),
             "amount": event.amount or self._find_duration(),
+            "to_ground": any(way.phrase in read_lexicon().grounding for way in event.ways),
         }
         for limb in event.limbs or (None,):
             part = event.part if limb is None else builder.brief.parts[limb].side

@@ -242,6 +242,7 @@ class Lexicon:
     anchors: dict[str, Literal["base", "top", "none"]]
     obstacles: dict[str, Literal["wall", "block"]]
     ground: frozenset[str]
+    grounding: frozenset[str]
     scene_nouns: frozenset[str]
     joins: dict[str, Join]
     negations: frozenset[str]

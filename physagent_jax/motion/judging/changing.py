@@ -161,9 +161,7 @@ def measure_strains(asked: Asked, first: int, until: int) -> Strains:
     return [(each[0][0], sum(v for _, v in each) / len(each)) for each in values], "in all directions", usual
 
 
-def _measure_part(
-    view: View, part: PartMotion, direction: Vector | None, first: int, until: int
-) -> Strains:
+def _measure_part(view: View, part: PartMotion, direction: Vector | None, first: int, until: int) -> Strains:
     """Relative change of a part's own length along a direction, or the mean of those that are seen."""
     axes = [axis for axis in ([direction] if direction else view.visible_axes) if not view.hides(axis)]
     measured = [_measure_along(axis, view, first, until, part) for axis in axes]

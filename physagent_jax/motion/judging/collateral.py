@@ -250,8 +250,15 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     if left and min(v for _, v in left) > _STRAIN:  # it swings or lands, and is out of shape from then on
         return _check_lasting(view, "shape", left, _STRAIN, sigma)
     twists = sum(e.kind is MotionKind.ROTATE and e.part is not None for e in asked) > 1
+    turned_limb = any(e.limb is not None for e in asked)  # no one map fits what is led beside what is held
     limit = (
-        _STRAIN_TUMBLING if tumbles else _STRAIN_TWISTED if twists else _STRAIN_HIT if yielding else _STRAIN
+        _STRAIN_TUMBLING
+        if tumbles or turned_limb
+        else _STRAIN_TWISTED
+        if twists
+        else _STRAIN_HIT
+        if yielding
+        else _STRAIN
     )
     return _check_lasting(view, "shape", strains, limit, sigma)
 

@@ -20,7 +20,7 @@ from physagent_jax.motion.judging.comparing import (
 )
 from physagent_jax.motion.judging.counting import check_count, estimate_crossing, estimate_jitter
 from physagent_jax.motion.judging.moving import follow
-from physagent_jax.motion.judging.seen import Signal
+from physagent_jax.motion.judging.seen import Course, Signal
 from physagent_jax.motion.matching import AXIAL
 from physagent_jax.motion.schema import Check, ExpectedMotion, MotionKind
 from physagent_jax.motion.vectors import dot, norm, scale
@@ -34,6 +34,9 @@ _PULSE = 0.35  # of the hardest: what counts as another blow
 _LEAKS = 0.5  # of a motion that may be seen before its time
 _UNSEEN = 0.5  # share of its frames in which a part may be lost from sight
 _REST = 0.25  # share of what follows that is looked at for where it comes to rest
+_REACHES = (
+    0.5  # of the height of its tip that the middle of a part goes down by as the tip comes to the ground
+)
 _REST_SHARE = {False: 0.75, True: 0.4}
 """Share of the moving end's motion that the other may show: a part drags the rest along; an excepted one hardly
 moves."""
@@ -260,6 +263,30 @@ def _check_return(asked: Asked) -> list[Check]:
     return [check_limit(asked, "returns", left, _CAME_BACK, asked.sigma / largest)]
 
 
+def _check_reach(asked: Asked) -> list[Check]:
+    """A part that is to come to the ground goes most of the way there, from as high as its tip is."""
+    motion, view = asked.motion, asked.view
+    if not motion.to_ground or asked.end is None or motion.kind is not MotionKind.MOVE:
+        return []
+    table, height = view.brief.directions, view.brief.extents[1]
+    if motion.limb is None:
+        above = (0.5 + dot(asked.end.direction, table.up) / 3) * height
+    else:
+        limb = view.brief.parts[motion.limb]
+        share = dot(limb.joint, table.up)
+        above = (share if share >= 0 else 1 + share) * height + dot(limb.arm, table.up)
+    way = max(dot(p, table.down) for _, p in _observe_course(asked))
+    least = _REACHES * max(above, tolerances.LEAST)
+    return [check_limit(asked, "reaches", way, least, asked.sigma, gain=least / max(way, 0.1 * least))]
+
+
+def _observe_course(asked: Asked) -> Course:
+    course = asked.course(asked.span[0], asked.until)
+    if not course:
+        raise _Unseen("its course is not known")
+    return course
+
+
 def _take_rest(signal: Signal, since: int, until: int) -> list[float]:
     """The last part of what follows a frame, in which a motion comes to rest."""
     rest = [v for t, v in signal if t >= until - _REST * (until - since)]
@@ -354,5 +381,6 @@ _CHECKS: tuple[tuple[str, Callable[[Asked], list[Check]]], ...] = (
     (_WORDS["returns"]["question"], _check_return),
     (_WORDS["stays"]["question"], _check_stay),
     (_WORDS["in_turn"]["question"], _check_order),
+    (_WORDS["reaches"]["question"], _check_reach),
     (_WORDS["part"]["question"], _check_part),
 )

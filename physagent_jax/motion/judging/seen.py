@@ -227,9 +227,7 @@ class View:
         sight = self.sight
         return turns if sight is None else [(t, scale(sight, dot(v, sight))) for t, v in turns]
 
-    def strains(
-        self, direction: Vector, first: int, last: int, end: PartMotion | None = None
-    ) -> Signal:
+    def strains(self, direction: Vector, first: int, last: int, end: PartMotion | None = None) -> Signal:
         """Relative change of the length that lies along a direction in frame ``first``, frame by frame.
 
         Of the whole, or of an end or a part of it.
