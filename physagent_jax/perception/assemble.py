@@ -87,7 +87,7 @@ def assemble(
     outlines = [lift.unproject_mask(d, m, camera) for d, m in zip(trusted, masks)]
     center = _ride_along(path, points[0], outlines, trusted, cut, center, size, camera)
     loose = np.array([p is not None and p.residual > LOOSEST * size for p in path.poses])
-    # A fit that is bad for some frames spoils those before it no more than a gap does, nor those after it by themselves.
+    # A fit that is bad for some frames parts those before it from those after it, as a gap does.
     bridged = bridge(path.poses, np.where(path.chain < 0, -1, 2 * path.chain + loose))
     path = dataclasses.replace(path, poses=[None if bad else p for p, bad in zip(path.poses, loose)])
     centroid = (_find_centroids(path, points, cut, center, camera) - center) / size

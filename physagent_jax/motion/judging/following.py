@@ -34,9 +34,7 @@ _PULSE = 0.35  # of the hardest: what counts as another blow
 _LEAKS = 0.5  # of a motion that may be seen before its time
 _UNSEEN = 0.5  # share of its frames in which a part may be lost from sight
 _REST = 0.25  # share of what follows that is looked at for where it comes to rest
-_REACHES = (
-    0.5  # of the height of its tip that the middle of a part goes down by as the tip comes to the ground
-)
+_REACHES = 0.4  # of the height of its tip: the middle goes down by half of it as the tip comes to the ground
 _REST_SHARE = {False: 0.75, True: 0.4}
 """Share of the moving end's motion that the other may show: a part drags the rest along; an excepted one hardly
 moves."""

@@ -29,8 +29,9 @@ class RgbdSegmenter(Segmenter):
     """The object is what stands in front of the flat surfaces that reach the picture's border.
 
     Where the camera sees no surface behind the object, it is what has depth, with the edge that colour draws before a
-    plain background: inside of it, what has the background's colour is the object too. Still things that reach the border are furniture. Without depth, or where nothing stands out in
-    it, colour alone decides before a plain background; before a busy one, nothing is found and the notes say so.
+    plain background: inside of it, what has the background's colour is the object too. Still things that reach the
+    border are furniture. Without depth, or where nothing stands out in it, colour alone decides before a plain
+    background; before a busy one, nothing is found and the notes say so.
 
     Attributes:
         colour: What decides where depth does not.
