@@ -15,7 +15,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from physagent_jax.core.rotations import polar, unwrap
-from physagent_jax.perception.fit import Affine, fit_affine
+from physagent_jax.perception.fit import Affine, fit_affine, to_matrix
 from physagent_jax.perception.schema import Extent, PartMotion
 
 DIRECTIONS = np.concatenate([s * np.eye(3)[[k]] for k in range(3) for s in (1, -1)])
@@ -191,7 +191,5 @@ class Ends:
                 None if p is None else tuple(((p(center) - center) / size).tolist()) for p in poses
             ),
             rotation=tuple(None if v is None else tuple(np.degrees(v).tolist()) for v in turns),
-            stretch=tuple(
-                None if p is None else tuple(map(tuple, polar(p.matrix)[1].tolist())) for p in poses
-            ),
+            stretch=tuple(None if p is None else to_matrix(polar(p.matrix)[1]) for p in poses),
         )

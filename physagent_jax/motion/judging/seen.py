@@ -251,8 +251,8 @@ class View:
     ) -> list[tuple[int, float, float]]:
         """Relative change of the outline's length along a direction since frame ``first``, with its half width.
 
-        Of the whole, or of an end of it. Empty where the direction is none of the report's, or not seen in that frame or
-        in any other.
+        Of the whole, or of an end of it. Empty where the direction is none of the report's, or not seen in that
+        frame or in any other.
         """
         along = (e for e in (end or self.report).extents if abs(cosine(e.direction, direction)) > SAME_LINE)
         extent = next(along, None)
