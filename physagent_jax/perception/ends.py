@@ -167,12 +167,14 @@ class Ends:
         """Forget which point belongs to which end: what is seeded later has no earlier neighbours."""
         self._last = None
 
-    def describe(self, size: float, breadths: Sequence[tuple[Extent, ...]]) -> tuple[PartMotion, ...]:
+    def describe(
+        self, size: float, breadths: Sequence[tuple[Extent, ...]] = ((),) * len(DIRECTIONS)
+    ) -> tuple[PartMotion, ...]:
         """Motion of each end and part, for the report.
 
         Args:
             size: The body length [m].
-            breadths: How broad the outline of each of the six ends is.
+            breadths: How broad the outline of each of the six ends is; by default, not measured.
         """
         told = [*breadths, *[()] * len(self.prompts)]
         return tuple(self._describe(k, size, told[k]) for k in range(len(self.centers)))
