@@ -150,7 +150,7 @@ class Run:
     save_splats: Literal["ply", "spz", "glb"] | None = None
     """Also leave one file of 3D Gaussians per frame, in this format; named without one: ply."""
     max_minutes: float = 60.0
-    """Refuse a run of which a round is estimated to take longer."""
+    """Refuse a run of which a round is estimated to take longer; more than 60 also lets a first round take longer."""
     max_memory: float | None = None
     """Refuse what is estimated to need more [GB]; default: 80 % of the machine's."""
     overwrite: bool = False

@@ -20,9 +20,18 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.forces.opposition import RISES, find_balance, find_resistance, find_righting
 from physagent_jax.forces.parameters import ActionParameters, Array
 from physagent_jax.forces.regions import grade_part, make_region_mask
-from physagent_jax.forces.schema import Action, CellsRegion, Opposition, SkillScaling, VelocityConstraint
+from physagent_jax.forces.schema import (
+    Action,
+    Bend,
+    CellsRegion,
+    ConstraintType,
+    Opposition,
+    SkillScaling,
+    VelocityConstraint,
+)
 from physagent_jax.forces.sections import find_stress_concentration
 from physagent_jax.forces.terms import Balance, PushCompensation, TurnCompensation
+from physagent_jax.forces.twisting import Twist, find_twist
 from physagent_jax.mpm.boundaries import HalfSpace
 from physagent_jax.mpm.constraints import GradedRotation, GradedTranslation, MovingPlate, PrescribedMotion
 from physagent_jax.mpm.fields import FOREVER
@@ -179,20 +188,32 @@ class Binding:
         self._until = min(about.until * frame_dt, FOREVER)
         pivot = getattr(timed, "pivot", None)
         self._pivot = None if pivot is None else rest.min(0) + np.asarray(pivot) * np.ptp(rest, axis=0)
-        self._led, self._share = np.flatnonzero(self._mask), None
+        self._led, self._share, wrung = np.flatnonzero(self._mask), None, False
         if (bend := getattr(timed, "bend", None)) is not None:
             part, share, middle = grade_part(bend, rest)
             self._led, self._share = np.flatnonzero(part), self.leaf(share)
             self._pivot = None if pivot is None else middle
+            twist = None if pivot is None else self._find_twist(timed, bend, frame_dt, about.frame_count)
+            if twist is not None:
+                self._led, self._pivot, wrung = twist.led, twist.pivot, twist.share is None
+                self._share = None if twist.share is None else self.leaf(twist.share)
         if about.tilted is not None and self._pivot is None and self._stands:
             self._pivot = self._find_foot_edge(about.tilted)
         hold_end = getattr(timed, "held_until", None)
         self._held_until = None if hold_end is None else self.leaf(hold_end * frame_dt)
-        self._rigid = isinstance(timed.region, CellsRegion) and timed.region.rigid
+        self._rigid = wrung or (isinstance(timed.region, CellsRegion) and timed.region.rigid)
         self.whole = timed.region is None
         self._way = np.copysign(1.0, timed.magnitude) * np.asarray(timed.vector)
         self.upwards = float(self._way[2])
         self.weight = None if self.whole else self.leaf(self._mask)
+
+    def _find_twist(self, timed, bend: Bend, frame_dt: float, frame_count: int) -> Twist | None:
+        """The twist of a part that turns in place (`find_twist`)."""
+        if timed.constraint_type is not ConstraintType.PARTICLE_ROTATION:
+            return None
+        first, last = timed.active_time or (0.0, frame_count - 1)
+        angle = abs(timed.magnitude) * timed.gain * self.scaling.rotation * (last - first) * frame_dt
+        return find_twist(bend, self._rest, np.asarray(timed.vector, float), float(angle))
 
     def leaf(self, value) -> jax.Array:
         """``value`` as an array of the particles' dtype."""

@@ -130,6 +130,8 @@ class Part(Strict):
         axle: The line about which a disc or a wheel turns (unit world vector); None for what is none.
         neck: Spread of where it joins the rest along each world axis (standard deviations) [body lengths]; 0 = not
             known, or nothing joins them.
+        front: The level way in which the object looks, as what juts out high up tells it (unit world vector); None =
+            not known.
         confidence: Chance that its first role is right, by how clearly its shape tells.
     """
 
@@ -147,6 +149,7 @@ class Part(Strict):
     share: float = Field(ge=0, le=1)
     axle: Direction | None = None
     neck: Numbers = (0.0, 0.0, 0.0)
+    front: Direction | None = None
     confidence: float = Field(default=1.0, ge=0, le=1)
 
     @property

@@ -13,7 +13,8 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.core.rotations import polar, unwrap
 from physagent_jax.metrics.pieces import count_pieces
 from physagent_jax.perception import timing
-from physagent_jax.perception.extents import describe_extents
+from physagent_jax.perception.ends import DIRECTIONS
+from physagent_jax.perception.extents import describe_extents, measure_breadths
 from physagent_jax.perception.fit import Affine
 from physagent_jax.perception.schema import (
     Box,
@@ -103,7 +104,7 @@ def report_true_motion(
             for a, b in zip((low - center) / size, (high - center) / size)
         ),
         extents=_measure_extents(x, turns, size, camera, up),
-        parts=(*_measure_ends(x, size), *_measure_parts(x, size, parts or {})),
+        parts=(*_measure_ends(x, turns, size, camera, up), *_measure_parts(x, size, parts or {})),
         pieces=tuple(count_pieces(x, np.stack([pose.matrix for pose in poses]), size)),
         uncertainty=Uncertainty(displacement=0.0, rotation=0.0, axis=0.0, stretch=0.0, frequency=0.0),
         oscillation=timing.find_oscillation(frames.centroid, frame_dt, VISIBLE),
@@ -150,20 +151,30 @@ def _measure_extents(
     x: np.ndarray, turns: list[np.ndarray | None], size: float, camera: Camera | None, up: Sequence[float]
 ) -> tuple[Extent, ...]:
     """Along all of the viewer's directions, hidden ones too; world axes without a camera."""
-    axes = np.eye(3) if camera is None else np.stack([axis for _, axis in ViewerWords(camera, up).axes()])
+    axes = _list_axes(camera, up)
     low, high = np.percentile(x @ axes.T, [STRAY, 100 - STRAY], axis=1)
     return describe_extents((high - low) / size, axes, turns, 0.0)
 
 
-def _measure_ends(x: np.ndarray, size: float) -> tuple[PartMotion, ...]:
+def _list_axes(camera: Camera | None, up: Sequence[float]) -> np.ndarray:
+    """The viewer's directions, world axes without a camera, shape (3, 3)."""
+    return np.eye(3) if camera is None else np.stack([axis for _, axis in ViewerWords(camera, up).axes()])
+
+
+def _measure_ends(
+    x: np.ndarray, turns: list[np.ndarray | None], size: float, camera: Camera | None, up: Sequence[float]
+) -> tuple[PartMotion, ...]:
     """The six ends: the third of the particles farthest along +-x, +-y, +-z in frame 0."""
     ends, share = [], max(1, x.shape[1] // 3)
+    axes = _list_axes(camera, up)
+    breadths = np.moveaxis(measure_breadths(list(x), DIRECTIONS, axes) / size, 1, 0)
     for axis in range(3):
         order = np.argsort(x[0, :, axis], kind="stable")
         for sign, chosen in ((1.0, order[-share:]), (-1.0, order[:share])):
             direction = np.zeros(3)
             direction[axis] = sign
-            ends.append(_follow(x[:, chosen], direction, size, None))
+            extents = describe_extents(breadths[len(ends)], axes, turns, 0.0)
+            ends.append(_follow(x[:, chosen], direction, size, None, extents))
     return tuple(ends)
 
 
@@ -176,14 +187,23 @@ def _measure_parts(x: np.ndarray, size: float, parts: Mapping[int, np.ndarray]) 
     ]
 
 
-def _follow(part: np.ndarray, direction: np.ndarray, size: float, number: int | None) -> PartMotion:
-    turn = _to_degrees(unwrap([pose.rotation for pose in _fit(part)]))
+def _follow(
+    part: np.ndarray,
+    direction: np.ndarray,
+    size: float,
+    number: int | None,
+    extents: tuple[Extent, ...] = (),
+) -> PartMotion:
+    poses = _fit(part)
+    turn = _to_degrees(unwrap([pose.rotation for pose in poses]))
     moved = (part.mean(axis=1) - part[0].mean(axis=0)) / size
     return PartMotion(
         direction=_to_vector(direction),
         limb=number,
         centroid=_to_vectors(moved),
         rotation=_to_vectors(turn),
+        stretch=tuple(_to_matrix(polar(pose.matrix)[1]) for pose in poses),
+        extents=extents,
     )
 
 

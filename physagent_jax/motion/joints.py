@@ -18,7 +18,7 @@ from physagent_jax.forces.calibration import BLOW
 from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.schema import Bend, VelocityConstraint
-from physagent_jax.motion.limbs import SEATED, find_front
+from physagent_jax.motion.limbs import SEATED, find_facing, find_front
 from physagent_jax.motion.schema import Amount, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import (
     add,
@@ -41,8 +41,9 @@ _SWAYS = 0.6  # of a plain angle, to either side of a limb that goes to and fro
 _ALONG = 0.85  # cosine to the limb from which on a way leads along it
 _REACH = 0.3  # of its length, by which a plain word moves a limb along itself
 _DENTED = 0.6  # the same of a region that is pressed into what it is one skin with
-_DRAWN = 0.08  # [body lengths] that such a region is drawn at least, or by its length, as its border hardly goes along
-_LIMIT = 0.6  # of its length, by which a short limb is drawn at most, so that it is seen
+_SHOWN = 0.08  # [body lengths] that a loose piece is moved along itself at least, so that it is seen
+_DRAWN = 0.12  # [body lengths] that such a region is drawn at least, or by its length, as its border hardly goes along
+_LIMIT = 1.0  # of its length, by which a short limb is drawn at most, so that it is seen
 _PRESSED, _DEEPEST = (
     0.5,
     0.6,
@@ -68,6 +69,7 @@ _SPUN = 180.0  # [degrees] that a plain word turns what stands on the rest about
 _WHEELED = 360.0  # [degrees] that it turns a wheel
 _NECKED = frozenset(("head", "face", "neck"))  # words for what does not turn so far
 _JAWS = frozenset(("jaw", "mouth"))  # words for what opens downwards
+_OWN_WAYS = dict(forward=1.0, forwards=1.0, backward=-1.0, backwards=-1.0)  # as it looks, and the other way
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them
 _TIME = 1.0  # [s] in which a limb gets where it goes, at most
 Window = tuple[float, float]
@@ -147,6 +149,7 @@ class Turning:
             motion: The motion.
             until: Frame at which the limb's next one begins, or the clip's last.
         """
+        motion = self._face(motion)
         if motion.kind is MotionKind.SWAY:
             return self._drive_swings(motion)
         axis = motion.direction
@@ -296,6 +299,16 @@ class Turning:
         level = abs(dot(self.arm, self.brief.directions.up)) < _HANGS
         return self.brief.directions.down if level else find_front(self.brief.parts)
 
+    def _face(self, motion: ExpectedMotion) -> ExpectedMotion:
+        """The motion as the object has it: what is bent "backwards" goes to its own back, where its front is known."""
+        front, table, way = find_facing(self.brief.parts), self.brief.directions, motion.direction
+        said = [sign for word, sign in _OWN_WAYS.items() if word in split_name(motion.words)]
+        if front is None or way is None or len(said) != 1 or motion.kind is MotionKind.ROTATE:
+            return motion
+        if dot(way, scale(table.toward, said[0])) < _ALONG:  # other words tell it
+            return motion
+        return motion.model_copy(update=dict(direction=scale(front, said[0])))
+
     def _gape(self, motion: ExpectedMotion) -> Vector | None:
         """The way of a jaw that opens; None = it is no jaw, or does something else."""
         opens = any(each.startswith("open") for each in split_name(motion.words))
@@ -330,7 +343,8 @@ class Turning:
             size = self.brief.size if told.unit == "metres" else 1.0
             return self.driver.shift(way, told.value / size, window, stop)
         place, pressed = self.part.origin == "place", dot(self.arm, way) < -_ALONG
-        drawn = clamp(_DRAWN / max(norm(self.part.arm), 1e-9), _REACH, _LIMIT)
+        least = _DRAWN if max(self.part.neck) else _SHOWN
+        drawn = clamp(least / max(norm(self.part.arm), 1e-9), _REACH, _LIMIT)
         reach = _LIFTED if "lid" in self.part.roles[:1] else drawn
         if place:
             reach = _DENTED if pressed else max(1.0, _DRAWN / max(norm(self.part.arm), 1e-9))

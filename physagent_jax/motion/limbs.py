@@ -90,6 +90,11 @@ def find_front(parts: Sequence[Part]) -> Vector | None:
     return normalise((heads[0].side[0], heads[0].side[1], 0.0))
 
 
+def find_facing(parts: Sequence[Part]) -> Vector | None:
+    """The level way in which a figure looks: by its head and legs, else by what overhangs; None if neither tells it."""
+    return find_front(parts) or next((part.front for part in parts if part.front), None)
+
+
 def stands_on_legs(parts: Sequence[Part]) -> bool:
     """Return whether an animal's legs are seen: its head and ears need not be what is highest, as a raised tail is."""
     return any("leg" in each.roles[:1] for each in parts)
@@ -125,7 +130,7 @@ def find_way_ahead(brief: SceneBrief) -> Vector:
         return front
     if norm(named) > _TOLD:
         return normalise(named) or brief.directions.toward
-    return find_level_line(brief)
+    return find_facing(brief.parts) or find_level_line(brief)
 
 
 def _tell_front(part: Part) -> int:

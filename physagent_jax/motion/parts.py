@@ -105,7 +105,8 @@ def explain_guess(
         plural: Whether it means several.
         roles: The roles that the word may mean, likeliest first.
     """
-    guessed = [index for index in chosen if not parts[index].name or parts[index].origin == "place"]
+    guessed = [k for k in chosen if not parts[k].name or parts[k].origin == "place" or parts[k].stands_for]
+    guessed = [k for k in guessed if not parts[k].stands_for or parts[k].unsure]
     if not guessed:
         return None
     part = parts[guessed[0]]
@@ -119,6 +120,11 @@ def explain_guess(
     if clear and not several and not (plural and len(chosen) == 1 and part.roles):
         return None
     label, number = part.label or part.name or part.roles[0], guessed[0] + 1
+    if part.stands_for:
+        return (
+            f"Whether '{text}' is the {part.stands_for} is not certain: `--part {_get_noun(text)}=N` names another "
+            "one (`physagent inspect` shows them all)."
+        )
     chance = f" ({part.confidence:.0%})" if faint else ""
     return (
         f"Whether '{text}' is the {label} (part {number}) is not certain{chance}: "

@@ -16,10 +16,10 @@ from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, find_
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import CellsRegion
 
-Manner = Literal["", "bend", "rock", "wobble", "shake", "fly", "fold", "crumple"]
+Manner = Literal["", "bend", "rock", "wobble", "shake", "fly", "fold", "crumple", "hinge"]
 """The manner of a motion: it bends over its foot, which stays; it tilts over the edges of its foot as a whole; its foot
 stays and its own stiffness does the rest; it goes to and fro, foot and all; it leaves the ground; one half
-goes over the other; it is pressed from one side after another; or any ("")."""
+goes over the other; it is pressed from one side after another; it turns about its hinge; or any ("")."""
 SeenManner = Manner | Literal["spin"]
 """The same of what is to be seen; what spins shows all of its sides."""
 LAST_FRAME = 1e5
@@ -203,6 +203,9 @@ class ExpectedMotion(Strict):
         even: True if it is to go at one speed ("evenly", "at a constant speed").
         leaves_place: True if a move takes the object as a whole from its place: it is thrown, it jumps, it slides or
             is carried, or it goes a told distance. False for what may as well bend an object whose foot is held.
+        put_back: True if a move brings it back to where it was, or down to what it stood on.
+        may_stop_short: True if a turn over may as well end on its back: no number tells how far.
+        to_ground: True if the way ends at the ground ("bend its head down to the ground").
         manner: How it goes on.
         amount: A quantity that the sentence names; None = none.
     """
@@ -221,6 +224,9 @@ class ExpectedMotion(Strict):
     stays: bool = False
     even: bool = False
     leaves_place: bool = False
+    put_back: bool = False
+    may_stop_short: bool = False
+    to_ground: bool = False
     manner: SeenManner = ""
     amount: Amount | None = None
     words: str = ""

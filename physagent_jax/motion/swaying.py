@@ -15,7 +15,7 @@ from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import Bend, CellsRegion, VelocityConstraint
 from physagent_jax.motion.schema import Amount, ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.motion.vectors import add, cross, dot, normalise, scale
+from physagent_jax.motion.vectors import add, cross, dot, norm, normalise, scale
 from physagent_jax.motion.windows import Window
 
 _FOOT = 0.1  # of its height, that stays
@@ -30,6 +30,8 @@ _BACK = (-1.4, 0.55, -0.21, 0.06)
 _TILT = 14.0  # [degrees] that it rocks by to either side with a strength of 1
 _SHAKEN = 0.12  # [body lengths] that it is shaken by to either side with a strength of 1
 _MILD = 0.5  # power of a strength that an angle to either side grows with: what is gentle is seen as well
+_ROCKED = 0.7  # the same of what rocks, all of which goes as far
+_WALKED, _STEP = 0.9, 0.04  # [body lengths] that it walks, and rises at each step, with a strength of 1
 _SETTLED = 0.2  # [s] for which it is kept upright where it has stopped rocking
 _REACH = 2.0  # [body lengths]: all of its foot borders on the rest
 _LEVEL = 0.7  # cosine to the vertical below which a way leads aside
@@ -183,7 +185,7 @@ def rock(
     assert axis is not None  # the way is level
     driver = PartDriver(make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
     spans = _divide(window, strokes)
-    made = [driver.turn(axis, s * strength**_MILD * _TILT, span, None) for s, span in zip(strokes, spans)]
+    made = [driver.turn(axis, s * strength**_ROCKED * _TILT, span, None) for s, span in zip(strokes, spans)]
     rest = min(window[1] + brief.count_frames(_SETTLED), last)
     made[-1] = made[-1].model_copy(update=dict(held_until=rest if rest > window[1] else None))
     return [each.model_copy(update=dict(region=None, pivot=None)) for each in made]
@@ -210,6 +212,34 @@ def shake(
     made = [driver.shift(way, reach * s, span, None) for s, span in zip(strokes, spans)]
     stop = last if kept else min(end + rest, last)
     made[-1] = made[-1].model_copy(update=dict(held_until=stop if stop > end else None))
+    return [each.model_copy(update=dict(region=None)) for each in made]
+
+
+def walk(
+    brief: SceneBrief, way: Vector, strength: float, count: int, window: Window, lengths: float | None
+) -> list[VelocityConstraint]:
+    """The steps of what goes on its feet: at each it rises a little and comes down again, and stands at last.
+
+    Args:
+        brief: The scene.
+        way: Where it goes (unit world vector).
+        strength: Factor on the distance and the rise.
+        count: Number of steps.
+        window: First and last frame.
+        lengths: Distance that the sentence tells [body lengths], or None.
+    """
+    driver = PartDriver(make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
+    step = (lengths or _WALKED * strength) / (2 * count)
+    end = max(window[1] - brief.count_frames(_SETTLED), 0.5 * (window[0] + window[1]))
+    shifts = [
+        add((scale(way, step), scale(brief.directions.up, sign * _STEP * strength**2)))
+        for sign in (1.0, -1.0) * count
+    ]
+    made = [
+        driver.shift(normalise(shift) or way, norm(shift), span, None)
+        for shift, span in zip(shifts, _divide((window[0], end), [1.0] * len(shifts)))
+    ]
+    made[-1] = made[-1].model_copy(update=dict(held_until=window[1]))
     return [each.model_copy(update=dict(region=None)) for each in made]
 
 

@@ -50,6 +50,7 @@ _FALLEN = 0.4  # of a height that the sentence names, that a fall may differ by:
 _WRUNG = 0.85  # of the largest angle of its word that a free end turns by: it lessens towards the held one
 _SPUN_LEAST = 60.0  # [degrees] less is a turn, and no spin
 SPIN = 360.0  # [degrees] that what spins turns by, unless the sentence says
+_GENTLE = 0.27  # [body lengths / s] at which what goes on and on is still slow, however far it comes
 _UNHURRIED = 1.0  # [s] what lasts for less time may do less
 _STRENGTHS = (0.4, 1.0, 1.6)
 
@@ -68,6 +69,7 @@ TURN_HELD: Bands = ((4.0, 10.0, 24.0), (15.0, 35.0, 75.0), (48.0, 75.0, 180.0))
 STRETCH: Bands = ((0.1, 0.15, 0.22), (0.15, 0.25, 0.55), (0.35, 0.6, 2.0))
 SQUEEZE: Bands = ((0.1, 0.13, 0.19), (0.13, 0.2, 0.42), (0.28, 0.45, 0.92))
 SWELL: Bands = ((0.06, 0.1, 0.14), (0.09, 0.18, 0.35), (0.23, 0.4, 1.5))
+MOST_OF_PART = 0.92  # of its length that a part may get shorter or longer by, however gently
 SHRINK: Bands = (SWELL[0], SWELL[1], (0.2, 0.3, 0.8))
 
 
@@ -182,7 +184,8 @@ def expect_move(
     band = pick_band(bands, expectation.strength, "body lengths")
     band = band.scaled(share, least=0.5 * LEAST if anchored and not end else LEAST)
     more = 1.0 if anchored else 0.5 * (expectation.repeats + 1)  # each of several blows adds its own way
-    return Tolerance(band.low, band.target + max(drift, 0.0), more * band.high + max(drift, 0.0), band.unit)
+    high = max(more * band.high, 0.0 if anchored or expectation.sudden else _GENTLE * seconds)
+    return Tolerance(band.low, band.target + max(drift, 0.0), high + max(drift, 0.0), band.unit)
 
 
 def expect_topple(expectation: ExpectedMotion) -> Tolerance:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 Window = tuple[float, float]
+IMPULSE_FRAMES = 1.0
+_GUST = 0.3  # part of its window during which a gust acts
 _MANY = 4  # swings in one window: half a second or less each, in a clip of the usual length
 
 
@@ -43,3 +45,13 @@ def halve(window: Window) -> tuple[Window, Window]:
         speed_up, slow_down = divide(window, [1.0, 1.0])
         return speed_up, slow_down
     return (first, first + half), (first + half, first + 2.0 * half)
+
+
+def shorten(window: Window, last: float) -> Window:
+    """The part of a window in which a gust or a burst acts."""
+    return (window[0], window[0] + max(_GUST * (window[1] - window[0]), min(1.0, last)))
+
+
+def make_impulse_window(at: float) -> Window:
+    """The shortest window that begins nearest to ``at``."""
+    return (float(round(at)), round(at) + IMPULSE_FRAMES)

@@ -29,10 +29,17 @@ class Fault(enum.Enum):
 
 @dataclasses.dataclass(frozen=True)
 class Breach:
-    """A failed attempt: its fault, and what to say of it."""
+    """A failed attempt: its fault, and what to say of it.
+
+    Attributes:
+        fault: Its fault.
+        words: The reason, for people.
+        bound: The stable step that it led to [s], where nothing else is wrong; None = something else is.
+    """
 
     fault: Fault
     words: str
+    bound: float | None = None
 
 
 def find_breach(model: Model, health: Health, bound: float) -> Breach | None:
@@ -43,11 +50,16 @@ def find_breach(model: Model, health: Health, bound: float) -> Breach | None:
         health: Health of its substeps.
         bound: The stable step where it led [s]; infinite where the substep is forced, whatever it is.
     """
-    fault, reason = _find_fault(model, health, bound)
-    return None if fault is None else Breach(fault, f"{reason} at dt = {float(model.dt):.3g} s")
+    fault, reason = _find_fault(model, health)
+    lowered = fault is None and float(model.dt) > bound
+    if lowered:
+        fault, reason = Fault.STEP, f"deformation lowered the stable bound to {bound:.3g} s"
+    if fault is None:
+        return None
+    return Breach(fault, f"{reason} at dt = {float(model.dt):.3g} s", bound if lowered else None)
 
 
-def _find_fault(model: Model, health: Health, bound: float) -> tuple[Fault | None, str]:
+def _find_fault(model: Model, health: Health) -> tuple[Fault | None, str]:
     min_J = float(health.min_J)
     if not bool(health.finite):
         return Fault.STEP, f"a value is not finite (the least volume ratio is {min_J:.3g})"
@@ -63,8 +75,6 @@ def _find_fault(model: Model, health: Health, bound: float) -> tuple[Fault | Non
     cells = float(health.max_speed) * float(model.dt) / model.grid.dx
     if cells >= 1:
         return Fault.STEP, f"a particle crosses {cells:.2g} cells in one substep"
-    if float(model.dt) > bound:
-        return Fault.STEP, f"deformation lowered the stable bound to {bound:.3g} s"
     return None, ""
 
 

@@ -21,11 +21,13 @@ from physagent_jax.mpm.plan import Timetable
 from physagent_jax.mpm.sorting import permute_particles, unpermute_particles, update_order
 from physagent_jax.mpm.state import Grid, Model, State
 from physagent_jax.mpm.step import kirchhoff_stress, makes_stress, substep
-from physagent_jax.mpm.timestep import divide_frame, kinematic_dt, stable_dt
+from physagent_jax.mpm.timestep import SAFETY, divide_frame, kinematic_dt, stable_dt
 from physagent_jax.mpm.window import fit_window
 
 CHUNK = 10
 """Substeps that a GPU runs before the host looks whether to go on, which costs as much as a small substep."""
+_SPARE = 0.97  # of the stable step that is expected at the frame's end
+_STEEPEST = 0.5  # of the stable step, by which it is expected to fall within a frame at most
 _WIDER = 2.5  # times the room that a window had which particles have left
 
 
@@ -44,6 +46,8 @@ class Frame:
         seconds: Wall time of the frame, redone attempts included [s].
         exchange: What forces, boundaries and dissipation exchanged since the frame before; None = not asked for.
         order: In which the particles lay in memory meanwhile, shape (n,); None = as they are in ``state``.
+        attempted: Substeps that this frame took, all attempts together.
+        trend: Stable step at the end of the frame over that at its beginning.
     """
 
     index: int
@@ -57,6 +61,8 @@ class Frame:
     seconds: float
     exchange: Exchange | None = None
     order: np.ndarray | None = None
+    attempted: int = 0
+    trend: float = 1.0
 
     @property
     def grid_shape(self) -> tuple[int, int, int]:
@@ -81,6 +87,7 @@ def next_frame(
     pace: Pace,
     ledger: bool,
     bound: float | None = None,
+    most_substeps: float = math.inf,
 ) -> tuple[Frame, float | None]:
     """The frame after ``before``, redone with shorter steps or a wider window until it can be trusted.
 
@@ -91,6 +98,7 @@ def next_frame(
         pace: As asked for.
         ledger: As for `advance`.
         bound: The stable step there [s]; None = not known.
+        most_substeps: Substeps that all attempts together may take.
 
     Returns:
         The frame, and the stable step at its end [s], None where nobody looked: what the next one begins with.
@@ -99,9 +107,15 @@ def next_frame(
         UserError: It cannot be.
     """
     begun = time.perf_counter()
+    if bound is None and not pace.fixed:
+        bound = float(stable_dt(model, before.state))
     plan = plan_frame(model, before, pace, bound)
     breaches: list[Breach] = []
+    attempted, begun_at = 0, bound
     while True:
+        attempted += plan.substeps
+        if attempted > most_substeps:
+            raise _explain_cost(before.index + 1, attempted, most_substeps, breaches)
         after, seen, total = attempt_frame(plan, timetable, before.state, ledger)
         health = jax.device_get(seen)  # at once: each number by itself would be a wait
         bound = math.inf if pace.fixed else float(stable_dt(plan.model, after))
@@ -124,8 +138,20 @@ def next_frame(
         time.perf_counter() - begun,
         total,
         plan.order,
+        attempted,
+        bound / begun_at if begun_at and math.isfinite(bound) else 1.0,
     )
     return frame, None if pace.fixed else bound
+
+
+def _explain_cost(index: int, substeps: int, most: float, breaches: list[Breach]) -> UserError:
+    """The error to raise when frame ``index`` would take more substeps than it may."""
+    why = f": {breaches[-1].words}" if breaches else ""
+    return UserError(
+        f"frame {index} would take {substeps:,} substeps{why}",
+        got=f"{most:,.0f} that are left",
+        do="Use a softer material or weaker forces",
+    )
 
 
 # Plan
@@ -162,19 +188,27 @@ def plan_frame(model: Model, before: Frame, pace: Pace, bound: float | None = No
         UserError: It would take more than MAX_SUBSTEPS.
     """
     model = model.replace(grid=before.grid)
-    substeps = count_substeps(model, before.state, pace, bound)
+    substeps = count_substeps(model, before.state, pace, bound, before.trend)
     order = update_order(before.order, model, before.state)
     return _fit(FramePlan(model, pace.frame_dt, substeps, 1.0, order), before.state)
 
 
 def plan_again(plan: FramePlan, breach: Breach, state: State) -> FramePlan:
-    """The next attempt from ``state``: a wider window if that was too small, else steps half as long."""
+    """The next attempt from ``state``: a wider window if that was too small, else shorter steps.
+
+    They are half as long, or as long as the stable step allows where only that has become shorter.
+    """
     if breach.fault is Fault.LEFT:
         return _fit(dataclasses.replace(plan, margin=_WIDER * plan.margin), state)
-    return _fit(dataclasses.replace(plan, substeps=2 * plan.substeps), state)
+    substeps = 2 * plan.substeps
+    if breach.bound is not None:
+        substeps = min(substeps, max(plan.substeps + 1, divide_frame(plan.frame_dt, SAFETY * breach.bound)))
+    return _fit(dataclasses.replace(plan, substeps=substeps), state)
 
 
-def count_substeps(model: Model, state: State, pace: Pace, bound: float | None = None) -> int:
+def count_substeps(
+    model: Model, state: State, pace: Pace, bound: float | None = None, trend: float = 1.0
+) -> int:
     """Substeps for the coming frame.
 
     Args:
@@ -182,6 +216,7 @@ def count_substeps(model: Model, state: State, pace: Pace, bound: float | None =
         state: At the frame's beginning.
         pace: As asked for.
         bound: The stable step there [s]; None = not known yet.
+        trend: Factor by which the frame before has changed it: one that falls is expected to fall on.
 
     Raises:
         UserError: They would be more than MAX_SUBSTEPS.
@@ -192,7 +227,8 @@ def count_substeps(model: Model, state: State, pace: Pace, bound: float | None =
     if pace.substep_dt is not None:
         elastic = pace.substep_dt
     else:
-        elastic = pace.safety * (float(stable_dt(model, state)) if bound is None else bound)
+        bound = float(stable_dt(model, state)) if bound is None else bound
+        elastic = bound * min(pace.safety, max(_SPARE * trend, _STEEPEST))
     horizon = np.asarray(frame_dt, state.x.dtype)
     # With the frame as the step, forces give their mean over it: blows within the frame are foreseen.
     kinematic = float(kinematic_dt(model.replace(dt=horizon), state, horizon))

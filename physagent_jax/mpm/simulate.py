@@ -6,6 +6,7 @@ start with smaller steps if the check fails (`mpm.frame`). For gradients there i
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 from physagent_jax.kernels import programs
@@ -33,6 +34,7 @@ def simulate(
     ledger: bool = False,
     begin: Frame | None = None,
     tell_limits: bool = True,
+    most_substeps: float = math.inf,
 ) -> Iterator[Frame]:
     """Yield ``frame_count`` frames, the initial state first; or, of these, those after ``begin``.
 
@@ -48,12 +50,14 @@ def simulate(
         ledger: Whether frames carry an `Exchange`.
         begin: A frame of an earlier call whose frames up to there are these too. Nothing but its state, grid window
             and order passes from frame to frame, so what follows is the same as if all were simulated.
+        most_substeps: Substeps that all frames after ``begin`` may take, attempts that are redone included.
         tell_limits: Whether to warn of what the method does badly in this model (`limits.find_limits`).
 
     Raises:
         UserError: This process was forked from one that computes; the input cannot be simulated
             (`checks.check_start`), ``substep_dt`` is above the stable bound
-            and not forced, or a frame fails even with steps 2**MAX_RETRIES times smaller (the message says what
+            and not forced, it takes more than ``most_substeps``,
+            or a frame fails even with steps 2**MAX_RETRIES times smaller (the message says what
             the check saw).
     """
     refuse_fork()
@@ -70,8 +74,9 @@ def simulate(
         nothing = Exchange.zeros(state.x.dtype) if ledger else None
         frame = Frame(0, state, 0, 0.0, 1.0, 1.0, (), model.grid, 0.0, nothing)
         yield frame
-    bound = None
+    bound, left = None, most_substeps
     for _ in range(frame.index + 1, frame_count):
         with kernels.use_device_of(frame.state.x):
-            frame, bound = next_frame(model, timetable, frame, pace, ledger, bound)
+            frame, bound = next_frame(model, timetable, frame, pace, ledger, bound, left)
+        left -= frame.attempted
         yield frame

@@ -7,7 +7,9 @@ import dataclasses
 import numpy as np
 
 from physagent_jax.perception import lift
-from physagent_jax.perception.extents import measure_lengths
+from physagent_jax.perception.bridging import bridge
+from physagent_jax.perception.ends import DIRECTIONS
+from physagent_jax.perception.extents import measure_breadths, measure_lengths
 from physagent_jax.perception.fit import Affine, estimate_hidden_spread
 from physagent_jax.perception.follow import Path
 from physagent_jax.perception.protocols import Depth
@@ -85,6 +87,8 @@ def assemble(
     outlines = [lift.unproject_mask(d, m, camera) for d, m in zip(trusted, masks)]
     center = _ride_along(path, points[0], outlines, trusted, cut, center, size, camera)
     loose = np.array([p is not None and p.residual > LOOSEST * size for p in path.poses])
+    # A fit that is bad for some frames parts those before it from those after it, as a gap does.
+    bridged = bridge(path.poses, np.where(path.chain < 0, -1, 2 * path.chain + loose))
     path = dataclasses.replace(path, poses=[None if bad else p for p, bad in zip(path.poses, loose)])
     centroid = (_find_centroids(path, points, cut, center, camera) - center) / size
     centroid[out] = np.nan
@@ -110,6 +114,9 @@ def assemble(
         corners=np.where((cut | beyond)[:, None, None], np.nan, (corners - center) / size),
         box=np.where((cut | beyond)[:, None], np.nan, np.maximum(edges / size, THINNEST)),
         lengths=np.where((cut | beyond)[:, None], np.nan, measure_lengths(outlines, directions) / size),
+        breadths=np.where(
+            (cut | beyond)[:, None, None], np.nan, measure_breadths(outlines, DIRECTIONS, directions) / size
+        ),
         depth_shown=np.array(
             [
                 estimate.relief_known
@@ -126,6 +133,7 @@ def assemble(
         drift=None if estimate.drift is None else estimate.drift / size,
         relief_known=estimate.relief_known,
         tilt=float(tilt.max()),
+        turned=bridged if estimate.relief_known else None,
     )
 
 

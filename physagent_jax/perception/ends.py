@@ -9,13 +9,14 @@ be its own other end.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.spatial import KDTree
 
-from physagent_jax.core.rotations import unwrap
-from physagent_jax.perception.fit import Affine, fit_affine
-from physagent_jax.perception.schema import PartMotion
+from physagent_jax.core.rotations import polar, unwrap
+from physagent_jax.perception.fit import Affine, fit_affine, to_matrix
+from physagent_jax.perception.schema import Extent, PartMotion
 
 DIRECTIONS = np.concatenate([s * np.eye(3)[[k]] for k in range(3) for s in (1, -1)])
 """World axes, one per end, shape (6, 3)."""
@@ -166,11 +167,19 @@ class Ends:
         """Forget which point belongs to which end: what is seeded later has no earlier neighbours."""
         self._last = None
 
-    def describe(self, size: float) -> tuple[PartMotion, ...]:
-        """Motion of each end and part, for the report; ``size`` is the body length [m]."""
-        return tuple(self._describe(k, size) for k in range(len(self.centers)))
+    def describe(
+        self, size: float, breadths: Sequence[tuple[Extent, ...]] = ((),) * len(DIRECTIONS)
+    ) -> tuple[PartMotion, ...]:
+        """Motion of each end and part, for the report.
 
-    def _describe(self, k: int, size: float) -> PartMotion:
+        Args:
+            size: The body length [m].
+            breadths: How broad the outline of each of the six ends is; by default, not measured.
+        """
+        told = [*breadths, *[()] * len(self.prompts)]
+        return tuple(self._describe(k, size, told[k]) for k in range(len(self.centers)))
+
+    def _describe(self, k: int, size: float, breadths: tuple[Extent, ...]) -> PartMotion:
         poses = [frame[k] for frame in self.poses]
         turns = unwrap([None if p is None else p.rotation for p in poses])
         center, prompt = self.centers[k], self.prompts[k - len(DIRECTIONS)] if k >= len(DIRECTIONS) else None
@@ -179,8 +188,10 @@ class Ends:
         return PartMotion(
             direction=tuple(direction.tolist()),
             limb=None if prompt is None else prompt.limb,
+            extents=breadths,
             centroid=tuple(
                 None if p is None else tuple(((p(center) - center) / size).tolist()) for p in poses
             ),
             rotation=tuple(None if v is None else tuple(np.degrees(v).tolist()) for v in turns),
+            stretch=tuple(None if p is None else to_matrix(polar(p.matrix)[1]) for p in poses),
         )

@@ -13,6 +13,10 @@ HIDDEN_END = 0.5
 """Share of a change of length, times the cosine of direction and line of sight, that a hidden end may take away."""
 STRAY = 0.3
 """Pixels beyond this percentile on either side do not count [%]."""
+ACROSS = 0.3
+"""Cosine to an end's direction from which on another one does not go across it."""
+SLICES, MOST_POINTS = 12, 4000
+"""Slices of an end over which its breadth is averaged, and points of an outline that are enough for it."""
 ROUGH = 0.01
 """Half width of a ratio where nothing turns, besides the pixels' [1]."""
 
@@ -35,6 +39,39 @@ def measure_lengths(outlines: list[np.ndarray], directions: np.ndarray) -> np.nd
             low, high = np.percentile(points @ directions.T, [STRAY, 100 - STRAY], axis=0)
             lengths[t] = high - low
     return lengths
+
+
+def measure_breadths(outlines: list[np.ndarray], ends: np.ndarray, directions: np.ndarray) -> np.ndarray:
+    """Mean breadths of ends of the outline [m], shape (T, e, k); nan where there are no points, or not across.
+
+    An end is the outermost third of a frame's outline, wherever that is: what is squeezed there need not be followed.
+
+    Args:
+        outlines: World points of all the mask's pixels per frame [m], each (n, 3).
+        ends: Unit vectors towards the ends, shape (e, 3).
+        directions: Unit vectors across, shape (k, 3).
+    """
+    breadths = np.full((len(outlines), len(ends), len(directions)), np.nan)
+    across = [
+        (e, k) for e, k in np.ndindex(len(ends), len(directions)) if abs(ends[e] @ directions[k]) < ACROSS
+    ]
+    for t, points in enumerate(outlines):
+        thin = points[:: max(1, len(points) // MOST_POINTS)]
+        if len(thin) < SLICES:
+            continue
+        along, beside = thin @ ends.T, thin @ directions.T
+        low, high = np.percentile(along, [STRAY, 100 - STRAY], axis=0)
+        for e, k in across:
+            level = (along[:, e] - high[e] + (high[e] - low[e]) / 3) / max((high[e] - low[e]) / 3, 1e-12)
+            breadths[t, e, k] = _measure_mean_breadth(level, beside[:, k])
+    return breadths
+
+
+def _measure_mean_breadth(level: np.ndarray, beside: np.ndarray) -> float:
+    """Mean over slices of [0, 1] of how far points spread beside; nan if none has two."""
+    slices = np.floor(level * SLICES).astype(int)
+    spreads = [np.ptp(own) for s in range(SLICES) if len(own := beside[slices == s]) > 1]
+    return float(np.mean(spreads)) if spreads else np.nan
 
 
 def describe_extents(

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from physagent_jax.core.rotations import find_rotation
+from physagent_jax.perception.schema import Matrix
 
 NEIGHBOURS = 6
 """Points that a point is compared with."""
@@ -101,6 +102,12 @@ def fit_affine(
         if k >= iterations // 2 and np.abs(w - before).max() < 1e-2:
             break
     return fitted
+
+
+def to_matrix(S: np.ndarray) -> Matrix:
+    """The rows of a matrix, shape (3, 3), as the report holds them."""
+    first, second, third = (tuple(row) for row in S.tolist())
+    return first, second, third
 
 
 def _find_neighbours(a: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ from physagent_jax.perception.assemble import assemble, in_view
 from physagent_jax.perception.backends import make_backends
 from physagent_jax.perception.ends import PartPrompt
 from physagent_jax.perception.extents import choose_directions, describe_extents, find_disagreement
+from physagent_jax.perception.fit import to_matrix
 from physagent_jax.perception.follow import follow
 from physagent_jax.perception.pieces import count_pieces
 from physagent_jax.perception.prompt import find_prompt
@@ -26,7 +27,7 @@ from physagent_jax.perception.protocols import (
     SegmentPrompt,
     Setting,
 )
-from physagent_jax.perception.schema import Box, Matrix, MotionReport, Quality
+from physagent_jax.perception.schema import Box, MotionReport, Quality
 from physagent_jax.perception.uncertainty import Difficulty, estimate_uncertainty
 from physagent_jax.perception.unobservable import (
     explain_depth,
@@ -153,8 +154,13 @@ def perceive(
         blind=None if estimate.relief_known else camera.forward.astype(float),
     )
     turns = frames.rotation_from(0, len(rgb) - 1)
-    assert frames.lengths is not None
-    extents = describe_extents(frames.lengths, axes, turns, pixel + quality.depth_noise, camera.forward)
+    assert frames.lengths is not None and frames.breadths is not None
+    blur = pixel + quality.depth_noise
+    extents = describe_extents(frames.lengths, axes, turns, blur, camera.forward)
+    breadths = [
+        describe_extents(each, axes, turns, blur, camera.forward)
+        for each in np.moveaxis(frames.breadths, 1, 0)
+    ]
     stretches = [frames.stretch_from(0, t) for t in range(len(rgb))]
     hard = Difficulty(
         pixel=pixel,
@@ -166,11 +172,12 @@ def perceive(
         disagreement=find_disagreement(extents, stretches),
         drift=None if frames.drift is None else frames.find_drift(0, len(rgb) - 1),
         assumed=not frames.relief_known,
+        bridged=0.0 if frames.turned is None else float(np.degrees(frames.turned.guessed)),
     )
     report = report.model_copy(
         update={
             "extents": extents,
-            "parts": () if path.ends is None else path.ends.describe(size),
+            "parts": () if path.ends is None else path.ends.describe(size, breadths),
             "pieces": tuple(count_pieces(masks)),
             "uncertainty": estimate_uncertainty(hard, turns, report.oscillation, frame_dt),
             "unmeasured_direction": None if estimate.relief_known else tuple(camera.forward.tolist()),
@@ -284,6 +291,7 @@ def _make_report(
     """
     path = frames.centroid if blind is None else frames.centroid - np.outer(frames.centroid @ blind, blind)
     turn = frames.rotation_from(0, len(frames.centroid) - 1)
+    stretches = [frames.stretch_from(0, t) for t in range(len(turn))]
     begun = timing.find_onset(_measure_distances(frames, rest, 0), threshold)
     volume = [frames.volume(t) for t in range(len(turn))]
     return MotionReport(
@@ -296,7 +304,7 @@ def _make_report(
         rotation_degrees=tuple(None if v is None else float(np.degrees(np.linalg.norm(v))) for v in turn),
         volume_ratio=tuple(v if np.isfinite(v) else None for v in volume),
         rotation=tuple(None if v is None else tuple(np.degrees(v).tolist()) for v in turn),
-        stretch=tuple(_to_matrix(frames.stretch_from(0, t)) for t in range(len(turn))),
+        stretch=tuple(None if S is None else to_matrix(S) for S in stretches),
         box=_measure_boxes(frames),
         oscillation=timing.find_oscillation(path, frame_dt, threshold + quality.fit_residual),
         onset_frame=begun,
@@ -313,13 +321,6 @@ def _measure_boxes(frames: Frames) -> tuple[Box | None, ...]:
         Box(low=tuple(low.tolist()), high=tuple(high.tolist())) if np.isfinite(low).all() else None
         for low, high in frames.corners
     )
-
-
-def _to_matrix(S: np.ndarray | None) -> Matrix | None:
-    if S is None:
-        return None
-    first, second, third = (tuple(row) for row in S.tolist())
-    return first, second, third
 
 
 def _measure_distances(frames: Frames, rest: np.ndarray, frame: int) -> np.ndarray:

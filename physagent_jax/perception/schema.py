@@ -80,32 +80,6 @@ class Oscillation(Strict):
     reversals: Count
 
 
-class PartMotion(Strict):
-    """Motion of one end of the object: the third of its surface that lies farthest along ``direction`` in frame 0.
-
-    Or of a part that was asked for by its place in frame 0.
-
-    Attributes:
-        direction: Unit world axis: one of +-x, +-y, +-z; of a part, where it is.
-        limb: Number of the part that was asked for; None = an end.
-        centroid: Per frame, displacement from frame 0 [body lengths]; None where not observable.
-        rotation: Per frame, rotation vector from frame 0 (world axis times unwrapped angle) [deg]; None where not
-            observable.
-    """
-
-    direction: tuple[Number, Number, Number]
-    limb: Count | None = None
-    centroid: tuple[tuple[Number, Number, Number] | None, ...]
-    rotation: tuple[tuple[Number, Number, Number] | None, ...]
-
-
-class Box(Strict):
-    """World-axis box of the visible surface, relative to the centroid in frame 0 [body lengths]."""
-
-    low: tuple[Number, Number, Number]
-    high: tuple[Number, Number, Number]
-
-
 class Extent(Strict):
     """Length of the object's outline along one direction, over its length in frame 0.
 
@@ -123,6 +97,37 @@ class Extent(Strict):
     direction: tuple[Number, Number, Number]
     ratio: tuple[Number | None, ...]
     half_width: tuple[Number | None, ...]
+
+
+class PartMotion(Strict):
+    """Motion of one end of the object: the third of its surface that lies farthest along ``direction`` in frame 0.
+
+    Or of a part that was asked for by its place in frame 0.
+
+    Attributes:
+        direction: Unit world axis: one of +-x, +-y, +-z; of a part, where it is.
+        limb: Number of the part that was asked for; None = an end.
+        centroid: Per frame, displacement from frame 0 [body lengths]; None where not observable.
+        rotation: Per frame, rotation vector from frame 0 (world axis times unwrapped angle) [deg]; None where not
+            observable.
+        stretch: Per frame, symmetric stretch tensor from frame 0, in world axes; None where not observable. Empty = not
+            measured.
+        extents: Mean breadths of an end's outline across it. Empty = not measured.
+    """
+
+    direction: tuple[Number, Number, Number]
+    limb: Count | None = None
+    centroid: tuple[tuple[Number, Number, Number] | None, ...]
+    rotation: tuple[tuple[Number, Number, Number] | None, ...]
+    stretch: tuple[Matrix | None, ...] = ()
+    extents: tuple[Extent, ...] = ()
+
+
+class Box(Strict):
+    """World-axis box of the visible surface, relative to the centroid in frame 0 [body lengths]."""
+
+    low: tuple[Number, Number, Number]
+    high: tuple[Number, Number, Number]
 
 
 class Uncertainty(Strict):

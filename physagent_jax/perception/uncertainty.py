@@ -18,6 +18,8 @@ OFF_MIDDLE = 0.03
 """Error of the middle across the view, which a turn makes a shift [body lengths]."""
 HIDDEN = 0.07
 """Error of the middle along the view, where a side is hidden [body lengths]."""
+BRIDGED = 0.25
+"""Share of a turn that was not seen by which it may be off [1]."""
 ASSUMED_SHIFT, ASSUMED_MIDDLE = 0.06, 0.28
 """Error of a shift by a form that is thicker or thinner than assumed, and of the middle by its turn [body lengths]."""
 ASSUMED_TILT, ASSUMED_STRETCH = 8.0, 0.04
@@ -38,6 +40,7 @@ class Difficulty:
         disagreement: Disagreement of the affine fits' stretch with the outline's, beyond what a turn explains [1].
         drift: Half width of the displacement along the line of sight, where no depth is measured [body lengths].
         assumed: Whether the form of the surface is assumed.
+        bridged: Turn that was not seen, but follows from that before and after [deg].
     """
 
     pixel: float
@@ -49,6 +52,7 @@ class Difficulty:
     disagreement: float = 0.0
     drift: float | None = None
     assumed: bool = False
+    bridged: float = 0.0
 
 
 def estimate_uncertainty(
@@ -76,6 +80,7 @@ def estimate_uncertainty(
             displacement=displacement, along=along, frequency=_estimate_frequency(swing, frame_dt)
         )
     rotation = 0.7 + np.degrees(2 * blur + 0.5 * hard.residual) + 0.12 * hard.turn + 0.3 * hard.links
+    rotation += BRIDGED * hard.bridged
     if hard.assumed:
         rotation += ASSUMED_TILT
     axis = float(np.degrees(np.arctan2(np.radians(rotation), angle)))

@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 
 from physagent_jax.core.rotations import polar, unwrap
+from physagent_jax.perception.bridging import Bridged
 from physagent_jax.perception.fit import Affine
 from physagent_jax.perception.reasons import BY_SIZE, CUT, GONE, NO_DEPTH, TURNED
 from physagent_jax.perception.schema import WindowMotion
@@ -36,10 +37,13 @@ class Frames:
             [body lengths], shape (T, 2, 3); None if not measured.
         lengths: Lengths of the visible surface along further directions [body lengths], shape (T, k); None if
             not measured.
+        breadths: Mean breadths of the six ends along these directions [body lengths], shape (T, 6, k); None if not
+            measured.
         drift: Standard deviation of the object's distance against that in frame 0 [body lengths], shape (T,); None = as
             small as that of a measured depth is.
         relief_known: Whether the form of the visible surface is measured.
         tilt: Largest angle by which a fit turned out of the picture plane, believed or not [deg].
+        turned: Rotations from frame 0, across gaps between chains; None = within each chain alone.
     """
 
     size: float
@@ -52,9 +56,11 @@ class Frames:
     reasons: dict[str, list[str]]
     corners: np.ndarray | None = None
     lengths: np.ndarray | None = None
+    breadths: np.ndarray | None = None
     drift: np.ndarray | None = None
     relief_known: bool = True
     tilt: float = 0.0
+    turned: Bridged | None = None
 
     def volume(self, frame: int, first: int = 0) -> float:
         """Volume of the box over that in frame ``first``."""
@@ -72,6 +78,10 @@ class Frames:
         return polar(b.matrix @ np.linalg.inv(a.matrix))[1]
 
     def _turn(self, first: int, t: int) -> np.ndarray | None:
+        if self.turned is not None:
+            start, end = self.turned.rotations[first], self.turned.rotations[t]
+            if start is not None and end is not None:
+                return end @ start.T
         a, b = self.poses[first], self.poses[t]
         if a is None or b is None or self.chain[first] != self.chain[t]:
             return None
@@ -90,6 +100,11 @@ class Frames:
     def weaknesses(self, in_view: np.ndarray) -> list[str]:
         """Plain sentences about what weakened the measurement; ``in_view`` says where the object shows, (T,)."""
         notes = []
+        if self.turned is not None and self.turned.guessed:
+            notes.append(
+                f"It is seen from an edge for a while, and is taken to turn on there, by "
+                f"{np.degrees(self.turned.guessed):.0f} degrees: it turns alike before and after."
+            )
         why = self.reasons["rotation"]
         lost = [t for t, pose in enumerate(self.poses) if pose is None and in_view[t] and why[t] != TURNED]
         if lost:

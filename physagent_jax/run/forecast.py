@@ -10,6 +10,7 @@ from physagent_jax.scene.cost import Cost
 CLOSING = 1.0  # seconds of the results and the report, about
 PATIENCE = 4.0  # times the steps of an object at rest, that a further round may take
 BRIEF = 45.0  # [s] of simulation, as estimated, that it may always take
+FIRST = 3.0  # times as much of both, that the first round may take: without it there is no clip
 
 
 def find_most_substeps(cost: Cost) -> float:
@@ -31,20 +32,32 @@ class Forecast:
         cost: Estimated cost of a round.
         rounds: How many rounds there are at most.
         now: Clock [s].
-
-    Attributes:
-        most_substeps: Substeps that a further round may take.
+        patience: Factor on what the first round may take.
     """
 
-    def __init__(self, cost: Cost, rounds: int, now: Callable[[], float] = time.perf_counter):
-        self._rounds, self._now = rounds, now
-        self.most_substeps = find_most_substeps(cost)
+    def __init__(
+        self, cost: Cost, rounds: int, now: Callable[[], float] = time.perf_counter, *, patience: float = 1.0
+    ):
+        self._rounds, self._now, self._cost, self._patience = rounds, now, cost, patience
         self._simulating = max(cost.seconds - cost.watching, 0.0)  # [s] a round's simulation takes
         self._clip = self._rest = cost.watching  # [s] from its end to the clip, and to the round's end
         self.begin_round(0)
 
-    def begin_round(self, index: int) -> None:
-        """Round ``index``, counted from 0, begins."""
+    @property
+    def most_substeps(self) -> float:
+        """Substeps that the round may take."""
+        most = find_most_substeps(self._cost)
+        return most if self._index else FIRST * self._patience * most
+
+    def begin_round(self, index: int, substeps: float | None = None) -> None:
+        """Round ``index``, counted from 0, begins.
+
+        Args:
+            index: Which one.
+            substeps: Those that its scene takes at rest, once it is compiled: what is idle takes few.
+        """
+        if substeps is not None and not index:
+            self._simulating *= min(substeps / self._cost.substeps, 1.0)
         self._index, self._begun = index, self._now()
         self._first: tuple[int, float] | None = None
         self._last: tuple[int, int, float] | None = None

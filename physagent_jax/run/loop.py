@@ -42,7 +42,7 @@ from physagent_jax.run.unknown_parts import UnknownPartError, draw_known
 from physagent_jax.scene.body import Body, make_body
 from physagent_jax.scene.camera import make_reference_camera
 from physagent_jax.scene.coarse import coarsen
-from physagent_jax.scene.cost import Cost, Limits, check_cost, estimate_cost
+from physagent_jax.scene.cost import MINUTES, Cost, Limits, check_cost, estimate_cost
 from physagent_jax.scene.fuse import fuse
 from physagent_jax.scene.standing import damp
 from physagent_jax.scene.template import SceneTemplate
@@ -141,7 +141,9 @@ class _Loop:
             store.write("semantic.json", reply)
             store.drop_refused()
             force_field = self._probe(template, body, reply) if self._run.spec.probe else reply.force_field
-            series = Series(store, template, body, "round", Forecast(cost, self._run.spec.rounds))
+            patience = max(1.0, limits.minutes / MINUTES)
+            forecast = Forecast(cost, self._run.spec.rounds, patience=patience)
+            series = Series(store, template, body, "round", forecast)
             with teller.heed_warnings():  # of what is warned of beside the making of a scene
                 attempts = list(self._make_rounds(series, force_field, reply))
         except UserError as error:

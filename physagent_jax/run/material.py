@@ -6,21 +6,34 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from physagent_jax.agents.grammar.tables import get_set
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.names import find_nearest
 from physagent_jax.core.reading import read_json
 from physagent_jax.run.spec import MaterialChoice
-from physagent_jax.scene.config import Material, MaterialModel
+from physagent_jax.scene.config import Material, MaterialModel, Source
 from physagent_jax.scene.config.material import MODEL_PARAMETERS, WITHOUT_STRESS
 from physagent_jax.scene.materials import LIBRARY, count_substeps, find_material, soften_material, stable_step
 from physagent_jax.scene.materials.soften import explain_softening, find_contrast, find_softening
 from physagent_jax.scene.physgm import import_physgm
 from physagent_jax.scene.presets import Preset
-from physagent_jax.scene.priors import PRIORS, choose_material
+from physagent_jax.scene.priors import PRIORS, UNKNOWN, choose_material, find_hard_kind
 
 AFFORDABLE = 10_000  # substeps of a clip that `--soften_material auto` aims at
 _VALUES = ("youngs_modulus", "poissons_ratio", "density", "damping_ratio")
 EXPENSIVE = 100_000  # substeps of a clip beyond which a warning is due; usual runs take some thousands
+
+
+def find_matter(source: Source, prompt: str) -> str:
+    """The kind that an object's matter is of: its own, or the hard one that its name or the sentence tells.
+
+    Args:
+        source: The object.
+        prompt: The sentence.
+    """
+    if source.kind != UNKNOWN:
+        return source.kind
+    return find_hard_kind(source.name or "", prompt, others=get_set("persons")) or source.kind
 
 
 def resolve_material(

@@ -1,41 +1,44 @@
 """Words for parts that tell how all of the object comes to lie or goes: "nose first", "ends up on its wheels".
 
-Nothing is done to such a part: it is neither looked for nor asked for.
+Nothing is done to such a part: it is neither looked for nor asked for. The words are the lexicon's
+(`agents/lexicon/postures.yaml`).
 """
 
 from __future__ import annotations
 
+import functools
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
-_PART = (
-    r"(?:(?:front|rear|hind|back|left|right|lower|two|four)\s+)*(?P<part>wheels?|tyres?|tires?|feet|foot|legs?|paws?|"
-    r"hooves|toes?|tiptoes?|knees?|hands?|heads?|nose|snout|beak|face|chin|back|backside|bottom|belly|stomach|tummy|chest|rump|"
-    r"shoulders?|side|sides|tail|tip|top|roof|hood|bonnet|bow|stern|keel|base|handle|rim|tracks|skids|leaves|crown)\b"
-)
-_GOES = (
-    "land fall stand end wind finish come lie lay roll balance rest topple flip tumble drop plunge plummet crash sit"
-    " stay turn tip settle spin dive collapse hop walk drive run glide slide slip remain keep rear rise get teeter rock"
-).split()
-_IRREGULAR = (
-    "fell fallen stood came lay lain sat kept ran driven drove slid slipped rose risen got lying sitting running"
-    " putting dropped dropping flipped flipping tipped tipping spun spinning dove hopping hopped"
-).split()
-_ON = re.compile(
-    rf"\b(?:{'|'.join([*_GOES, *_IRREGULAR])})(?:s|es|ed|d|ing)?\b(?:\s+(?!an?\s|on\b|onto\b)\w+){{0,4}}?"
-    rf"\s+(?:on|onto|upon|over|to)\s+(?:its|his|her|their|the|all|both|one)\s+{_PART}"
-)
-_FIRST = re.compile(rf"{_PART}[\s-]+(?:first|foremost|over\s+(?:heels|tail|head))\b(?:heels|tail)?")
-_TURNED = re.compile(
-    rf"(?<!\w)(?<!the )(?<!its )(?<!his )(?<!her )(?<!their )(?<!s ){_PART}[\s-]+(?:down|up)\b"
-)
-_POSTURES = (_ON, _FIRST, _TURNED)
+from physagent_jax.agents.grammar.tables import LEXICON_PACKAGE
+from physagent_jax.core.reading import read_packaged_yaml
+
+
+@functools.cache
+def _make_patterns() -> tuple[re.Pattern[str], ...]:
+    """Patterns with the group "part": on what it comes to lie, what goes first, and what is turned up or down."""
+    words = {key: str(value) for key, value in read_packaged_yaml(LEXICON_PACKAGE, "postures.yaml").items()}
+    told = {key: _join(value.split()) for key, value in words.items()}
+    part = rf"(?:{told['adjectives']}\s+)*(?P<part>{told['parts']})\b"
+    goes = rf"\b{told['verbs']}(?:s|es|ed|d|ing)?\b(?:\s+(?!an?\s|on\b|onto\b)\w+){{0,4}}?"
+    first = _join([re.sub(r"\s+", r"\\s+", each) for each in words["first"].split(", ")])
+    owned = "".join(rf"(?<!{each} )" for each in ("the", "its", "his", "her", "their", "s"))
+    return (
+        re.compile(rf"{goes}\s+{told['prepositions']}\s+{told['owners']}\s+{part}"),
+        re.compile(rf"{part}[\s-]+{first}\b"),
+        re.compile(rf"(?<!\w){owned}{part}[\s-]+{told['turned']}\b"),
+    )
+
+
+def _join(words: Sequence[str]) -> str:
+    """A pattern of any of some words, longer ones first."""
+    return f"(?:{'|'.join(sorted(words, key=len, reverse=True))})"
 
 
 def strip_postures(sentence: str) -> str:
     """The sentence without the words for parts that tell a posture alone."""
     text = sentence.lower()
-    for pattern in _POSTURES:
+    for pattern in _make_patterns():
         for match in pattern.finditer(text):
             start, end = match.span("part")
             sentence = sentence[:start] + " " * (end - start) + sentence[end:]

@@ -19,7 +19,7 @@ from physagent_jax.motion.holds import Hold, HoldOrigin, find_blow
 from physagent_jax.motion.schema import AnchorRequest, MotionKind, WorldRequest
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.holding import UP, check_hold, find_hold
-from physagent_jax.run.material import resolve_material
+from physagent_jax.run.material import find_matter, resolve_material
 from physagent_jax.run.models import warn_of_licences
 from physagent_jax.run.photo import make_photo
 from physagent_jax.run.postures import strip_postures
@@ -40,7 +40,7 @@ from physagent_jax.scene.config.material import MODEL_PARAMETERS
 from physagent_jax.scene.config.photo import ELEVATION
 from physagent_jax.scene.load import hash_file, is_photo
 from physagent_jax.scene.part_view import find_part_motion, turn_to_parts
-from physagent_jax.scene.parts import Frame, find_aliases, find_places
+from physagent_jax.scene.parts import Frame, find_aliases, find_places, guess_parts
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import (
     PRIORS,
@@ -105,6 +105,7 @@ class ResolvedRun:
             word for part in known if part.stands_for and " " in part.name for word in split_name(part.name)
         }
         words = [word for word in split_name(prompt) if word not in named]
+        known = (*known, *guess_parts(body.shape, known, words, viewer))
         places = find_places(body.shape, known, words, name, viewer)
         return (*known, *places, *find_aliases(body.shape, places, prompt, name, viewer.toward))
 
@@ -155,7 +156,7 @@ class ResolvedRun:
         held = () if hold is None else check_hold(hold, template.anchor, body, reply, self.base_dir)
         said = self.find_material(reply).preset
         keeps = hold is None and keeps_shape(reply)
-        if keeps and is_hard(self.spec.material, template.source.kind, said):
+        if keeps and is_hard(self.spec.material, self.template.matter, said):
             template, told = make_rigid(template), (RIGID_NOTE,)  # a softer stand-in's looks are not seen
         standing, notes = make_stand(template, body, options)
         bearing = standing.bearing
@@ -166,11 +167,14 @@ class ResolvedRun:
 
     def _choose_support(self, reply: SemanticReply | None) -> Support:
         """The freedom that the user and the sentence leave to `make_stand`."""
+        said = None if reply is None else self.find_material(reply).preset
+        hard = is_hard(self.spec.material, self.template.matter, said)
         return Support(
             keep_material=self.spec.material.says_stiffness,
             keep_weight=reply is not None and reply.world.gravity is not None,
             let_go="none" in (self.spec.anchor.kind, reply and reply.anchor.kind),
             struck=None if reply is None else find_blow(reply.plan, UP),
+            rigid=hard and (reply is None or keeps_shape(reply)),
         )
 
     def _look_at_parts(self, template: SceneTemplate, body: Body, reply: SemanticReply) -> SceneTemplate:
@@ -231,7 +235,7 @@ class ResolvedRun:
         kind = said.preset if said.preset in PRIORS else None
         material, notes = resolve_material(
             self.spec.material,
-            template.source.kind,
+            template.matter,
             template.preset,
             base_dir=self.base_dir,
             said=said.preset,
@@ -277,7 +281,8 @@ def resolve(
         anchor = resolve_anchor(spec.anchor, found.kind, base_dir=base_dir)
         if source is None:  # a photo is seen from its own camera, with which it would be turned
             source = found if photo is not None else level(found, preset.domain, anchor, WORLDS[spec.world])
-        material, warnings = resolve_material(spec.material, source.kind, preset, base_dir=base_dir)
+        matter = find_matter(source, spec.prompt)
+        material, warnings = resolve_material(spec.material, matter, preset, base_dir=base_dir)
         template = SceneTemplate(
             prompt=spec.prompt,
             preset_name=spec.preset.value,
@@ -289,7 +294,8 @@ def resolve(
             world=WORLDS[spec.world],
             friction=_choose_friction(spec),
             damping_rate=choose_damping(source.kind),
-            damping_ratio=_choose_damping_ratio(spec, source.kind, preset, material),
+            damping_ratio=_choose_damping_ratio(spec, matter, preset, material),
+            damping_kind=None if matter == source.kind else matter,
             ledger=spec.ledger,
         )
     except ValidationError as error:

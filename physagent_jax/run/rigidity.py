@@ -65,7 +65,9 @@ def _is_whole(motion: ExpectedMotion, falls: bool) -> bool:
         and not falls
     )
     named = motion.partial or motion.part is not None or motion.limb is not None
-    return motion.kind in _AS_A_WHOLE and motion.repeats == 1 and not (named or leans)
+    shaken = motion.kind is MotionKind.SWAY and motion.manner in ("rock", "shake")
+    once = motion.kind in _AS_A_WHOLE and motion.repeats == 1
+    return (once or shaken) and not (named or leans)
 
 
 def is_hard(choice: MaterialChoice, kind: str, said: str | None) -> bool:

@@ -167,12 +167,17 @@ class RoundMaker:
         observer.stage(f"{series.name} {index + 1}: simulating and rendering")
         with ThreadPoolExecutor(1) as pool:
             if forecast is not None:
-                forecast.begin_round(index)
+                forecast.begin_round(index, scene.substeps * (scene.config.timing.frame_count - 1))
                 pool.submit(self._rehearse, scene)
             cache = self.restart_cache
-            most = forecast.most_substeps if forecast is not None and index else math.inf
+            most = forecast.most_substeps if forecast is not None else math.inf
             recording = simulate_scene(
-                scene, watch=self._watch, progress=tell_frame, restart_cache=cache, most_substeps=most
+                scene,
+                watch=self._watch,
+                progress=tell_frame,
+                restart_cache=cache,
+                most_substeps=most,
+                foresee=index > 0,  # a few slow frames are no reason to do without any clip
             )
         placed = series.template.camera.target is not None or self._run.spec.perception.prompt is not None
         if not placed:  # a prompt tells pixels of the first picture

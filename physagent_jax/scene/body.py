@@ -18,10 +18,12 @@ from physagent_jax.scene.filling import Particles, fill
 from physagent_jax.scene.load import is_photo, load_named_parts, load_object
 from physagent_jax.scene.mesh_formats import MeshPart
 from physagent_jax.scene.parts import (
+    branch_numbered,
     choose_parts,
     find_groups,
     find_parts,
     find_pieces,
+    join_chains,
     join_parts,
     make_parts,
 )
@@ -127,13 +129,14 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
     reading = (
         f"{loaded.format_name}: {loaded.encoding}; {cloud.count:,} of {loaded.count_in_file:,} Gaussians kept"
     )
-    named, binding = _find_named(cloud, placement, particles, load_named_parts(source, base_dir))
+    surfaces = load_named_parts(source, base_dir)
+    named, binding = _find_named(cloud, placement, particles, surfaces, source.name)
     photo = find_view(source, placement, base_dir) if is_photo(Path(base_dir) / source.path) else None
     return Body(cloud, placement, particles, binding, reading, loose, plain, named, source.parts, photo)
 
 
 def _find_named(
-    cloud: GaussianCloud, placement: Placement, particles: Particles, surfaces: list[MeshPart]
+    cloud: GaussianCloud, placement: Placement, particles: Particles, surfaces: list[MeshPart], name: str
 ) -> tuple[tuple[Part, ...], Binding]:
     """The parts that a mesh file names by its surfaces, in its own frame; and Gaussians bound within them."""
     means, points = np.asarray(cloud.means, np.float64), np.asarray(particles.x, np.float64)
@@ -150,6 +153,7 @@ def _find_named(
     groups = [each for each in groups if 0 < each.mask[:count].sum() < count]
     named = make_parts(points, [dataclasses.replace(each, mask=each.mask[:count]) for each in groups])
     pieces = find_pieces(points, named, [each.mask[count:] for each in groups])
+    named = join_chains(points, branch_numbered(points, named, name))
     return named, bind_pieces(means, points, pieces[1], pieces[0])
 
 

@@ -20,7 +20,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Literal
 
 from physagent_jax.core.names import explain_unknown_name
@@ -37,6 +37,12 @@ _SUBSTANCES = frozenset(("sand", "snow", "clay", "liquid"))  # "a coffee grinder
 _FILE_WORDS = frozenset(
     ("ply", "splat", "spz", "sog", "obj", "glb", "gltf", "off", "stl", "mesh", "model", "scan", "splats", "low", "high",
      "poly", "lowpoly", "highpoly", "resolution", "final", "test")
+)  # fmt: skip
+_DEFINITE = frozenset(("the", "this", "that", "my", "your", "our", "his", "her", "their"))
+_ARTICLES = _DEFINITE | {"a", "an"}
+_PLACED = frozenset(
+    ("on", "onto", "in", "into", "against", "with", "by", "from", "off", "at", "under", "like", "as", "near", "behind",
+     "beside", "through", "to")
 )  # fmt: skip
 _PREPOSITIONS = frozenset(("of", "in", "on", "with", "at", "from", "for", "by", "under", "near"))
 
@@ -178,11 +184,38 @@ PRIORS: dict[str, Prior] = {
         hard=True,
     ),
     "toy": Prior(
-        ("toy", "doll", "figurine", "puppet", "teddy", "plush", "statue", "person", "man", "woman", "head"),
+        ("toy", "doll", "figurine", "puppet", "teddy", "plush", "person", "man", "woman", "head"),
         5e4, 0.35, 300.0,
         "soft vinyl or plush; chosen for visible motion",
         damping_ratio=0.05,
         damping_source="soft vinyl: as rubber",
+    ),
+    "statue": Prior(
+        ("statue", "sculpture", "bust", "statuette", "monument", "gargoyle", "obelisk", "gravestone", "tombstone",
+         "idol", "totem", "carving", "effigy"),
+        3e5, 0.3, 600.0,
+        "carved or cast, with hollows (600 kg/m^3); stone is 1e5 times stiffer: chosen for visible motion",
+        damping_ratio=0.01,
+        damping_source="stone and castings ring less than metal does: an estimate",
+        hard=True,
+    ),
+    "building": Prior(
+        ("building", "house", "tower", "windmill", "castle"),
+        3e5, 0.3, 400.0,
+        "walls around rooms (400 kg/m^3); masonry is 1e5 times stiffer: chosen for visible motion",
+        damping_ratio=0.02,
+        damping_source="built structures have 0.01 to 0.05",
+        hard=True,
+    ),
+    "tool": Prior(
+        ("tool", "hammer", "axe", "wrench", "screwdriver", "pliers", "shovel", "cannon", "laptop", "computer",
+         "camera", "clock", "telephone", "phone", "barrel", "crate", "chest", "anvil", "sword", "shield", "gun",
+         "knife"),
+        2e5, 0.3, 400.0,
+        "wood, plastic and metal with hollows (400 kg/m^3), all 1e4 times stiffer or more: chosen for visible motion",
+        damping_ratio=0.02,
+        damping_source="stiff plastics and joined parts: as a vehicle",
+        hard=True,
     ),
     "metal": Prior(
         ("metal", "can", "tin", "bucket", "kettle", "pan", "foil", "wire", "spoon", "steel", "copper",
@@ -310,6 +343,57 @@ def list_nouns(kind: str) -> tuple[str, ...]:
     shared = [words for kinds, words in rows if not known or kinds == "any" or kind in kinds.split()]
     words = [word.strip() for listed in shared for word in listed.split(",")]
     return tuple(dict.fromkeys([*(word for prior in own for word in prior.words), *words]))
+
+
+@functools.cache
+def _read_noun_kinds() -> dict[str, str]:
+    """The kind of every noun that belongs to one: of several in a row of nouns.yaml, the first."""
+    found = {word: kind for kind, prior in PRIORS.items() for word in prior.words}
+    for kinds, words in read_packaged_yaml("physagent_jax.scene", "nouns.yaml").items():
+        known = [kind for kind in kinds.split() if kind in PRIORS and kind != UNKNOWN]
+        for word in words.split(",") if known else ():
+            found.setdefault(word.strip(), known[0])
+    return found
+
+
+def find_hard_kind(name: str, sentence: str, *, others: Collection[str] = ()) -> str | None:
+    """The hard kind of an object whose own kind is not known, told by what a sentence calls it, or by its name.
+
+    What a sentence calls it is its first noun behind an article that stands in no place for another thing: "the old
+    stone statue falls on a table" is about a statue.
+
+    Args:
+        name: The object's name.
+        sentence: The sentence.
+        others: Nouns for those who act, which are no object's beside another noun.
+    """
+    said = _find_said_kind(re.findall(r"[a-z]+", sentence.lower()), others)
+    named = _find_heads(re.findall(r"[a-z]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", name).lower()))
+    kinds = [said, *list(named.values())[-1:]]
+    return next((kind for kind in kinds if kind is not None and PRIORS[kind].hard), None)
+
+
+def _find_heads(words: list[str]) -> dict[int, str]:
+    """The kinds of the nouns among words, by their places; "the lion statue" is a statue."""
+    kinds = _read_noun_kinds()
+    single = [next((w for w in (each, each.removesuffix("s")) if w in kinds), "") for each in words]
+    found = {at: kinds[word] for at, word in enumerate(single) if word}
+    return {at: kind for at, kind in found.items() if at + 1 not in found}
+
+
+def _find_said_kind(words: list[str], others: Collection[str]) -> str | None:
+    """The kind of what a sentence is about; None if no noun tells it."""
+    heads = _find_heads(words)
+    for articles in (_DEFINITE, _ARTICLES):  # "a car hits the bear"
+        behind = {
+            at: next((k for k in range(at - 1, max(at - 5, -1), -1) if words[k] in articles), -1)
+            for at in heads
+        }
+        said = [at for at, k in behind.items() if k >= 0 and _PLACED.isdisjoint(words[k - 1 : k])]
+        said = [at for at in said if words[at] not in others] or said
+        if said:
+            return heads[said[0]]
+    return None
 
 
 def choose_material(kind: str) -> Material:

@@ -60,12 +60,14 @@ class Support:
         keep_weight: Leave gravity as it is: the sentence needs it. What cannot bear its weight then collapses.
         let_go: Leave it free: the sentence or the user says so.
         struck: Way of a blow that presses it in, unit vector.
+        rigid: Its matter is hard, and nothing asks it to deform: it bears its weight, whatever its stand-in does.
     """
 
     keep_material: bool = False
     keep_weight: bool = False
     let_go: bool = False
     struck: Vector | None = None
+    rigid: bool = False
 
 
 DEFAULT = Support()
@@ -147,7 +149,7 @@ def hold_upright(
         return dataclasses.replace(template, anchor=held), (why,)
     elif support.struck and angle < HOPS_OVER:
         why, result = "the object is hit from above", "it would hop and fall over"
-    elif (weight := _bear(template, body, support)[0].world.weight) < LIGHT:
+    elif not support.rigid and (weight := _bear(template, body, support)[0].world.weight) < LIGHT:
         why = f"the object can bear {100 * weight:.2g} % of its weight"
         result = "a touch would carry it away"
     else:
@@ -279,7 +281,7 @@ def damp(template: SceneTemplate, body: Body) -> tuple[Material, str | None]:
         return material, note
     reasons = (
         material.reason,
-        f"damping: {explain_damping_ratio(template.damping_kind or template.source.kind)}",
+        f"damping: {explain_damping_ratio(template.matter)}",
         note,
     )
     return material.changed(damping_ratio=ratio, reason="; ".join(filter(None, reasons))), note

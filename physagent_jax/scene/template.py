@@ -26,7 +26,7 @@ class SceneTemplate:
         damping_rate: Drag of the surrounding air [1/s]; the preset's holds if it is larger.
         damping_ratio: Damping ratio of what nobody has chosen one for (`Material.damping_ratio`), as far as it
             costs few substeps.
-        damping_kind: Kind that ``damping_ratio`` is of; None = the object's.
+        damping_kind: Kind that the material and ``damping_ratio`` are of; None = the object's.
         ledger: Whether exchanged energy and momentum are recorded.
     """
 
@@ -44,3 +44,8 @@ class SceneTemplate:
     damping_ratio: float = 0.0
     damping_kind: str | None = None
     ledger: bool = False
+
+    @property
+    def matter(self) -> str:
+        """The kind that its matter is of."""
+        return self.damping_kind or self.source.kind

@@ -18,6 +18,7 @@ from physagent_jax.forces.skills import get_skill
 from physagent_jax.forces.swinging import find_runs, is_swing
 from physagent_jax.mpm import Frame, simulate
 from physagent_jax.scene.compile import CompiledScene
+from physagent_jax.scene.compile.idle import is_led_to_end
 from physagent_jax.scene.config import DomainBox
 from physagent_jax.simulation.recording import Recording
 
@@ -93,16 +94,15 @@ def _measure_clearance(scene: CompiledScene, frame: Frame) -> np.ndarray:
 def _is_kept(scene: CompiledScene) -> bool:
     """Return whether a skill keeps the object as it was asked to be until the planned frames end.
 
-    It holds something where it was brought, carries the object, or swings it to and fro: what is pushed over the ground
-    is held upright, gives back what it was given, and is left where it stood.
+    It holds something where it was brought, leads a part of what is held, carries or rocks the object, or swings it to
+    and fro: what is pushed over the ground is held upright, gives back what it was given, and is left where it stood.
     """
     timing, field = scene.config.timing, scene.config.force_field
     last = timing.frame_count - 1
-    held = any((each.held_until or 0) >= last for each in field.constraints)
     carrying = [each for each in (*field.actions, *field.constraints) if _carries(each)]
     free = scene.config.anchor.kind == "none"
     swung = [field.actions[run[-1]] for run in find_runs(field) if free and _swings(field, run)]
-    return held or any(
+    return is_led_to_end(scene.config) or any(
         each.active_time is None or each.active_time[1] >= last - spare
         for entries, spare in ((carrying, 0.0), (swung, STEADY / timing.frame_dt))
         for each in entries

@@ -44,6 +44,7 @@ def simulate_scene(
     progress: Progress | None = None,
     restart_cache: RestartCache | None = None,
     most_substeps: float = math.inf,
+    foresee: bool = True,
 ) -> Recording:
     """Simulate and render all frames of ``scene``, except those that it shares with an earlier one.
 
@@ -52,7 +53,8 @@ def simulate_scene(
         watch: Charged with the time that simulating and rendering take.
         progress: Called after every frame.
         restart_cache: Restart cache of the earlier scene's `Recording`.
-        most_substeps: Substeps of all frames that may be taken, forecast by those of the last `PACE` frames.
+        most_substeps: Substeps of all frames that may be taken.
+        foresee: Whether it is given up as soon as the last `PACE` frames forecast more; else once they are taken.
 
     Raises:
         UserError: The scene cannot be simulated (`mpm.simulate` says why), or would take more substeps than it may.
@@ -65,7 +67,8 @@ def simulate_scene(
         progress(reused, total)
     wanted, centre = find_restart_frames(scene.config), find_rest_centre(scene)
     last = begin
-    frames = check_pace(simulate_frames(scene, begin), total, most_substeps)
+    frames = simulate_frames(scene, begin, most_substeps)
+    frames = check_pace(frames, total, most_substeps) if foresee else frames
     for batch in _split_batches(watch.timed("simulate", frames)):
         with watch("render"):
             outputs += _compute_outputs(scene, batch)
@@ -146,8 +149,13 @@ def _is_worth_keeping(
     return needed <= RESTART_BYTES and is_clock_right(float(frame.state.time), frame.index, timing.frame_dt)
 
 
-def simulate_frames(scene: CompiledScene, begin: Frame | None = None) -> Iterator[Frame]:
-    """The frames of ``scene`` after ``begin``, simulated one after another; from the rest pose on if None."""
+def simulate_frames(
+    scene: CompiledScene, begin: Frame | None = None, most_substeps: float = math.inf
+) -> Iterator[Frame]:
+    """The frames of ``scene`` after ``begin``, simulated one after another; from the rest pose on if None.
+
+    Those that take more than ``most_substeps`` are refused (`mpm.simulate`).
+    """
     timing = scene.config.timing
     return simulate(
         scene.windowed,
@@ -160,6 +168,7 @@ def simulate_frames(scene: CompiledScene, begin: Frame | None = None) -> Iterato
         ledger=scene.config.ledger,
         begin=begin,
         tell_limits=False,  # `compile_scene` has told them
+        most_substeps=most_substeps,
     )
 
 

@@ -446,3 +446,16 @@ def test_an_opposed_pair_stays_one():
     assert one.vector == pytest.approx([-c for c in two.vector])
     assert (one.magnitude, one.gain, one.active_time) == (two.magnitude, two.gain, two.active_time)
     assert reply.force_field != answer.force_field
+
+
+def test_leaps_that_run_together_are_not_replaced_by_pushes_to_and_fro():
+    """No change of the blows tells them apart: there is nothing left to try."""
+    scene = brief(world="ground", frame_count=100)
+    reply = read("the robot hops three times", scene)
+    leaps = next(each for each in reply.expectations if each.repeats == 3)
+    assert leaps.window[1] == pytest.approx(scene.last)  # all three are its own
+    heights = [max(0.0, 0.5 * (1 - abs(t / 16 - 1))) for t in range(100)]
+    failed = judge("", reply, make_report([(0.0, 0.0, h) for h in heights]), scene)
+    assert any(check.aspect == "repeats" and check.passed is False for check in failed.judgement.checks)
+    answer = rewrite("the robot hops three times", reply, failed, scene)
+    assert all(action.vector == (0.0, 0.0, 1.0) for action in answer.force_field.actions), answer

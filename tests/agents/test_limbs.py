@@ -298,6 +298,7 @@ def test_a_twist_of_a_part_goes_about_its_own_line():
 
 CHIN = dict(name="chin", roles=(), origin="place", seated=True)
 KNOB = make_part("side", (0.3, 0, 0), (1, 0, 0))
+GUESSED = TAIL.model_copy(update=dict(name="tail", stands_for="side (part 3)", confidence=0.5))
 
 
 @pytest.mark.parametrize(
@@ -314,6 +315,7 @@ KNOB = make_part("side", (0.3, 0, 0), (1, 0, 0))
         ("lift the left wing", [HEAD, TAIL], False),
         ("pull the ears up", [HEAD, TAIL], False),
         ("push the head to the left", [TAIL], True),
+        ("it wags its tail", [HEAD, GUESSED], False),
     ],
 )  # fmt: skip
 def test_a_part_that_nothing_tells_for_certain_is_a_doubt(sentence, parts, certain):
@@ -342,8 +344,8 @@ MUZZLE = make_limb("nose", (0, -0.05, 0), (0, -1, 0), roles=(), name="muzzle", o
 @pytest.mark.parametrize(
     ("sentence", "way", "length"),
     [
-        ("pull the muzzle up", (0, 0, 1), 0.08),
-        ("push the muzzle to the left", (-1, 0, 0), 0.08),
+        ("pull the muzzle up", (0, 0, 1), 0.12),
+        ("push the muzzle to the left", (-1, 0, 0), 0.12),
         ("push the muzzle back", (0, 1, 0), 0.03),
         ("press on the muzzle", (0, 1, 0), 0.03),
     ],
@@ -467,3 +469,18 @@ def test_of_two_parts_behind_each_other_a_side_tells_one():
     horns = [make_part("horn", (0, 0.1 * s, 0.2), (0.05 * s, 0.6 * s, 0.8)) for s in (-1, 1)]
     assert read("bend the left horn back", *horns).expectations[0].limb == 0
     assert read("bend the right horn back", *horns).expectations[0].limb == 1
+
+
+@pytest.mark.parametrize(
+    ("sentence", "front", "way"),
+    [
+        ("bend the head backwards", (1.0, 0.0, 0.0), (-1, 0, 0)),
+        ("bend the head forward", (1.0, 0.0, 0.0), (1, 0, 0)),
+        ("bend the head away from us", (1.0, 0.0, 0.0), (0, 1, 0)),
+        ("bend the head backwards", None, (0, 1, 0)),
+    ],
+)
+def test_backwards_is_where_the_back_is_if_that_is_known(sentence, front, way):
+    upright = make_part("head", (0, 0, 0.3), (0, 0, 1)).model_copy(update=dict(front=front))
+    (constraint,) = read(sentence, upright).force_field.constraints
+    assert np.allclose(np.cross(constraint.vector, (0, 0, 1)), way, atol=0.2)

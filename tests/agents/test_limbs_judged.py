@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from physagent_jax.agents.context import AgentContext, Observation
 from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.metrics import report_true_motion
-from physagent_jax.motion.schema import Verdict
+from physagent_jax.motion.schema import MotionKind, Verdict
 from tests.agents.scenes import Unseen, brief
 from tests.agents.test_limbs import HEAD, make_part, read
 
@@ -15,10 +16,11 @@ ARM = make_part("arm", (0.15, 0, 0), (1, 0, 0))
 SHOULDER = np.array([0.2, 0.0, 0.1])
 
 
-def judge(degrees, *, whole=0.0, seen_until=49, shown=1.0):
+def judge(degrees, *, whole=0.0, seen_until=49, shown=1.0, still=None):
     """The verdict on an arm of 0.15 lengths that turns up evenly within a second, on a body that rises by ``whole``.
 
-    Of the way of its middle a share is ``shown``, as of what turns a hidden side.
+    Of the way of its middle a share is ``shown``, as of what turns a hidden side. The part ``still`` is called an arm
+    as well, and does not move.
     """
     chance = np.random.default_rng(0)
     body = chance.uniform((-0.2, -0.1, -0.5), (0.2, 0.1, 0.5), (600, 3))
@@ -29,11 +31,17 @@ def judge(degrees, *, whole=0.0, seen_until=49, shown=1.0):
         c, s = np.cos(np.radians(degrees) * share), np.sin(np.radians(degrees) * share)
         turned = SHOULDER + (arm - SHOULDER) @ np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
         frames.append(np.concatenate([body, turned]) + (0, 0, whole * share))
-    reply = read(SENTENCE, ARM, HEAD)
-    context = AgentContext(SENTENCE, brief(parts=(ARM, HEAD), anchored="all but the part"), (), reply)
+    reply, parts = read(SENTENCE, ARM, HEAD), (ARM, still or HEAD)
+    if still:
+        asked = (*reply.expectations, reply.expectations[0].model_copy(update=dict(limb=1)))
+        reply = reply.model_copy(update=dict(expectations=asked))
+    context = AgentContext(SENTENCE, brief(parts=parts, anchored="all but the part"), (), reply)
     windows = RulePlanner().windows(context)
     report = report_true_motion(
-        np.stack(frames), frame_dt=0.04, windows=windows, parts={0: np.arange(660) >= 600}
+        np.stack(frames),
+        frame_dt=0.04,
+        windows=windows,
+        parts={0: np.arange(660) >= 600, 1: np.arange(660) < 30},
     )
     parts = [
         each.model_copy(
@@ -61,6 +69,29 @@ def test_an_arm_that_is_raised_is_judged_by_itself(degrees, verdict):
 @pytest.mark.parametrize(("shown", "verdict"), [(0.33, "SUCCESS"), (0.15, "FAIL")])
 def test_an_arm_that_is_seen_to_turn_may_show_less_of_its_way(shown, verdict):
     assert judge(45, shown=shown).verdict is Verdict(verdict)
+
+
+@pytest.mark.parametrize(("share", "verdict"), [(0.1, "FAIL"), (0.01, "SUCCESS")])
+def test_a_small_piece_that_is_called_an_arm_as_well_says_little(share, verdict):
+    assert judge(45, still=ARM.model_copy(update=dict(share=share))).verdict is Verdict(verdict)
+
+
+@pytest.mark.parametrize(("squeezed", "verdict"), [(0.6, "SUCCESS"), (0.02, "FAIL"), (-0.3, "FAIL")])
+@pytest.mark.parametrize("sentence", ["squeeze the head from both sides", "squeeze the top from both sides"])
+def test_a_part_that_is_squeezed_is_judged_by_its_own_breadth(sentence, squeezed, verdict):
+    body = np.random.default_rng(0).uniform((-0.2, -0.2, -0.5), (0.2, 0.2, 0.5), (900, 3))
+    head = body[:, 2] > 0.2
+    frames = []
+    for frame in range(49):
+        frames.append(body.copy())
+        frames[-1][head, 0] *= 1 - squeezed * min(frame / 25, 1.0)
+    reply = read(sentence, HEAD)
+    assert {each.kind for each in reply.expectations} == {MotionKind.SQUEEZE}
+    context = AgentContext(sentence, brief(parts=(HEAD,)), (), reply)
+    windows = RulePlanner().windows(context)
+    report = report_true_motion(np.stack(frames), frame_dt=0.04, windows=windows, parts={0: head})
+    judged = RulePlanner().judge(context, Observation(reply.force_field, report, Unseen())).value
+    assert judged.verdict is Verdict(verdict), judged.checks
 
 
 def test_a_limb_that_turns_the_wrong_way_is_no_stillness():
@@ -107,3 +138,28 @@ def test_a_part_that_is_lost_from_sight_is_neither_still_nor_a_success():
     assert judged.verdict is Verdict.FAIL
     assert any(check.passed is None for check in judged.checks)
     assert all(check.gain is None for check in judged.checks if check.passed is not True), judged.checks
+
+
+@pytest.mark.parametrize(
+    ("sentence", "degrees", "told"),
+    [
+        ("bend the head down", 60, []),
+        ("bend the head down to the ground", 60, [False]),
+        ("bend the head down to the ground", 160, [True]),
+    ],
+)
+def test_a_part_that_is_to_come_to_the_ground_goes_most_of_the_way(sentence, degrees, told):
+    chance = np.random.default_rng(0)
+    body = chance.uniform((-0.1, -0.1, -0.5), (0.1, 0.1, -0.1), (600, 3))
+    neck, joint = chance.uniform((-0.03, -0.03, -0.1), (0.03, 0.03, 0.5), (120, 3)), np.array((0, 0, -0.1))
+    head = make_part("head", (0, 0, 0.6), (0, 0, 1)).model_copy(update=dict(joint=(0.5, 0.5, 0.4)))
+    reply = read(sentence, head)
+    way = np.array(reply.expectations[0].direction)
+    axis = np.cross((0, 0, 1), way - way[2] * np.array((0, 0, 1)))
+    turns = [axis / np.linalg.norm(axis) * np.radians(degrees) * min(k / 25, 1.0) for k in range(49)]
+    frames = [np.concatenate([body, joint + Rotation.from_rotvec(v).apply(neck - joint)]) for v in turns]
+    context = AgentContext(sentence, brief(parts=(head,), anchored="all but the part"), (), reply)
+    windows, number = RulePlanner().windows(context), {0: np.arange(720) >= 600}
+    report = report_true_motion(np.stack(frames), frame_dt=0.04, windows=windows, parts=number)
+    judged = RulePlanner().judge(context, Observation(reply.force_field, report, Unseen())).value
+    assert [c.passed for c in judged.checks if "reach the ground" in c.question] == told

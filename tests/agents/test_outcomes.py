@@ -18,7 +18,7 @@ LEAST = 0.1  # of a length: the least change of shape that is seen without compa
 @pytest.mark.parametrize(
     ("sentence", "told"),
     [
-        ("an earthquake shakes the robot until it topples", "sway left x4; rotate & fall"),
+        ("an earthquake shakes the robot until it topples", "sway left x6; rotate & fall"),
         ("the robot teeters, then crashes to the floor", "sway left x3; rotate & fall"),
         ("the robot wobbles and falls down", "sway left x3; rotate & fall"),
         ("roll the robot to the right until it tips over", "move right & rotate away; rotate & fall"),

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.core.turning import find_returns, find_turning_points
-from physagent_jax.forces.schema import ForceField
+from physagent_jax.forces.schema import Action, ForceField
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.judging.collateral import find_eigenvalues
 from physagent_jax.motion.schema import (
@@ -37,6 +37,7 @@ from tests.agents.scenes import (
 LAST = 48
 LEFT, RIGHT, UP, DOWN, AWAY = (-1, 0, 0), (1, 0, 0), (0, 0, 1), (0, 0, -1), (0, 1, 0)
 TOWARD = (0, -1, 0)
+PRESS = ForceField(actions=(Action(action_type="scale", vector=UP, magnitude=-1.0),))
 ZERO = (0.0, 0.0, 0.0)
 HELD = brief(anchored="base")
 KINDS = MotionKind
@@ -746,10 +747,12 @@ def test_a_push_that_tips_it_over_need_not_take_it_away():
 def test_what_is_set_down_gently_goes_all_the_way_it_was_lifted():
     half = LAST / 2
     lift = expected(direction=UP, window=(0, half), words="lift")
-    down = expected(direction=DOWN, window=(half, LAST), strength=0.5, words="set it down gently")
+    down = expected(
+        direction=DOWN, window=(half, LAST), strength=0.5, put_back=True, words="set it down gently"
+    )
     seen = show(lambda t: (0, 0, 0.6 * (ramp(t, 0, half) - ramp(t, half, LAST))))
     assert passes((lift, down), seen, brief(world="ground"))
-    lower = down.model_copy(update={"words": "lower it slightly"})
+    lower = down.model_copy(update={"put_back": False, "words": "lower it slightly"})
     assert not passes((lift, lower), seen, brief(world="ground"))
 
 
@@ -796,7 +799,9 @@ def test_what_is_pushed_over_the_ground_may_tip():
 def test_what_is_pressed_turns_as_it_begins_to_fall_and_what_is_drawn_out_only_seems_to(kind, right):
     sign = 1 if kind is KINDS.STRETCH else -1
     seen = show(turn=along(RIGHT, 22), strain=along((-0.1 * sign, -0.1 * sign, sign), 0.3))
-    assert passes(expected(kind, UP), seen, brief(world="ground")) is right
+    asked = SemanticReply(force_field=PRESS, expectations=(expected(kind, UP),))
+    judgement = judge("", asked, seen, brief(world="ground"), PRESS).judgement
+    assert (judgement.verdict is Verdict.SUCCESS) is right
 
 
 def test_what_rolls_goes_farther_than_what_is_pushed():
@@ -1202,3 +1207,56 @@ def test_a_squeeze_is_measured_by_the_outline_where_the_points_miss_it(
         update={"extents": (Extent(direction=axis, ratio=ratios, half_width=(half_width,) * (LAST + 1)),)}
     )
     assert passes(expected(KINDS.SQUEEZE, axis), seen) == passed
+
+
+def test_what_is_dropped_may_topple_aside_once_it_has_landed():
+    fall = expected(KINDS.FALL, None)
+
+    def place(aside_from):
+        return lambda t: (0.6 * ramp(t, aside_from, aside_from + 16), 0, -0.5 * ramp(t, 0, 16))
+
+    assert passes(fall, show(place(16)))
+    assert not passes(fall, show(place(0)))
+
+
+def test_what_is_tilted_and_let_go_need_not_stay_so():
+    def turn(t):
+        return np.multiply(TOWARD, 25 * (ramp(t, 0, 16) - ramp(t, 24, 40)))
+
+    tilt = expected(KINDS.ROTATE, TOWARD, window=(0, 30), strength=0.5)
+    assert not passes(tilt, show(turn=turn))
+    assert passes(tilt.model_copy(update={"released": True}), show(turn=turn))
+
+
+def test_what_sags_by_its_own_weight_may_lean_more_than_what_is_pressed():
+    seen = show(turn=along(TOWARD, 30), strain=along((0.3, 0.3, -1), 0.3))
+    sags = SemanticReply(force_field=ForceField(), expectations=(expected(KINDS.SQUEEZE, UP),))
+    stands = brief(world="ground")
+    assert judge("", sags, seen, stands).judgement.verdict is Verdict.SUCCESS
+    assert judge("", sags, seen, stands, PRESS).judgement.verdict is Verdict.FAIL
+
+
+def test_a_slow_motion_may_go_far_in_a_long_clip():
+    slow = expected(strength=0.4, window=(0, 99))
+    seen = show(lambda t: np.multiply(LEFT, 0.8 * ramp(t, 0, 99)), count=100)
+    assert passes(slow, seen, brief(frame_count=100))
+    assert not passes(
+        slow, show(lambda t: np.multiply(LEFT, 1.5 * ramp(t, 0, 99)), count=100), brief(frame_count=100)
+    )
+
+
+def test_leaps_are_counted_by_their_heights():
+    def hop(*heights):
+        def place(t):
+            k, phase = divmod(t / 16, 1.0)
+            return (0, 0, 4 * heights[min(int(k), 2)] * phase * (1 - phase) if k < 3 else 0.0)
+
+        return show(place)
+
+    motions = (
+        expected(direction=UP, sudden=True, repeats=3, words="hop"),
+        expected(KINDS.FALL, None, window=(24, LAST), words="hop"),
+    )
+    world = brief(world="ground")
+    assert passes(motions, hop(0.4, 0.4, 0.4), world)
+    assert not passes(motions, hop(0.4, 0.4, 0.05), world)

@@ -34,3 +34,19 @@ def test_an_angle_grows_beyond_half_a_turn_across_frames_without_a_rotation():
     degrees = [np.degrees(v[2]) for v in found if v is not None]
     np.testing.assert_allclose(degrees, [0, 100, 200, 300, 400], atol=1e-9)
     assert unwrap([None, None]) == [None, None]
+
+
+def test_a_small_lean_does_not_change_the_axis_of_whole_turns():
+    lean = Rotation.from_euler("x", 6, degrees=True)
+    turns = [(Rotation.from_rotvec([0, 0, np.radians(a)]), a) for a in range(0, 721, 10)]
+    found = unwrap([(turn * lean if a > 180 else turn).as_matrix() for turn, a in turns])
+    degrees = np.degrees(np.array(found))
+    np.testing.assert_allclose(degrees[:, 2], [a for _, a in turns], atol=2)
+    assert np.linalg.norm(degrees[-1, :2]) < np.tan(np.radians(6)) * 720
+
+
+def test_what_falls_over_after_a_whole_turn_leans_by_its_own_vector():
+    spin = [Rotation.from_rotvec([0, 0, np.radians(a)]) for a in range(0, 361, 20)]
+    fall = [Rotation.from_rotvec([np.radians(a), 0, 0]) for a in range(10, 91, 10)]
+    found = unwrap([each.as_matrix() for each in (*spin, *fall)])
+    np.testing.assert_allclose(np.degrees(found[-1]), [90, 0, 0], atol=1e-6)

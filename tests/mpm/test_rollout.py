@@ -19,6 +19,7 @@ from physagent_jax.mpm import (
     simulate,
     stable_dt,
 )
+from physagent_jax.mpm.constraints import GradedTranslation
 from tests.mpm.blocks import block
 
 
@@ -116,6 +117,36 @@ def test_a_failing_frame_is_redone_with_smaller_steps(x64):
     assert frames[2].substeps > frames[1].substeps
     fine = list(simulate(model, state, frame_count=3, frame_dt=0.01, substep_dt=1e-4))
     np.testing.assert_allclose(frames[2].state.v[:, 0].mean(), fine[2].state.v[:, 0].mean(), rtol=0.1)
+
+
+def draw_out():
+    """A block that is drawn ever longer: the stable step falls from frame to frame."""
+    numbers = dict(start=0.0, end=1.0, speed=3.0, length=0.2)
+    leaves = {name: jnp.asarray(value, np.float64) for name, value in numbers.items()}
+    drawn = GradedTranslation(axis=jnp.array([1.0, 0, 0], np.float64), **leaves)
+    return block(youngs_modulus=1e6, dtype=np.float64, constraints=(drawn,))
+
+
+def test_a_frame_whose_stable_step_fell_is_redone_with_a_step_that_fits(x64):
+    """Not with half of it: the bound at its end is known. The next frames expect that it falls on."""
+    frames = list(simulate(*draw_out(), frame_count=4, frame_dt=0.04))
+    redone = [frame for frame in frames if frame.retries]
+    assert redone and all("lowered the stable bound" in frame.retries[0] for frame in redone)
+    assert redone == [frames[1]] and frames[1].substeps < 1.4 * (frames[1].attempted - frames[1].substeps)
+    assert frames[1].trend < 0.9 and frames[2].attempted == frames[2].substeps
+
+
+def test_frames_beyond_the_substeps_that_may_be_taken_are_refused_before_they_are_tried(x64):
+    model, state = draw_out()
+    frames = list(simulate(model, state, frame_count=4, frame_dt=0.04))
+    taken = sum(frame.attempted for frame in frames)
+    again = list(simulate(model, state, frame_count=4, frame_dt=0.04, most_substeps=taken))
+    assert [frame.substeps for frame in again] == [frame.substeps for frame in frames]
+    done = []
+    with pytest.raises(UserError, match="frame 3 would take"):
+        for frame in simulate(model, state, frame_count=4, frame_dt=0.04, most_substeps=taken - 1):
+            done.append(frame.index)
+    assert done == [0, 1, 2]
 
 
 def test_a_blow_within_the_frame_is_foreseen(x64):

@@ -116,3 +116,14 @@ def test_an_empty_room_has_no_object():
     assert report.centroid == (None,) * 4 and report.onset_frame is None
     assert any("Nothing stands in front" in note for note in report.quality.notes)
     assert "not observable" in report.text
+
+
+def test_the_inside_of_what_is_as_white_as_the_background_is_the_object():
+    solid = np.zeros((3, 60, 60), bool)
+    solid[:, 10:50, 10:50] = True
+    rgb = np.full((3, 60, 60, 3), 255, np.uint8)
+    rgb[solid] = 120
+    rgb[:, 20:40, 10:30] = 255  # an overexposed patch that reaches the outline
+    masks = RgbdSegmenter().segment(rgb, None, depth=np.where(solid, 2.0, np.nan).astype(np.float32)).masks
+    assert (masks & ~solid).sum() == 0
+    assert (solid & ~masks).sum() <= 3 * 24

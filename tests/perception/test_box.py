@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from physagent_jax.perception.extents import measure_breadths
 from physagent_jax.perception.lift import keep_trusted_depth, measure_box
 from physagent_jax.render.camera import look_at
 
@@ -45,3 +46,13 @@ def test_a_rim_that_reads_the_wall_behind_does_not_reach_there(wall):
     clean = edges(depth, mask, camera)
     np.testing.assert_allclose(edges(behind, wider, camera), clean, rtol=0.25)
     assert edges(behind, wider, camera)[1] < 1.25 * clean[1] < 0.6 * (wall - DISTANCE + RADIUS)
+
+
+def test_the_breadth_of_an_end_is_that_of_the_outermost_third():
+    chance = np.random.default_rng(0)
+    body = chance.uniform((-0.2, 0, -0.5), (0.2, 0, 0.5), (6000, 3))
+    squeezed = body * np.where(body[:, [2]] > 1 / 6, (0.5, 1, 1), 1)
+    up, right = np.array([[0.0, 0, 1]]), np.array([[1.0, 0, 0], [0, 0, 1]])
+    before, after = measure_breadths([body, squeezed], up, right)[:, 0]
+    assert after[0] / before[0] == pytest.approx(0.5, abs=0.03)
+    assert np.isnan(after[1])  # along the end, not across

@@ -2,7 +2,7 @@
 
 import pytest
 
-from physagent_jax.run.forecast import BRIEF, CLOSING, PATIENCE, Forecast, find_most_substeps
+from physagent_jax.run.forecast import BRIEF, CLOSING, FIRST, PATIENCE, Forecast, find_most_substeps
 from physagent_jax.scene.cost import Cost
 
 
@@ -75,3 +75,18 @@ def test_a_further_round_takes_no_more_steps_than_are_worth_waiting_for():
     quick, slow = (Cost(steps, steps * 0.01 + 5.0, 1e9, ("", ""), watching=5.0) for steps in (100.0, 5000.0))
     assert find_most_substeps(quick) == pytest.approx(BRIEF / 0.01)
     assert find_most_substeps(slow) == pytest.approx(PATIENCE * 5000.0)
+
+
+def test_the_first_round_may_take_longer_and_not_for_ever(forecast):
+    """Without it there is no clip; a user who says so waits longer."""
+    cost = Cost(1000.0, 25.0, 1e9, ("", ""), watching=5.0)
+    further = find_most_substeps(cost)
+    assert forecast.most_substeps == pytest.approx(FIRST * further)
+    assert Forecast(cost, 3, patience=2.0).most_substeps == pytest.approx(2 * FIRST * further)
+    forecast.begin_round(1)
+    assert forecast.most_substeps == pytest.approx(further)
+
+
+def test_what_is_idle_takes_few_steps_and_is_forecast_so(forecast, clock):
+    forecast.begin_round(0, 100.0)
+    assert forecast.find_left()[0] == pytest.approx(2.0 + 5.0)

@@ -51,7 +51,8 @@ def place(table, prompt, **parts):
     "prompt",
     ["push the stool to the left", "drop the stool", "throw the stool up into the air", "spin the stool around",
      "lift the stool up and hold it there", "the stool stands still", "hit the stool hard from the left",
-     "tip the stool over to the left", "knock the stool over"],
+     "tip the stool over to the left", "knock the stool over", "shake the stool",
+     "the stool shakes in an earthquake and then stands still"],
 )  # fmt: skip
 def test_what_is_hard_and_moved_as_a_whole_is_rigid(table, prompt):
     template, _ = place(table, prompt)
@@ -77,6 +78,30 @@ def test_what_is_hard_and_moved_as_a_whole_is_rigid(table, prompt):
 )
 def test_what_changes_its_shape_is_not(table, prompt):
     assert place(table, prompt)[0].material.model is not RIGID
+
+
+@pytest.mark.parametrize(
+    ("prompt", "rigid"),
+    [
+        ("the statue is hit from the left", True),
+        ("the statue shakes in an earthquake", True),
+        ("the chair is hit from the left", True),
+        ("a foam statue is hit from the left", False),
+        ("the figure is hit from the left", False),
+        ("it is hit by a statue from the left", False),
+    ],
+)
+def test_a_noun_for_something_hard_tells_what_a_nameless_thing_is_made_of(table, prompt, rigid):
+    """A hard thing bears its weight, so that it is not held and bent."""
+    path, body = table
+    nameless = path.with_name("a1.obj")
+    nameless.write_bytes(path.read_bytes())
+    thing = {"path": str(nameless), "up": "+z", "kind": "object"}
+    run = resolve(small(nameless, prompt, object=thing, frames=30, particles=1500))
+    reply = read_for_scene(run, body, with_rules().semantic.compile).value
+    template, notes = run.place(body, reply)
+    assert (RIGID_NOTE in notes) is rigid
+    assert not rigid or template.anchor.kind == "none" and run.find_hold(reply, body) is None
 
 
 @pytest.mark.parametrize(
@@ -126,7 +151,7 @@ def test_a_field_without_a_sentence_keeps_the_kinds_stiffness(table):
 
 
 def test_hard_are_kinds_and_materials_that_nobody_sees_bend():
-    assert KINDS == {"instrument", "furniture", "vessel", "vehicle"}
+    assert KINDS == {"instrument", "furniture", "vessel", "vehicle", "statue", "building", "tool"}
     hard = {name for name, entry in LIBRARY.items() if is_hard(entry.material)}
     assert {"steel", "glass", "concrete", "oak"} & set(LIBRARY) <= hard
     assert not {"rubber", "cork", "sand", "water", "jelly", "snow"} & hard
@@ -157,3 +182,15 @@ def test_a_dropped_stool_lands_on_its_legs_in_its_shape(table):
     assert height[0] - height[-1] > 0.1 and np.ptp(height[-8:]) < 2e-3
     assert np.abs(x[-1] - x[-8]).max() < 5e-3
     assert json.loads(scene.config.model_dump_json())["material"]["model"] == "rigid"
+
+
+def test_what_is_called_a_hard_thing_is_rigid(tmp_path):
+    """A file whose name tells nothing: the sentence does."""
+    path = tmp_path / "scan.obj"
+    trimesh.creation.box((0.6, 0.6, 1.0)).export(path)
+    for noun, kind in {"statue": "statue", "animal": "object"}.items():
+        run = resolve(spec(path, f"the {noun} is suddenly hit from the left"))
+        assert run.template.matter == kind and run.template.source.kind == "object"
+        body = make_body(run.template.source, run.template.preset.filling, run.template.preset.domain, ".")
+        reply = read_for_scene(run, body, with_rules().semantic.compile).value
+        assert (run.place(body, reply)[0].material.model is RIGID) is (kind == "statue")

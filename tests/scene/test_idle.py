@@ -12,6 +12,7 @@ from physagent_jax.mpm import stable_dt
 from physagent_jax.scene import config as c
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.compile import scene as compile_module
+from physagent_jax.scene.compile.idle import is_led_to_end
 from physagent_jax.simulation.simulate import simulate_frames
 from tests.scene.small_scenes import make_config, make_small_body
 
@@ -63,6 +64,30 @@ def test_its_strain_costs_no_steps(body):
 
     assert find_step(free) < 0.5 * float(stable_dt(free.model, free.state))
     assert find_step(led) > 10 * find_step(free)
+
+
+def test_what_is_led_to_the_planned_end_is_idle_too(body):
+    """Nobody lets it go: the clip ends there, whether it is held or moves on."""
+    moved = lead(body, held_until=None, window=(0, FRAMES - 1))
+    assert soften(moved).all() and is_led_to_end(moved.config)
+    let_go = lead(body, held_until=None, window=(0, FRAMES - 2))
+    assert not soften(let_go).any() and not is_led_to_end(let_go.config)
+
+
+def test_what_is_rocked_until_the_end_does_not_fall_over_after_it(body):
+    """Let go in mid-swing it would tip; what is spun on its foot runs out."""
+    for axis, kept in {(1.0, 0.0, 0.0): True, (0.0, 0.0, 1.0): False}.items():
+        turn = VelocityConstraint(
+            constraint_type="enforce_particle_rotation",
+            vector=axis,
+            magnitude=1.0,
+            active_time=(0, FRAMES - 1),
+        )
+        config = make_config(
+            Path("/unread"), FRAMES, material=STIFF, force_field=ForceField(constraints=(turn,))
+        )
+        scene = compile_scene(config, body)
+        assert is_led_to_end(scene.config) is kept and soften(scene).all() == kept
 
 
 def test_what_is_free_for_a_while_keeps_its_stiffness(body):

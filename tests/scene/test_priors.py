@@ -3,7 +3,14 @@ import math
 import pytest
 
 from physagent_jax.scene.config import MaterialModel
-from physagent_jax.scene.priors import PRIORS, UNKNOWN, choose_anchor, choose_material, guess_kind
+from physagent_jax.scene.priors import (
+    PRIORS,
+    UNKNOWN,
+    choose_anchor,
+    choose_material,
+    find_hard_kind,
+    guess_kind,
+)
 
 
 @pytest.mark.parametrize(
@@ -44,6 +51,29 @@ from physagent_jax.scene.priors import PRIORS, UNKNOWN, choose_anchor, choose_ma
 )
 def test_names_tell_kinds(name, kind):
     assert guess_kind(name) == kind
+
+
+@pytest.mark.parametrize(
+    ("name", "sentence", "kind"),
+    [
+        ("massa", "The statue is suddenly hit from the left", "statue"),
+        ("scan 01", "a man pushes the statue", "statue"),
+        ("scan", "knock over the old stone lion statue", "statue"),
+        ("scan", "the statue falls on the table", "statue"),
+        ("scan", "the seat of the stool turns", "furniture"),
+        ("Jeep", "tip it over", "vehicle"),
+        ("Rusty_Blaster", "it is dropped", "tool"),
+        ("scan", "a car hits the bear", None),
+        ("scan", "throw the ball at a wall", None),
+        ("scorpion low resolution", "the statue of it is hit", "statue"),
+        ("scorpion low resolution", "the scorpion falls on the table", None),
+        ("scan", "tip it onto the table", None),
+        ("scan", "can it drop?", None),
+        ("", "", None),
+    ],
+)
+def test_names_and_sentences_tell_what_is_hard(name, sentence, kind):
+    assert find_hard_kind(name, sentence, others={"man"}) == kind
 
 
 def test_no_word_belongs_to_two_kinds():

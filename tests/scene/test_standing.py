@@ -11,6 +11,7 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.run.resolve import resolve
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene import burden
+from physagent_jax.scene import standing as standing_module
 from physagent_jax.scene.anchor import select_anchored
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.burden import measure_burden
@@ -188,6 +189,13 @@ def test_feet_are_held_of_what_a_touch_or_the_blow_would_topple(width, struck, h
     template, body, _ = template_of(tmp_path / "thing.obj", **COARSE)
     assert (hold_upright(template, body, Support(struck=struck))[0].anchor.kind == "base") is held
     assert hold_upright(template, body, Support(struck=struck, let_go=True)) == (template, ())
+
+
+def test_what_is_rigid_is_not_held_for_what_its_stand_in_would_bear(tmp_path, monkeypatch):
+    monkeypatch.setattr(standing_module, "LIGHT", 2.0)  # of its weight: nothing bears so much
+    template, body, _ = template_of(export_leaning(tmp_path / "thing.obj", 0.05), **COARSE)
+    assert hold_upright(template, body)[0].anchor.kind == "base"
+    assert hold_upright(template, body, Support(rigid=True)) == (template, ())
 
 
 def test_the_half_behind_is_held_of_what_is_dented(tmp_path):

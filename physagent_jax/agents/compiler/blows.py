@@ -7,13 +7,7 @@ from dataclasses import replace
 
 from physagent_jax.agents.compiler.amounts import find_effort
 from physagent_jax.agents.compiler.events import BY_DEFAULT
-from physagent_jax.agents.compiler.steady import (
-    BRAKED_BEFORE,
-    IMPULSE_FRAMES,
-    SHORTEST_STROKE,
-    Task,
-    make_impulse_window,
-)
+from physagent_jax.agents.compiler.steady import BRAKED_BEFORE, SHORTEST_STROKE, Task
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import (
@@ -34,7 +28,7 @@ from physagent_jax.motion.efforts import find_held_magnitude, find_lengths
 from physagent_jax.motion.schema import Amount, MotionKind
 from physagent_jax.motion.tipping import tip
 from physagent_jax.motion.vectors import add, dot, normalise, scale
-from physagent_jax.motion.windows import divide
+from physagent_jax.motion.windows import IMPULSE_FRAMES, divide, make_impulse_window
 
 _RAISING = (Effect.STRIKE, Effect.JUMP)
 _UPRIGHT = 0.7  # cosine
@@ -80,10 +74,12 @@ def compile_strike(task: Task) -> None:
     if rises and event.motion.tumbles:
         spin_aloft(task, find_lean_axis(task.brief.directions.toward, task.brief))
     rise, fall = divide(window, [1.0, 1.0])
+    if count > 1:  # every one of them is a rise
+        rise, fall = window, divide(window, [1.0] * 2 * count)[-1]
     task.expect(
         MotionKind.SWAY if swings else MotionKind.MOVE,
         way,
-        rise if rises else window,
+        rise if rises and count == 1 else window,
         sudden=True,
         repeats=count,
         released=builder.anchored,

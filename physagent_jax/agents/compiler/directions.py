@@ -90,7 +90,8 @@ def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
     if not told:
         return None
     pulled_from = motion.pulls and not event.pick(WayKind.TO)  # "pull it from left to right"
-    distinct = dict.fromkeys((way.kind, way.names) for way in told)
+    own = read_lexicon().own_ways if motion.direction in ("ahead", "behind") else {}  # "walks forward"
+    distinct = dict.fromkeys((way.kind, own.get(way.phrase, way.names)) for way in told)
     parts = [
         scale(sum_directions(names, brief), -1.0 if kind is WayKind.FROM and not pulled_from else 1.0)
         for kind, names in distinct

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 
 from physagent_jax.agents import intent
 from physagent_jax.agents.compiler.amounts import MOST, find_target
 from physagent_jax.agents.compiler.directions import TOWARDS, take_heading
-from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueSource, WayKind
+from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, KnownPart, ValueSource, WayKind
 from physagent_jax.agents.compiler.limbs import find_limbs, find_roles, sticks_out
-from physagent_jax.agents.lexicon import Effect, Motion, Repeat, read_lexicon
+from physagent_jax.agents.lexicon import NAMED, Effect, Motion, Repeat, read_lexicon
 from physagent_jax.agents.materials import LIMP
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.part import is_plural
+from physagent_jax.forces.part import is_plural, split_name
 from physagent_jax.forces.slabs import make_end_region, make_middle_region
 from physagent_jax.motion.attitudes import has_back_on_top
 from physagent_jax.motion.axes import find_lean_axis
+from physagent_jax.motion.hinges import find_hinge, find_hinged
 from physagent_jax.motion.joints import Turning
 from physagent_jax.motion.limbs import stands_on_legs, sum_directions
 from physagent_jax.motion.parts import explain_guess, explain_missing
@@ -103,8 +103,8 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
     elif effect is Effect.TOPPLE and _is_on_its_back(event, brief):
         event.ways = [way for way in event.ways if way.text.lower() != "back"]
         phrase = "turn over"
-    elif effect is Effect.ROLL and has_wheels(brief):
-        phrase = "push"  # its wheels turn, and it does not
+    elif (effect is Effect.ROLL or motion.steps) and has_wheels(brief):
+        phrase = "cruise"  # its wheels turn, and it does not
     elif effect is Effect.SWELL and (told or event.pick(WayKind.LINE, WayKind.PLANE)):
         return replace(motion, effect=Effect.SCALE), phrase  # "expands horizontally", "grows upwards"
     else:
@@ -125,7 +125,8 @@ def _join_cause(event: Event) -> tuple[Motion, str]:
     if (verb.generic and verb.effect is Effect.PUSH) or struck or quakes:
         return cause, event.cause_phrase
     skill = cause.skill if verb.effect is cause.effect else verb.skill  # "a vortex spins it"
-    return replace(verb, brief=verb.brief or cause.brief, skill=skill), event.phrase
+    cycles = max(verb.cycles, cause.cycles)  # "it shakes in an earthquake"
+    return replace(verb, brief=verb.brief or cause.brief, skill=skill, cycles=cycles), event.phrase
 
 
 def _is_on_its_back(event: Event, brief: SceneBrief) -> bool:
@@ -136,7 +137,9 @@ def _is_on_its_back(event: Event, brief: SceneBrief) -> bool:
 
 def has_wheels(brief: SceneBrief) -> bool:
     """Return whether it rolls on wheels, and so stays upright when it is rolled."""
-    return not read_lexicon().wheeled.isdisjoint(re.findall(r"[^\W\d_]+", brief.object_name.lower()))
+    return brief.object_kind == "vehicle" or not read_lexicon().wheeled.isdisjoint(
+        split_name(brief.object_name)
+    )
 
 
 def _resolve_strength(event: Event, before: Event | None) -> None:
@@ -306,6 +309,9 @@ def _find_unused(event: Event) -> list[str]:
 
 def _take_part(event: Event, brief: SceneBrief) -> None:
     """The region that is acted on, and the end that is named or excepted."""
+    hinged = event.motion.manner == "hinge" and not (event.parts or event.excluded) and find_hinged(brief)
+    if hinged:  # "close the laptop"
+        event.parts = [KnownPart(NAMED, brief.parts[hinged[0]].name, event.words)]
     named = [*event.parts, *event.excluded]
     opposite = event.effect is Effect.TURN and len({each.place.names for each in event.parts}) == 2
     if len(named) > 1 and not opposite:  # "one end against the other"
@@ -316,7 +322,7 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         return  # "lands on its feet", as it stood
     place, event.excludes_part = named[0].place, not event.parts
     if event.parts and not (event.effect is Effect.STRIKE and named[0].phrase in read_lexicon().fronts):
-        event.limbs = find_limbs(named[0], brief)  # a blow on the belly drives all of it away
+        event.limbs = hinged or find_limbs(named[0], brief)  # a blow on the belly drives all of it away
     if event.limbs:
         text, roles = named[0].text, find_roles(named[0].phrase)
         doubt = explain_guess(text, brief.parts, event.limbs, plural=is_plural(text), roles=roles)
@@ -324,6 +330,8 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         part = brief.parts[event.limbs[0]]
         event.region, event.part = part.moved, part.side
         event.sources["region"] = ValueSource(named[0].text, part.moved.label or "a part of the object")
+        if _swing_on_hinge(event, brief):
+            return
         limb = Turning(part, brief, brief.frame_count)
         assumed = event.sources["vector"].why.endswith(BY_DEFAULT)
         kicks = event.effect is Effect.STRIKE and "leg" in roles[:1] and not event.pick(*WAYS)
@@ -364,6 +372,18 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         event.region = make_end_region(scale(event.part, -1.0), 1.0 - place.start)
     else:
         event.region = make_end_region(event.part, place.start)
+
+
+def _swing_on_hinge(event: Event, brief: SceneBrief) -> bool:
+    """Return whether what opens or closes has a hinge, about which it then turns."""
+    if event.motion.manner != "hinge":
+        return False
+    if (hinge := find_hinge(brief.parts[event.limbs[0]], brief)) is None:
+        event.motion = replace(event.motion, manner="")
+        return False
+    event.motion, opens = replace(event.motion, effect=Effect.TURN), event.motion.direction == "up"
+    _turn(event, scale(hinge.axis, -1.0 if opens else 1.0), "about its hinge")
+    return True
 
 
 def resolve_obstacles(

@@ -15,10 +15,11 @@ from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.forces.part import is_plural, split_name
 from physagent_jax.forces.schema import ConstraintType, VelocityConstraint
+from physagent_jax.motion.hinges import find_hinge
 from physagent_jax.motion.joints import Turning
 from physagent_jax.motion.limbs import LOOSE, PLACES, choose_parts, find_front, sum_directions
 from physagent_jax.motion.parts import find_named, join_rest
-from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.schema import Amount, AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.swaying import FOOT, find_fold, leads_aside, lies
 from physagent_jax.motion.vectors import add, scale
 
@@ -141,7 +142,12 @@ def _drive(
 ) -> tuple[list[VelocityConstraint], ExpectedMotion]:
     """The constraints that bring about a limb's motion, and the motion as it is then expected."""
     assert motion.limb is not None
-    part = brief.parts[motion.limb]
+    part, told = brief.parts[motion.limb], motion
+    if motion.manner == "hinge" and (hinge := find_hinge(part, brief)):
+        part = part.model_copy(update=dict(joint=hinge.joint))
+        angle = Amount(value=hinge.find_angle(motion.direction), unit="degrees")
+        told = motion if motion.amount else motion.model_copy(update=dict(amount=angle))
     slides = part.seated and (part.origin == "place" or LOOSE.issuperset(find_roles(part.name)))
     later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > motion.window[0] + 0.5]
-    return Turning(part, brief, frame_count, slides).drive(motion, min([frame_count - 1.0, *later]))
+    made, seen = Turning(part, brief, frame_count, slides).drive(told, min([frame_count - 1.0, *later]))
+    return made, motion if told is not motion else seen

@@ -14,19 +14,19 @@ from physagent_jax.agents.compiler.blows import (
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
 from physagent_jax.agents.compiler.events import WayKind
 from physagent_jax.agents.compiler.schedule import Slot
-from physagent_jax.agents.compiler.steady import Task, add_steady, make_impulse_window, shorten
+from physagent_jax.agents.compiler.steady import Task, add_steady
 from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, QUICK, SWING
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.forces.skills import find_skill
 from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.axes import find_lean_axis
-from physagent_jax.motion.efforts import find_strain_magnitude, find_swing_magnitude
+from physagent_jax.motion.efforts import find_lengths, find_strain_magnitude, find_swing_magnitude
 from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.schema import MotionKind
-from physagent_jax.motion.swaying import bend, find_bend, fold, leads_aside, lies, rock, shake, sway
+from physagent_jax.motion.swaying import bend, find_bend, fold, leads_aside, lies, rock, shake, sway, walk
 from physagent_jax.motion.vectors import dot, normalise, scale
-from physagent_jax.motion.windows import Window, divide, divide_swings
+from physagent_jax.motion.windows import Window, divide, divide_swings, make_impulse_window, shorten
 
 _UPRIGHT = 0.7  # cosine
 _LEAN = 0.5  # torque of a lean relative to a full turn
@@ -59,8 +59,14 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
 
 
 def _compile_push(task: Task) -> None:
-    if task.event.repeat.alternate:
+    event, builder, (first, last) = task.event, task.builder, task.window
+    if event.repeat.alternate:
         _compile_sway(task)
+    elif event.motion.steps and builder.grounded and not (builder.anchored or event.region) and last > first:
+        count = task.limit_count(event.motion.cycles)
+        lengths = find_lengths(event.amount, task.brief)
+        builder.constraints += walk(task.brief, task.direction, event.strength, count, task.window, lengths)
+        task.expect(MotionKind.MOVE, task.direction, task.window, leaves_place=True)
     else:
         _compile_by_skill(task, ActionType.TRANSLATION.value)
 

@@ -14,19 +14,24 @@ from physagent_jax.agents.compiler.amounts import MOST, find_effort, find_word_e
 from physagent_jax.agents.compiler.builder import MAX_ACTIONS, ForceFieldBuilder
 from physagent_jax.agents.compiler.events import BY_DEFAULT, Event
 from physagent_jax.agents.compiler.schedule import find_frames, has_to_stop
-from physagent_jax.agents.lexicon import Effect
+from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.calibration import GAIN_MAX, MAGNITUDE_MAX, MAGNITUDE_MIN, TURN, find_magnitude
+from physagent_jax.forces.calibration import (
+    GAIN_MAX,
+    GAIN_MIN,
+    MAGNITUDE_MAX,
+    MAGNITUDE_MIN,
+    TURN,
+    find_magnitude,
+)
 from physagent_jax.forces.description import describe_entry
 from physagent_jax.forces.schema import Action, ActionType
 from physagent_jax.motion.efforts import find_held_magnitude, find_spin
 from physagent_jax.motion.schema import Amount, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import clamp, dot, normalise, scale
-from physagent_jax.motion.windows import Window, halve
+from physagent_jax.motion.windows import Window, halve, shorten
 
 SHORTEST_STROKE, _SHORTEST_SWING = 2.0, 4.0  # frames; faster ones alias in the pictures
-IMPULSE_FRAMES = 1.0
-GUST = 0.3  # part of its window during which a gust impulses
 _DRIFTS = "The object is free and would drift on: it is braked"
 BRAKED_BEFORE = f"{_DRIFTS} before what follows."
 
@@ -70,7 +75,7 @@ class Task:
             action_type=kind,
             vector=vector,
             magnitude=size if magnitude > 0 else -size,
-            gain=round(clamp(abs(magnitude) / size, 1.0, GAIN_MAX), 3) if gains else 1.0,
+            gain=round(clamp(abs(magnitude) / size, GAIN_MIN, GAIN_MAX), 3) if gains else 1.0,
             active_time=builder.fit_window(window),
             region=event.region,
         )
@@ -94,7 +99,11 @@ class Task:
             "manner": event.motion.manner,
             "even": (event.clause.pace == "even" or event.motion.floats or event.is_quick)
             and kind in (MotionKind.MOVE, MotionKind.ROTATE),
+            "put_back": event.motion.puts_back or event.is_back and window[0] > 0,
+            "may_stop_short": event.motion.loose
+            and not (event.clause.quantities or event.clause.repetitions),
             "amount": event.amount or self._find_duration(),
+            "to_ground": any(way.phrase in read_lexicon().grounding for way in event.ways),
         }
         for limb in event.limbs or (None,):
             part = event.part if limb is None else builder.brief.parts[limb].side
@@ -141,6 +150,13 @@ class Task:
         """Return whether something keeps it up: what was planned last raised it."""
         last, up = self.builder.expectations[-1:], self.brief.directions.up
         return any(each.kind is MotionKind.MOVE and dot(each.direction or up, up) > 0.5 for each in last)
+
+    @property
+    def is_gentle(self) -> bool:
+        """Return whether something on the ground is pushed gently: no farther than that promises."""
+        event, builder = self.event, self.builder
+        pushed = event.effect is Effect.PUSH and event.strength < 1 and not (event.limbs or event.is_in_wind)
+        return pushed and builder.grounded and not (builder.anchored or event.region or event.when.lasts)
 
     @property
     def needs_brake(self) -> bool:
@@ -197,7 +213,7 @@ def add_steady(task: Task, kind: ActionType, vector: Vector, magnitude: float) -
     told = lasts is not None and lasts.unit != "clip" and not event.when.within
     brakes = stops and not told
     speed_up, slow_down = halve(window)
-    gains = kind is ActionType.TORQUE and task.spin is not None
+    gains = kind is ActionType.TORQUE and task.spin is not None or task.is_gentle
     frames = slow_down[1] - speed_up[0] if brakes else window[1] - window[0]
     magnitude *= _find_dose(task, magnitude, frames * builder.brief.frame_dt, brakes)
     if builder.anchored and task.is_reached_within and not task.after:
@@ -215,11 +231,6 @@ def add_steady(task: Task, kind: ActionType, vector: Vector, magnitude: float) -
         ):
             _brake_after(task, kind, vector, magnitude, window)
     return window
-
-
-def shorten(window: Window, last: float) -> Window:
-    """The part of a window in which a gust or a burst acts."""
-    return (window[0], window[0] + max(GUST * (window[1] - window[0]), min(1.0, last)))
 
 
 def _brake_after(task: Task, kind: ActionType, vector: Vector, magnitude: float, window: Window) -> None:
@@ -243,13 +254,8 @@ def _find_dose(task: Task, magnitude: float, seconds: float, braked: bool) -> fl
         effort = find_effort(event.amount, event.effect, brief)
         if event.amount is None and task.spin is not None:
             effort = math.radians(task.spin) / TURN
-        elif event.amount is None and braked:
+        elif event.amount is None and (braked or task.is_gentle):
             effort = find_word_effort(event.strength, event.effect)
         shortest = max(seconds, brief.frame_dt)
         wanted = effort and find_magnitude(effort, shortest, brief.seconds, braked=braked)
     return 1.0 if wanted is None else max(wanted, 1e-3) / abs(magnitude)
-
-
-def make_impulse_window(at: float) -> Window:
-    """The shortest window that begins nearest to ``at``."""
-    return (float(round(at)), round(at) + IMPULSE_FRAMES)

@@ -209,6 +209,7 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
     filmed = (
         text in get_set("camera_words")
         and before not in get_set("finite") | get_set("pronouns") | reader.names
+        and behind not in get_set("determiners")  # "close the lid"
     )
     if filmed:
         return True  # "a close shot of it"

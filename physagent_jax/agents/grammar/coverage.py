@@ -11,10 +11,18 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from physagent_jax.agents.grammar.asides import list_segments
-from physagent_jax.agents.grammar.mentions import LOOSE, MOTIONS, Mention, MentionKind, get_phrase
-from physagent_jax.agents.grammar.nouns import is_a_name_of_its_own, is_telling
+from physagent_jax.agents.grammar.mentions import (
+    LOOSE,
+    MOTIONS,
+    Mention,
+    MentionKind,
+    get_phrase,
+    has_motion,
+)
+from physagent_jax.agents.grammar.nouns import is_telling
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.lexicon import Effect, Motion
+from physagent_jax.agents.materials import UNKNOWN_KIND
 from physagent_jax.motion.schema import SceneBrief
 
 _LEAST_WORDS, _MOST_UNKNOWN = 3, 0.5
@@ -94,12 +102,13 @@ class _Spot:
 def sort_words(mentions: list[Mention], names: frozenset[str], brief: SceneBrief) -> Coverage:
     """The unknown words of a sentence by whether they may bear on the motion; ``names`` are words for the object."""
     named = any(mention.phrase in names for mention in mentions)
-    nameless, own = not is_telling(brief.object_name), is_a_name_of_its_own(brief)
+    nameless = not is_telling(brief.object_name)
+    own = bool(brief.object_nouns) and brief.object_kind == UNKNOWN_KIND  # it may be called anything
     found: dict[str, list[str]] = {"ignored": [], "doubtful": [], "parts": [], "taken": []}
     seen: set[str] = set()
     for spot in _list_spots(mentions, names):
         look = is_look(spot.word) and not (_is_telling_a_part(spot) or _is_moved_part(spot))
-        unnamed = nameless or own and not _is_a_part(spot)
+        unnamed = nameless or own and not (look or _is_a_part(spot))
         if unnamed and spot.word.isalpha() and _is_named_here(spot, named, found["taken"]):
             kind = "taken"
         elif look or mentions[spot.index].kind is MentionKind.IGNORED:
@@ -173,9 +182,11 @@ def is_look(word: str) -> bool:
 
 
 def _is_named_here(spot: _Spot, named: bool, taken: list[str]) -> bool:
-    """Return whether a noun is the object of a sentence that does not name it otherwise."""
+    """Return whether a noun is the object, which is not named otherwise: "knock the chess piece over"."""
     done_to = spot.get(-1) in get_set("determiners") and spot.get(-2) not in get_set("prepositions")
-    return spot.get(-1) in taken or not named and not taken and done_to
+    verb, before = spot.skip(1, get_set("auxiliaries")), spot.mentions[spot.begin : spot.index]
+    noun = has_motion(before) or verb is not None and verb.kind in MOTIONS  # "the gizmo zorps": a verb
+    return spot.get(-1) in taken and noun or not named and not taken and done_to
 
 
 def _is_a_particle(spot: _Spot) -> bool:
@@ -312,7 +323,8 @@ def _is_describing(spot: _Spot) -> bool:
     noun = spot.skip(1)
     if noun is None:
         return False
-    known = noun.phrase in spot.names or noun.form in LEXICON.scene_nouns or noun.kind is MentionKind.PLACE
+    known = noun.phrase in spot.names | get_set("stand_ins") or noun.form in LEXICON.scene_nouns
+    known = known or noun.kind is MentionKind.PLACE
     return known or noun.motion is not None and noun.motion.wind
 
 

@@ -14,7 +14,6 @@ from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.grammar.tokens import FORMS, tokenise
 from physagent_jax.agents.intent import Solid
 from physagent_jax.agents.lexicon import NAMED, Effect, Names, Place
-from physagent_jax.agents.materials import UNKNOWN_KIND
 from physagent_jax.motion.parts import list_names
 from physagent_jax.motion.schema import SceneBrief
 
@@ -59,12 +58,6 @@ def is_telling(name: str) -> bool:
     return any(len(word) > 2 and word not in get_set("names_of_files") for word in _split(name))
 
 
-def is_a_name_of_its_own(brief: SceneBrief) -> bool:
-    """Return whether a name tells nobody what the object is, as a person's does: no noun, and of no kind."""
-    told = set(_split(brief.object_name)) & set(_add_plurals(brief.object_nouns))
-    return bool(brief.object_nouns) and brief.object_kind == UNKNOWN_KIND and not told
-
-
 def _split(name: str) -> list[str]:
     """The words of a name, "ExplodingBarrel" of two."""
     apart = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
@@ -101,8 +94,8 @@ def read_named_part(reader: Reader, at: int) -> Mention | None:
     """Reads a part that has a name of its own; words that are verbs too need an article."""
     for size in range(max(map(len, reader.parts), default=0), 0, -1):
         phrase = tuple(token.text for token in reader.tokens[at : at + size])
-        if len(phrase) < size or phrase not in reader.parts:
-            continue
+        if len(phrase) < size or phrase not in reader.parts or begins_longer_phrase(reader, at + size - 1):
+            continue  # "rock the chair back and forth"
         known = (
             phrase[0] in reader.names or phrase[0] in LEXICON.part_adjectives or phrase[0] in LEXICON.parts
         )

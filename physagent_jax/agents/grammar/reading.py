@@ -11,7 +11,7 @@ from collections.abc import Callable
 from physagent_jax.agents.grammar.asides import PASSES
 from physagent_jax.agents.grammar.chunks import read_phrase, read_word
 from physagent_jax.agents.grammar.measures import match_count, match_number, match_quantity, match_time
-from physagent_jax.agents.grammar.mentions import Mention, MentionKind, Reader, get_last_motion
+from physagent_jax.agents.grammar.mentions import Mention, MentionKind, Reader, get_last_motion, has_motion
 from physagent_jax.agents.grammar.nouns import read_named_part, read_part, read_solid
 from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set, read_sections
 from physagent_jax.agents.lexicon import Effect, Join, Repeat
@@ -72,6 +72,17 @@ def _read_nothing(reader: Reader, at: int) -> Mention | None:
     ):
         return None
     return reader.make_mention(MentionKind.VERB, LEXICON.motions["wait"], "wait", [at])
+
+
+def _read_load(reader: Reader, at: int) -> Mention | None:
+    """Reads "someone sits down on the sofa": it is pressed."""
+    behind = at + 1 + (reader.get_text(at + 1) == "down")
+    noun = behind + 1 + (reader.get_text(behind + 1) in get_set("determiners"))
+    loaded = reader.tokens[at].lemma in get_set("loads") and reader.get_text(behind) in ("on", "onto", "upon")
+    if not loaded or reader.get_text(noun) not in reader.names or has_motion(reader.mentions):
+        return None
+    press = LEXICON.motions["press"]
+    return reader.make_mention(MentionKind.VERB, press, "press", list(range(at, behind + 1)))
 
 
 def _read_prevention(reader: Reader, at: int) -> Mention | None:
@@ -189,6 +200,7 @@ _READERS: tuple[Callable[[Reader, int], Mention | None], ...] = (
     read_solid,
     _read_once,
     _read_nothing,
+    _read_load,
     _read_prevention,
     _read_state,
     _read_manner,

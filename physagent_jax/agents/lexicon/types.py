@@ -81,6 +81,9 @@ class Motion:
         quick: Whether it is over in an instant.
         pose: The side that points down as it falls; empty = none in particular.
         taps: Whether it is a blow to what is soft.
+        steps: Whether it goes on feet: what has wheels rolls instead.
+        puts_back: Whether it ends where it was before.
+        loose: Whether its angle is only about so large.
         skill: Name of the skill that it stands for; None = what its effect is compiled to.
     """
 
@@ -116,6 +119,9 @@ class Motion:
     quick: bool = False
     pose: Side | Literal[""] = ""
     taps: bool = False
+    steps: bool = False
+    puts_back: bool = False
+    loose: bool = False
     skill: str | None = None
 
     @property
@@ -213,6 +219,7 @@ class Lexicon:
     ends: dict[str, Names]
     axes: dict[str, Names]
     planes: dict[str, Names]
+    own_ways: dict[str, Names]
     sides: dict[str, Literal["both", "all"]]
     senses: dict[str, int]
     views: dict[str, Names]
@@ -242,6 +249,7 @@ class Lexicon:
     anchors: dict[str, Literal["base", "top", "none"]]
     obstacles: dict[str, Literal["wall", "block"]]
     ground: frozenset[str]
+    grounding: frozenset[str]
     scene_nouns: frozenset[str]
     joins: dict[str, Join]
     negations: frozenset[str]

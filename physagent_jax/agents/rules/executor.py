@@ -79,8 +79,7 @@ def _explain(
 ) -> Rewrite:
     back = ()
     if base is not rounds[-1]:
-        number = next(i for i, each in enumerate(rounds, 1) if each is base)
-        best = "the best round" if base is rank(rounds)[0] else f"round {number}"
+        best = "the best round" if base is rank(rounds)[0] else f"round {rounds.index(base) + 1}"
         back = (f"The last change made it no better: this goes out from {best}.",)
     rules = [*(change.rule for change in changes if change.rule), *(repair.rule for repair in repairs)]
     reasons = [*back, *(change.why for change in changes), *(f"Hard rule: {r.why}." for r in repairs)]

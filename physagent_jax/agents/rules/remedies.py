@@ -73,7 +73,8 @@ def list_remedies(case: Case) -> Iterator[Change]:
         yield edits.shorten(case, causes, 0.5, "it should come back after letting go")
     if case.failed("part"):
         yield edits.act_on_part(case, causes)
-    if case.failed("repeats") and not edits.alternates(case, causes):
+    blows = case.expectation.sudden and case.expectation.kind is MotionKind.MOVE  # they go one way
+    if case.failed("repeats") and not blows and not edits.alternates(case, causes):
         yield edits.alternate(case, causes)
     if case.expectation.sudden and case.failed("order") and any(c.pushes for c in causes):
         field = _replace(case, causes, edits.make_actions(case)[:1])
@@ -190,8 +191,7 @@ def _strengthen(case: Case, causes: Sequence[Cause], gain: float) -> Iterator[Ch
     more_helps = most <= _FAR_BEYOND and _answers(case, causes, gain)
     if more_helps:
         yield more
-    forces = [c.skill for c in causes if c.group == "actions"]  # which act the more the longer they do
-    lasting = any(not (skill.is_sudden or skill.is_two_sided) for skill in forces)
+    lasting = any(c.group == "actions" and not (c.skill.is_sudden or c.skill.is_two_sided) for c in causes)
     if lasting and case.expectation.kind is not MotionKind.SWAY:
         yield from edits.lengthen(case, causes, math.sqrt(gain))
     yield from _try_other_kind(case, causes, gain)

@@ -77,11 +77,20 @@ class Asked:
         """First and last frame in which the motion should be seen."""
         return self.view.span(self.motion)
 
+    @property
+    def hops(self) -> bool:
+        """Return whether it leaps again and again, and comes down each time."""
+        way, up = self.direction, self.view.brief.directions.up
+        leaps = self.kind is MotionKind.MOVE and self.motion.sudden and self.motion.repeats > 1
+        return leaps and self.view.gravity and way is not None and dot(way, up) > _BOTH
+
     @cached_property
     def until(self) -> int:
         """The end of the motion's visible consequences: the next motion's beginning, or the clip's end."""
         first, last = self.span
         later = [e for e in self.view.expectations if e.window[0] > self.motion.window[0] + 0.5]
+        if self.hops:
+            later = [e for e in later if e.words != self.motion.words]  # it comes down in between
         begins = [self.view.span(e)[0] for e in later]
         after = [begin for begin in begins if begin >= last - 1]
         if after:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion import tolerances
@@ -35,7 +36,7 @@ from physagent_jax.perception.schema import PartMotion
 _FIRST = 0.2  # of the largest turn or strain: what is seen of it first
 _OWN_AXIS = 0.6  # of the asked strain that other directions may show the same way
 _UPRIGHT = 0.7  # cosine
-_FITTED, _OUTLINE = "from the affine fit", "from the outline"
+_FITTED, _OUTLINE, _OWN = "from the affine fit", "from the outline", "of the part"
 _BETWEEN = 2 / 3  # of its length, between the middles of its ends, each a third of it
 _KEPT = 0.4  # of the largest turn that a free thing has left where it ends
 _LIMITS_OF_STILLNESS = {
@@ -87,7 +88,7 @@ def check_rotation(asked: Asked) -> list[Check]:
     if angle < tolerance.low and shift > 0.2:
         words += f", but a displacement by {shift:.2g} body lengths"
     checks.append(compare_amount(asked, "how far does it turn?", tolerance, angle, words))
-    free = not view.anchored and asked.end is None and motion.repeats == 1
+    free = not (view.anchored or motion.released) and asked.end is None and motion.repeats == 1
     if free and axis and angle >= tolerance.low:
         left = dot(turns[-1][1], axis) / angle
         checks.append(check_limit(asked, "keeps_turn", left, _KEPT, asked.sigma / angle))
@@ -97,13 +98,8 @@ def check_rotation(asked: Asked) -> list[Check]:
 def check_strain(asked: Asked) -> list[Check]:
     """Change of length along the direction: sign by first response, amount, and that it is that direction's own.
 
-    An end that is pressed or drawn along itself shows in its way to the other end.
+    An end that is pressed or drawn along itself shows in its way to the other end; any other part in its own shape.
     """
-    part, way = asked.motion.part, asked.direction
-    if part is not None and (
-        way is None or asked.motion.limb is not None or abs(cosine(part, way)) < ALONG_END
-    ):
-        return [make_unseen_check(asked, "the length of a part is not measured")]
     view, motion, sign, (first, last) = asked.view, asked.motion, asked.sign, asked.span
     until = asked.until if motion.released else last
     strains, how, half_width = measure_strains(asked, first, until)
@@ -122,23 +118,32 @@ def check_strain(asked: Asked) -> list[Check]:
         checks.append(check_limit(asked, "strain_first", 1.0 + strain, 1.0, sigma, gain=-1.0, **figures))
     if motion.repeats > 1:
         checks.append(_count_strains(asked, first))
-    if asked.direction is not None and peak >= tolerances.VISIBLE_STRAIN:
+    if asked.end is None and asked.direction is not None and peak >= tolerances.VISIBLE_STRAIN:
         checks += _check_own_axis(asked, asked.direction, until, along, peak)
     if motion.amount is not None and motion.amount.unit != "seconds":
         return checks
     tolerance = tolerances.expect_strain(motion, motion.kind is MotionKind.SQUEEZE)
+    if how == _OWN:  # what is beside it does not tell how large it was
+        tolerance = replace(tolerance, high=max(tolerance.high, tolerances.MOST_OF_PART))
     words = f"{1 + sign * peak:.2f} times its length ({how})"
     question = f"how much {change} does it get?"
     return [*checks, compare_amount(asked, question, tolerance, peak, words, half_width=half_width)]
 
 
 def measure_strains(asked: Asked, first: int, until: int) -> Strains:
-    """Along one direction from the affine fit or the outline; in all directions the mean of three."""
+    """Along one direction from the affine fit or the outline; in all directions the mean of three.
+
+    Of an end that is pressed or drawn along itself by its way to the other end, of any other part by its own fit.
+    """
     view, direction = asked.view, asked.direction
     usual, lost = view.uncertainty("stretch"), view.explain("stretch", first, until, "its shape is not known")
-    if direction is not None:
-        if asked.end is not None:
+    if asked.end is not None:
+        part = asked.motion.part
+        along = direction is not None and part is not None and abs(cosine(part, direction)) >= ALONG_END
+        if along and direction is not None and asked.motion.limb is None:
             return _measure_between_ends(asked, asked.end, direction, first, until)
+        return _measure_part(view, asked.end, direction, first, until)
+    if direction is not None:
         if view.hides(direction):
             return [], "the stretch along the line of sight is hidden", usual
         strains, how, half_width = _measure_along(direction, view, first, until)
@@ -156,6 +161,18 @@ def measure_strains(asked: Asked, first: int, until: int) -> Strains:
     return [(each[0][0], sum(v for _, v in each) / len(each)) for each in values], "in all directions", usual
 
 
+def _measure_part(view: View, part: PartMotion, direction: Vector | None, first: int, until: int) -> Strains:
+    """Relative change of a part's own length along a direction, or the mean of those that are seen."""
+    axes = [axis for axis in ([direction] if direction else view.visible_axes) if not view.hides(axis)]
+    measured = [_measure_along(axis, view, first, until, part) for axis in axes]
+    shown = [dict(strains) for strains, _, _ in measured]
+    if not shown or not all(shown):
+        return [], "the length of a part is not measured", view.uncertainty("stretch")
+    half_width = max(width for _, _, width in measured)
+    common = sorted(set.intersection(*map(set, shown)))
+    return [(t, sum(each[t] for each in shown) / len(shown)) for t in common], _OWN, half_width
+
+
 def _measure_between_ends(asked: Asked, end: PartMotion, way: Vector, first: int, until: int) -> Strains:
     """Relative change of the distance between the middles of an end and of the one across from it."""
     view = asked.view
@@ -169,20 +186,22 @@ def _measure_between_ends(asked: Asked, end: PartMotion, way: Vector, first: int
     return [(t, ahead * dot(p, way) / apart) for t, p in course], "from its ends", half_width
 
 
-def _measure_along(direction: Vector, view: View, first: int, until: int) -> Strains:
+def _measure_along(
+    direction: Vector, view: View, first: int, until: int, part: PartMotion | None = None
+) -> Strains:
     """From the affine fit, or from the outline where that has changed by more, the same way.
 
     The fit goes by points on the surface, of which most may lie where nothing happens: between plates that press the
     ends together, say. Upwards it has to show something too: what stands up (ears, leaves) is thin and bends first.
     """
-    strains, usual = view.strains(direction, first, until), view.uncertainty("stretch")
+    strains, usual = view.strains(direction, first, until, part), view.uncertainty("stretch")
     fitted = dict(strains)
-    outline = [point for point in view.outline(direction, first, until) if point[0] in fitted]
+    outline = [point for point in view.outline(direction, first, until, part) if point[0] in fitted]
     if len(outline) < 2:
         return strains, _FITTED, usual
     frame, value, half_width = max(outline, key=lambda point: abs(point[1]) - point[2])
     sure = max(abs(value) - half_width, 0.0)
-    upright = abs(dot(direction, view.brief.directions.up)) > _UPRIGHT
+    upright = part is None and abs(dot(direction, view.brief.directions.up)) > _UPRIGHT
     least = tolerances.VISIBLE_STRAIN if upright else -tolerances.VISIBLE_STRAIN
     if math.copysign(1.0, value) * fitted[frame] < least or sure <= abs(fitted[frame]):
         return strains, _FITTED, usual

@@ -40,10 +40,12 @@ _ASIDE = 0.22  # [body lengths] that a thing may wander while it is only turned 
 _BESIDE = 0.9  # of the way along what was asked that it may go across: less than is another direction
 _TOPPLED = 0.7  # [body lengths] that the centre of what tips over goes: half its height and half its breadth
 _HALF = 0.5  # [body lengths] of its way as it tips over beside which it may roll aside
+_LANDED = 0.1  # of its way down that may be left when it has landed
 _TURN_PUSHED = 30.0  # [degrees] that what is deformed, or pushed in empty space, may turn
 _TURN_PRESSED = (
     15.0  # [degrees] the same of what is only pressed as it stands: from more on it is about to fall over
 )
+_TURN_SAGGING = 45.0  # [degrees] the same of what sags by its own weight
 _TURN_SLID = 60.0  # [degrees] about the vertical that what is pushed over the ground may turn
 _TURN_TIPPED = (
     120.0  # [degrees] about a level axis of what stands and is pushed over: a quarter turn, and rocking
@@ -127,7 +129,8 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     for way in view.find_topples():  # the centre goes along with the top
         course = [(t, reject(p, way, 0.0, _TOPPLED)) for t, p in course]
     if view.force_field.default_drop or any(e.kind is MotionKind.FALL for e in asked):
-        course = [(t, reject(p, up)) for t, p in course]
+        landed = _find_landing(course, down)
+        course = [(t, _shorten(reject(p, up), _HALF if t > landed else 0.0)) for t, p in course]
     elif (
         view.gravity
     ):  # it lands and tips: that is judged with half the weight, and what is hit may hop as well
@@ -139,6 +142,17 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     aside = _measure_distances(course, lines)
     name, sigma = "aside" if moves else "away", view.sigma("displacement")
     return _check_lasting(view, name, aside, limit, sigma, longest=longest)
+
+
+def _find_landing(course: Course, down: Vector) -> int:
+    """The frame in which what falls has come down; it may topple from then on, and roll."""
+    lowest = max(dot(p, down) for _, p in course)
+    highest = min(dot(p, down) for _, p in course)
+    return next(t for t, p in course if dot(p, down) >= lowest - _LANDED * (lowest - highest))
+
+
+def _shorten(vector: Vector, length: float) -> Vector:
+    return scale(normalise(vector) or _ZERO, max(norm(vector) - length, 0.0))
 
 
 def _measure_distances(course: Course, lines: Sequence[Vector]) -> Signal:
@@ -172,7 +186,8 @@ def _check_turning(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         return []
     limit = _TURN_HELD if view.anchored else _TURN_PUSHED
     if view.grounded and not view.anchored and all(e.kind is MotionKind.SQUEEZE for e in asked):
-        limit = _TURN_PRESSED
+        pressed = view.force_field.actions or view.force_field.constraints
+        limit = _TURN_PRESSED if pressed else _TURN_SAGGING
     if rotations:
         limit = max(limit, 0.75 * max(norm(v) for _, v in turns))
     if not view.anchored and (_is_rough(view, asked) or (_is_partial(asked) and not rotations)):
@@ -206,7 +221,11 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     """Principal strains where none was asked for; the volume, if a stretch or squeeze was."""
     tensors = _list_tensors(view)
     axial = [e for e in asked if e.kind in AXIAL]
-    if not tensors or any(e.direction is None for e in axial) or any(e.manner == "fold" for e in asked):
+    if (
+        not tensors
+        or any(e.direction is None for e in axial)
+        or any(e.manner in ("fold", "hinge") for e in asked)
+    ):
         return []
     sigma = view.sigma("stretch")
     if axial:
@@ -235,8 +254,15 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     if left and min(v for _, v in left) > _STRAIN:  # it swings or lands, and is out of shape from then on
         return _check_lasting(view, "shape", left, _STRAIN, sigma)
     twists = sum(e.kind is MotionKind.ROTATE and e.part is not None for e in asked) > 1
+    turned_limb = any(e.limb is not None for e in asked)  # no one map fits what is led beside what is held
     limit = (
-        _STRAIN_TUMBLING if tumbles else _STRAIN_TWISTED if twists else _STRAIN_HIT if yielding else _STRAIN
+        _STRAIN_TUMBLING
+        if tumbles or turned_limb
+        else _STRAIN_TWISTED
+        if twists
+        else _STRAIN_HIT
+        if yielding
+        else _STRAIN
     )
     return _check_lasting(view, "shape", strains, limit, sigma)
 

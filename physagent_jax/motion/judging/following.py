@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import re
 from collections.abc import Callable
 
 from physagent_jax.core.turning import find_turning_points
@@ -20,7 +19,7 @@ from physagent_jax.motion.judging.comparing import (
 )
 from physagent_jax.motion.judging.counting import check_count, estimate_crossing, estimate_jitter
 from physagent_jax.motion.judging.moving import follow
-from physagent_jax.motion.judging.seen import Signal
+from physagent_jax.motion.judging.seen import Course, Signal
 from physagent_jax.motion.matching import AXIAL
 from physagent_jax.motion.schema import Check, ExpectedMotion, MotionKind
 from physagent_jax.motion.vectors import dot, norm, scale
@@ -34,11 +33,11 @@ _PULSE = 0.35  # of the hardest: what counts as another blow
 _LEAKS = 0.5  # of a motion that may be seen before its time
 _UNSEEN = 0.5  # share of its frames in which a part may be lost from sight
 _REST = 0.25  # share of what follows that is looked at for where it comes to rest
+_REACHES = 0.4  # of the height of its tip: the middle goes down by half of it as the tip comes to the ground
 _REST_SHARE = {False: 0.75, True: 0.4}
 """Share of the moving end's motion that the other may show: a part drags the rest along; an excepted one hardly
 moves."""
 _PRESSED_REST = 0.15  # the same of an end that is pressed or drawn along itself
-_ROLLS_OVER = re.compile(r"\broll\w*\b(?!.*(\d|full|complete|whole|degree|turn)).*\bover\b")
 _TO_ITS_BACK = 210.0  # [degrees] short of a whole turn, what rolls over has come to lie on its back
 _ASKEW = 15.0  # [degrees] off an angle that is only told from what is foreshortened, and half of a small one
 _WORDS = read_words()
@@ -100,7 +99,7 @@ def _check_quantity(asked: Asked) -> list[Check]:
         return _check_duration(asked, tolerance)
     if tolerance.unit == "degrees" and asked.askew:
         tolerance = tolerance.widened(min(_ASKEW, 0.5 * motion.amount.value))
-    if tolerance.unit == "degrees" and _ROLLS_OVER.search(motion.words.lower()):
+    if tolerance.unit == "degrees" and motion.may_stop_short:
         tolerance = dataclasses.replace(tolerance, low=min(tolerance.low, motion.amount.value - _TO_ITS_BACK))
     until, figure = asked.until if motion.released or motion.sudden else last, asked.figure
     if tolerance.unit == "degrees" and motion.kind is not MotionKind.ROTATE:
@@ -186,7 +185,7 @@ def _check_even(asked: Asked) -> list[Check]:
 
 
 def _check_blows(asked: Asked) -> list[Check]:
-    """Separate pushes: runs of acceleration of a free thing, excursions of a held one."""
+    """Separate pushes: runs of acceleration of a free thing, excursions of a held one, leaps of what hops."""
     count = asked.motion.repeats
     if asked.kind is not MotionKind.MOVE or count < 2:
         return []
@@ -200,7 +199,10 @@ def _check_blows(asked: Asked) -> list[Check]:
     def count_pulses(limit: float) -> int:
         return _count_pulses(gains, limit)
 
-    if asked.view.anchored:
+    if asked.hops:
+        counter, most, noise, span = count_excursions, count, math.sqrt(2.0), max(values) - min(values)
+        threshold = max(_PULSE * span, tolerances.VISIBLE / 2)
+    elif asked.view.anchored:
         counter, most, noise, span = count_excursions, 2 * count, math.sqrt(2.0), max(values) - min(values)
         threshold = max(0.4 * span, tolerances.VISIBLE / 2)
     else:  # the noise is that of half the differences of differences
@@ -255,6 +257,30 @@ def _check_return(asked: Asked) -> list[Check]:
     rest = _take_rest(signal, last, until)
     left = abs(sum(rest) / len(rest)) / largest
     return [check_limit(asked, "returns", left, _CAME_BACK, asked.sigma / largest)]
+
+
+def _check_reach(asked: Asked) -> list[Check]:
+    """A part that is to come to the ground goes most of the way there, from as high as its tip is."""
+    motion, view = asked.motion, asked.view
+    if not motion.to_ground or asked.end is None or motion.kind is not MotionKind.MOVE:
+        return []
+    table, height = view.brief.directions, view.brief.extents[1]
+    if motion.limb is None:
+        above = (0.5 + dot(asked.end.direction, table.up) / 3) * height
+    else:
+        limb = view.brief.parts[motion.limb]
+        share = dot(limb.joint, table.up)
+        above = (share if share >= 0 else 1 + share) * height + dot(limb.arm, table.up)
+    way = max(dot(p, table.down) for _, p in _observe_course(asked))
+    least = _REACHES * max(above, tolerances.LEAST)
+    return [check_limit(asked, "reaches", way, least, asked.sigma, gain=least / max(way, 0.1 * least))]
+
+
+def _observe_course(asked: Asked) -> Course:
+    course = asked.course(asked.span[0], asked.until)
+    if not course:
+        raise _Unseen("its course is not known")
+    return course
 
 
 def _take_rest(signal: Signal, since: int, until: int) -> list[float]:
@@ -351,5 +377,6 @@ _CHECKS: tuple[tuple[str, Callable[[Asked], list[Check]]], ...] = (
     (_WORDS["returns"]["question"], _check_return),
     (_WORDS["stays"]["question"], _check_stay),
     (_WORDS["in_turn"]["question"], _check_order),
+    (_WORDS["reaches"]["question"], _check_reach),
     (_WORDS["part"]["question"], _check_part),
 )

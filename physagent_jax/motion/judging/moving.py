@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 
 from physagent_jax.core.strict import Vector
@@ -28,7 +27,6 @@ _DOWN = 0.7  # cosine
 _FIRST = 0.15  # of the farthest excursion: what is seen of a motion first
 _KEPT = 0.4  # of the farthest excursion that a free thing has left where it ends
 _SINKS = 0.4  # share of what its middle sinks by as it tips over that is seen at least
-_PUT_BACK = re.compile(r"\b(set|put|place|lay|bring|return|let)\b.*\b(down|back)\b")
 _ALL_BACK = 1.25  # of the way that it had come: something that is put back where it was may go so far
 _ASIDE = 0.22  # [body lengths] that it may wander to either side as it tips over
 _LANDED = 0.8  # of its way down, from where on what topples lies
@@ -38,6 +36,7 @@ _OVERTURNS, _TIPPED = (
     0.7,
     0.3,
 )  # cosine of a push and where it tips what it pushes; share of its way that is enough
+_ROCKS = 1.5  # of the way of what sways that the middle of what rocks may go: it tilts by as little
 _SWING = 0.35  # of the amplitude: smaller turns are ripples
 _RESPONDED = 0.25  # share of the window in which an earlier opposite motion may still go on
 
@@ -104,7 +103,7 @@ def check_move(asked: Asked) -> list[Check]:
         tolerance = replace(tolerance.scaled(_TIPPED, least=tolerances.LEAST), high=2.0 * tolerance.high)
     if asked.obstacle is not None:
         tolerance = tolerance.limited(asked.obstacle.distance)
-    if direction is not None and _PUT_BACK.search(motion.words.lower()):
+    if direction is not None and motion.put_back:
         there = asked.course(0, first)  # however gently, it goes all the way back
         come = -dot(there[-1][1], direction) if there else 0.0
         tolerance = replace(tolerance, high=max(tolerance.high, _ALL_BACK * come))
@@ -228,7 +227,8 @@ def check_sway(asked: Asked) -> list[Check]:
     tolerance = tolerances.expect_sway(asked.motion, asked.view.anchored, end=asked.end is not None)
     tolerance = asked.view.fit_to_limb(tolerance, asked.motion)
     if asked.motion.manner == "rock":  # the middle of what is low goes less far as it is tilted
-        tolerance = replace(tolerance, low=tolerance.low * asked.view.brief.extents[1])
+        low, high = tolerance.low * asked.view.brief.extents[1], _ROCKS * tolerance.high
+        tolerance = replace(tolerance, low=low, high=high)
     words = f"{amplitude:.2g} body lengths to either side"
     checks = []
     if amount is None or amount.unit == "seconds":

@@ -227,9 +227,12 @@ class View:
         sight = self.sight
         return turns if sight is None else [(t, scale(sight, dot(v, sight))) for t, v in turns]
 
-    def strains(self, direction: Vector, first: int, last: int) -> Signal:
-        """Relative change of the length that lies along a direction in frame ``first``, frame by frame."""
-        report = self.report
+    def strains(self, direction: Vector, first: int, last: int, end: PartMotion | None = None) -> Signal:
+        """Relative change of the length that lies along a direction in frame ``first``, frame by frame.
+
+        Of the whole, or of an end or a part of it.
+        """
+        report = self.report if end is None else end
         if report.stretch:
             turned = report.rotation[first] if report.rotation else None
             body = direction if turned is None else rotate(direction, scale(turned, -1.0))
@@ -238,17 +241,20 @@ class View:
                 return _project(tensor, body) / max(_project(start, body), 1e-6) - 1.0
 
             return _compare(report.stretch, first, last, compare)
-        window = self.window(first, last)
+        window = None if end else self.window(first, last)
         if window is None or window.stretch is None:
             return []
         return [(window.first, 0.0), (window.last, _project(window.stretch, direction) - 1.0)]
 
-    def outline(self, direction: Vector, first: int, last: int) -> list[tuple[int, float, float]]:
+    def outline(
+        self, direction: Vector, first: int, last: int, end: PartMotion | None = None
+    ) -> list[tuple[int, float, float]]:
         """Relative change of the outline's length along a direction since frame ``first``, with its half width.
 
-        Empty where the direction is none of the report's, or not seen in that frame or in any other.
+        Of the whole, or of an end of it. Empty where the direction is none of the report's, or not seen in that
+        frame or in any other.
         """
-        along = (e for e in self.report.extents if abs(cosine(e.direction, direction)) > SAME_LINE)
+        along = (e for e in (end or self.report).extents if abs(cosine(e.direction, direction)) > SAME_LINE)
         extent = next(along, None)
         start = extent and extent.ratio[first]
         if not extent or not start:

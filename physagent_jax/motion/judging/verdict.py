@@ -17,6 +17,8 @@ from physagent_jax.motion.schema import Check, Judgement, MotionKind, Stage, Ver
 
 HIGHEST_FAILURE = 0.99
 """Score of a FAIL, at most."""
+_SMALL = 0.3
+"""Share of the volume of another part of the same words below which one says little."""
 _UNDERSTOOD = "What is understood of the sentence is seen."
 _UNASKED = ("collateral", "integrity")
 _CHECKERS: dict[MotionKind, Callable[[Asked], list[Check]]] = {
@@ -77,9 +79,10 @@ def _make_checks(view: View) -> list[Check]:
 
 
 def _leave_to_fellows(view: View, checks: list[Check]) -> list[Check]:
-    """Checks without those of a part that is lost from sight while another of the same words is seen to move.
+    """Checks without those of a part that says little beside another of the same words, which is seen to move.
 
-    Of two wings one may be behind the body: a viewer goes by the other.
+    Of two wings one may be behind the body, and lost from sight; of arms some may be small pieces at the shoulders. A
+    viewer goes by the others.
     """
     parts = {index for index, each in enumerate(view.expectations) if each.limb is not None}
     lost = {check.expectation for check in checks if check.passed is None} & parts
@@ -87,12 +90,13 @@ def _leave_to_fellows(view: View, checks: list[Check]) -> list[Check]:
     def say(index: int) -> tuple[MotionKind, str]:
         return view.expectations[index].kind, view.expectations[index].words
 
-    seen = {say(index) for index in parts - lost}
-    return [
-        c
-        for c in checks
-        if c.passed is not None or c.expectation not in lost or say(c.expectation) not in seen
-    ]
+    shares = {i: view.brief.parts[view.expectations[i].limb or 0].share for i in parts}
+    left: set[int] = set()
+    for index in parts:
+        beside = [shares[other] for other in parts - lost - {index} if say(other) == say(index)]
+        if beside and (index in lost or shares[index] < _SMALL * max(beside)):
+            left.add(index)
+    return [check for check in checks if check.passed is True or check.expectation not in left]
 
 
 def _suggest(

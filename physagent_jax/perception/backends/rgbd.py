@@ -16,6 +16,10 @@ _STAYS = 0.95
 """Share of the frames in which a still thing at the border is in front of the background's surfaces."""
 _AGREE = 0.5
 """Overlap (intersection over union) with depth's mask from which colour may draw the edge."""
+_TRUE_EDGE = 40
+"""Percentile of the distances from colour's edge to depth's that is the rim's: the rest may lie inside the object."""
+_PATCH = np.ones((3, 3), np.uint8)
+"""Least patch of the background's colour that is filled [px]."""
 _LEAST_SHARE = 2e-4
 """Less of the picture than this is noise, not an object."""
 _UNEXPLAINED = 0.5
@@ -27,8 +31,9 @@ class RgbdSegmenter(Segmenter):
     """The object is what stands in front of the flat surfaces that reach the picture's border.
 
     Where the camera sees no surface behind the object, it is what has depth, with the edge that colour draws before a
-    plain background. Still things that reach the border are furniture. Without depth, or where nothing stands out in
-    it, colour alone decides before a plain background; before a busy one, nothing is found and the notes say so.
+    plain background: inside of it, what has the background's colour is the object too. Still things that reach the
+    border are furniture. Without depth, or where nothing stands out in it, colour alone decides before a plain
+    background; before a busy one, nothing is found and the notes say so.
 
     Attributes:
         colour: What decides where depth does not.
@@ -75,7 +80,7 @@ class RgbdSegmenter(Segmenter):
         if overlap < _AGREE and not _is_touching_border(solid[0]):
             note = "The object has the background's colour: its mask was taken from depth."
             return Masks(solid, (note,))
-        return Masks(drawn)
+        return Masks(drawn | _find_patches(solid, drawn))
 
     def _segment_by_colour(self, frames: np.ndarray, why: str) -> Masks:
         """Colour's masks before a plain background, else none."""
@@ -85,6 +90,14 @@ class RgbdSegmenter(Segmenter):
         return Masks(
             self.colour.segment(frames, None).masks, (f"{why}: the object was found by its colour.",)
         )
+
+
+def _find_patches(solid: np.ndarray, drawn: np.ndarray) -> np.ndarray:
+    """Patches of the object that colour does not draw: they lie deeper within depth's masks than its faint rim."""
+    depth = np.stack([cv2.distanceTransform(each.astype(np.uint8), cv2.DIST_L2, 5) for each in solid])
+    edge = np.stack([each & (cv2.erode(each.astype(np.uint8), _PATCH) == 0) for each in drawn]) & solid
+    missing = (depth > (np.percentile(depth[edge], _TRUE_EDGE) if edge.any() else 0.0)) & ~drawn
+    return np.stack([cv2.morphologyEx(each.astype(np.uint8), cv2.MORPH_OPEN, _PATCH) > 0 for each in missing])
 
 
 def _find_standing_out(inverse: np.ndarray, background: Background) -> np.ndarray:

@@ -179,8 +179,13 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     )
     forces, constraints = compile_forces(config, body, rest, volume)
     imposed, prescribed = compile_constraints(config, rest, whole)
+    grips = [each for each in constraints if isinstance(each, PrescribedMotion)]
+    if config.anchor.kind == "region":  # what is twisted goes along, though it is of the rest
+        anchor_mask &= ~_mark_led(grips, len(rest))
     bodies = tuple(RigidBody(buckets.find_places(mask)) for mask in materials.find_rigid_bodies())
-    rigid = isinstance(config.anchor.region, CellsRegion) and config.anchor.region.rigid
+    # What slides past what is held must not strain it.
+    rigid = any(each.rigid for each in grips)
+    rigid |= isinstance(config.anchor.region, CellsRegion) and config.anchor.region.rigid
     if (still := anchor_mask | materials.find_stationary()).any():
         prescribed = (*prescribed, PrescribedMotion.fixed(buckets.find_places(still), rigid=rigid))
     mode = (
@@ -238,6 +243,14 @@ def _find_rest(body: Body, order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Rest positions [m], shape (n, 3), and rest volumes [m^3], shape (n,), of the model's particles."""
     particles = body.particles
     return particles.x[order].astype(DTYPE), buckets.split_mass(order) * particles.volume[order]
+
+
+def _mark_led(grips: list[PrescribedMotion], count: int) -> np.ndarray:
+    """Particles that some motion prescribes, shape (n,)."""
+    led = np.zeros(count + 1, bool)  # the last stands for no particle
+    for each in grips:
+        led[np.asarray(each.particles)] = True
+    return led[:-1]
 
 
 def _count_substeps(config: c.SceneConfig, model: Model, state: State) -> int:

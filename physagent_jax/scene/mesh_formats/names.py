@@ -15,7 +15,7 @@ _MACHINE = frozenset(
     default object objects obj mesh meshes group groups grp node nodes geometry geometries geom geo polygon polygons
     poly polysurface shape shapes root rootnode scene world model material materials mat primitive primitives prim
     instance untitled none null unnamed noname submesh part parts element item entity layer collection surface
-    surf solid sketchfab gltf glb fbx dae usd blender cleaner merger materialmerger gles export exported import
+    surf solid sketchfab gltf glb fbx dae usd blender cleaner merged merger materialmerger gles export exported import
     imported empty transform locator component copy cut duplicate dup clone low lod
     """.split()
 )
@@ -24,6 +24,7 @@ _PRIMITIVES = frozenset(
     cube pcube sphere psphere cylinder pcylinder plane pplane cone pcone torus ptorus icosphere circle box capsule grid
     """.split()
 )
+_MOST_NUMBERS = 3  # in a name
 _RIG = frozenset(
     """
     mixamorig mixamo rig armature bip biped bone bones bn joint jnt def org mch ctrl control fk tweak valve cc sk base
@@ -104,6 +105,8 @@ def _read_name(raw: str, looks: set[tuple[str, ...]]) -> str:
             words = words[:-size]
             break
     words = [word for word in words if word not in _MACHINE]
+    if sum(word.isdigit() for word in words) > _MOST_NUMBERS:  # a checksum
+        return ""
     told = {word for word in words if not word.isdigit() and word not in ("left", "right") and len(word) > 1}
     if not told or told <= _PRIMITIVES and any(word.isdigit() for word in words):
         return ""

@@ -4,10 +4,15 @@
 `caps` what sits on a seam. `limbs` makes one tree of them, `roles` says what each may be called and `digits` which are
 fingers; `evidence` weighs that. `ends` finds toes, tips, handles and stems, which do not stick out. `marking` makes
 data of all of them. `named` finds the particles of what is named, `places` those of a region that has a word for its
-place, and `cells` makes a part of them. `aliases` gives parts the names that a sentence has for them.
+place, and `cells` makes a part of them. `branches` joins pieces that are numbered, or sections of a limb. `figures`
+looks at what stands on a base by itself. `guesses` takes the likeliest limb for a word that is none of these for
+certain. `aliases` gives parts the names that a sentence has for them.
 """
 
 from physagent_jax.scene.parts.aliases import find_aliases as find_aliases
+from physagent_jax.scene.parts.branches import branch_numbered as branch_numbered
+from physagent_jax.scene.parts.branches import join_chains as join_chains
+from physagent_jax.scene.parts.guesses import guess_parts as guess_parts
 from physagent_jax.scene.parts.marking import find_parts as find_parts
 from physagent_jax.scene.parts.named import choose_parts as choose_parts
 from physagent_jax.scene.parts.named import find_groups as find_groups

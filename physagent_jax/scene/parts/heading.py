@@ -1,6 +1,7 @@
-"""The way in which a vehicle looks: by the ends that its file names or its shape shows, else by where it is low.
+"""The way in which something looks: a vehicle by its named ends or its low one, a figure by what overhangs.
 
-A car has a hood in front of the cab, and is lower there. What is as high at both ends is not told.
+A car has a hood in front of the cab, and is lower there. The head of a horse, a duck or a dragon juts out high up, over
+nothing. What is as high at both ends, or overhangs all around, is not told.
 """
 
 from __future__ import annotations
@@ -8,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy import ndimage
 
 from physagent_jax.forces.part import Part, split_name
 
@@ -19,6 +21,9 @@ _MORE = 2  # slices by which the low part in front is longer than that at the ba
 _LONG = 1.15  # length over breadth, at least
 _SHOWN, _LOWER = 0.8, 0.7  # chances that a nose or a tail, or a low end, tells the front
 _FIRST, _RISE = 3, 1.12  # slices in front that tell the height of a hood, and how much higher it may get
+_CELLS, _HIGH, _JUTS, _ROOM = 32, 0.55, 0.12, 0.04  # cells of the longest side; of the height, above which an
+# underside is high; of the length, by which such places are off the middle, and share of all places, at least
+_STANDS = 0.3  # height over length of what has a front, at least
 _APART = 0.1  # of the length, between the middles of what is named in front and behind
 
 
@@ -53,6 +58,34 @@ def find_heading(points: np.ndarray, parts: Sequence[Part]) -> tuple[np.ndarray,
     if abs(before - behind) < _MORE:
         return None
     return np.eye(3)[axis] * np.sign(before - behind), _LOWER
+
+
+def find_overhang(points: np.ndarray) -> np.ndarray | None:
+    """The level way to where something juts out high up, over nothing; None if it does so nowhere, or all around.
+
+    Args:
+        points: Particles at rest, z up [m], shape (n, 3).
+
+    Returns:
+        A unit vector, shape (3,).
+    """
+    low, size = points.min(0), np.ptp(points, axis=0)
+    step = max(float(size.max()), 1e-12) / _CELLS
+    index = np.floor((points - low) / step).astype(int)
+    solid = np.zeros(index.max(0) + 1, bool)
+    solid[tuple(index.T)] = True
+    closed = ndimage.binary_closing(np.pad(solid, 2), np.ones((1, 1, 3), bool))
+    solid = np.asarray(closed, bool)[2:-2, 2:-2, 2:-2]
+    depth = solid.shape[2]
+    top = np.where(solid.any(2), depth - 1 - solid[:, :, ::-1].argmax(2), 0)
+    gap = ~solid & (np.arange(depth) < top[..., None])
+    under = np.where(gap.any(2), depth - gap[:, :, ::-1].argmax(2), 0)  # of the topmost run
+    places = np.argwhere(under + 0.5 > _HIGH * depth)
+    if len(places) < _ROOM * solid.any(2).sum() or size[2] < _STANDS * size.max():
+        return None
+    off = (low[:2] + (places + 0.5) * step - points[:, :2].mean(0)).mean(0)
+    away = float(np.hypot(*off))
+    return np.array([*off, 0.0]) / away if away > _JUTS * size.max() else None
 
 
 def find_hood(points: np.ndarray, way: np.ndarray) -> tuple[float, float]:

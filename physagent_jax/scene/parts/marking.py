@@ -13,6 +13,8 @@ from physagent_jax.scene.parts.cells import spread
 from physagent_jax.scene.parts.digits import name_digits
 from physagent_jax.scene.parts.ends import find_ends
 from physagent_jax.scene.parts.evidence import weigh
+from physagent_jax.scene.parts.figures import add_figure
+from physagent_jax.scene.parts.heading import find_overhang
 from physagent_jax.scene.parts.lattice import Lattice, make_lattice
 from physagent_jax.scene.parts.limbs import PLAIN, Limb, add_blunt, find_limbs, measure
 from physagent_jax.scene.parts.roles import Roles
@@ -28,7 +30,7 @@ _SEEDS = 64  # that mark a part, or what is beside it, at most: fewer leave patc
 
 
 def find_parts(points: np.ndarray) -> tuple[Part, ...]:
-    """The parts that stick out of an upright object, and its ends.
+    """The parts that stick out of an upright object, its ends, and those of a figure on its base.
 
     Args:
         points: Positions of its particles, z up [m], shape (n, 3).
@@ -36,6 +38,13 @@ def find_parts(points: np.ndarray) -> tuple[Part, ...]:
     Returns:
         Parts with at least one role each; none for an object without limbs.
     """
+    front, parts = find_overhang(points), add_figure(points, _find_own(points), _find_own)
+    told = dict(front=None if front is None else tuple(front.tolist()))
+    return tuple(part.model_copy(update=told) for part in parts)
+
+
+def _find_own(points: np.ndarray) -> tuple[Part, ...]:
+    """As `find_parts`, without those of a figure on its base."""
     lattice = make_lattice(points)
     limbs = find_limbs(points, lattice)
     low, high = points.min(0), points.max(0)

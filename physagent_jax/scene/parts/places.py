@@ -13,7 +13,8 @@ import numpy as np
 
 from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.regions import make_region_mask
-from physagent_jax.scene.parts.regions import Frame, Regions, is_figure_on_base, read_places
+from physagent_jax.scene.parts.figures import is_figure_on_base
+from physagent_jax.scene.parts.regions import Frame, Regions, read_places
 
 
 def find_places(
@@ -34,7 +35,8 @@ def find_places(
     names = [split_name(part.name)[-1] for part in parts if part.name]
     known = {*names, *(each.removesuffix("s") for each in names)}
     parts = [part for part in parts if not part.stands_for]
-    roles = collections.Counter(part.roles[0] for part in parts if part.roles and not is_figure_on_base(part))
+    based = [part for part in parts if is_figure_on_base(part) and not (part.front and "head" in part.roles)]
+    roles = collections.Counter(part.roles[0] for part in parts if part.roles and part not in based)
     height = float(np.ptp(points[:, 2]) / np.ptp(points, axis=0).max())  # [body lengths]
     long: dict[str, float] = {}
     for part in parts:

@@ -15,7 +15,8 @@ from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.scene.parts.cells import find_contact, fit_part
 from physagent_jax.scene.parts.decks import Deck, find_deck
-from physagent_jax.scene.parts.heading import find_heading, find_hood
+from physagent_jax.scene.parts.figures import is_figure_on_base
+from physagent_jax.scene.parts.heading import find_heading, find_hood, find_overhang
 
 _LIMBS = frozenset("head ear horn arm wing leg tail handle spout nose".split())  # the body is the rest
 _FIGURE = frozenset("head leg arm wing tail".split())  # of which something shows that the rest is a body
@@ -33,7 +34,6 @@ _LAID = 0.5  # of its height, along which a limb touches the body that it lies o
 _HELD = 0.6  # share of a limb that lies in a region, from which on it is what is meant
 _FEWEST = 24  # particles of a region
 _MOST, _DECK = 0.5, 0.95  # share of the object, and of a table that is its top
-_BASED = 0.3  # length over the object's, above which what is on top is no head but a figure on its base
 _WIDE = ("face", "main", "tower", "base")  # parents that may be nearly all of the object
 _ENDS = frozenset("bow stern toe heel tip grip bottom blade".split())  # of the main body itself
 _BEARING = frozenset(("leg", "stem"))  # what a tower stands on is part of it
@@ -57,11 +57,6 @@ def read_places() -> dict[str, dict[str, Any]]:
     """The rows of the table by their words."""
     text = (resources.files("physagent_jax.scene.parts") / "places.yaml").read_text("utf-8")
     return {word: row for row in yaml.safe_load(text) for word in row["words"].split(", ")}
-
-
-def is_figure_on_base(part: Part) -> bool:
-    """Return whether a part on top is so high that it is a figure, and what it stands on its base."""
-    return part.roles[:1] == ("top",) and abs(part.arm[2]) > _BASED
 
 
 @dataclasses.dataclass(frozen=True)
@@ -97,9 +92,10 @@ class Regions:
                         name=row.get("end", "") + side + word,
                         origin="place",
                         seated=True,
+                        front=None if self._overhang is None else tuple(self._overhang.tolist()),
                         arm=self._find_arm(mask, row, sign),
                     )
-                    told |= dict(confidence=1.0 if part is None else part.confidence)
+                    told |= dict(confidence=row.get("chance", 1.0 if part is None else part.confidence))
                     if row.get("hangs"):
                         told |= (sign and self._stick_out(mask)) or self._hang(mask, -_UP)
                     told |= self._hang(mask, _UP) if row.get("nods") else {}
@@ -174,7 +170,7 @@ class Regions:
         every = np.ones(len(self.points), bool)
         upright = self._count("leg") == 2 or not self._count("leg") and self._is_tall()
         upright |= not self._count("leg") and self._count("head") == 1 and self._count("arm") == 2
-        if of == "whole":
+        if of == "whole" or of == "overhang" and self._overhang is not None:
             return [(every, None)]
         if of in ("main", "tower"):
             thing = of == "tower" or not self._is_figure()
@@ -209,7 +205,7 @@ class Regions:
         if not found and of == "head":  # a word for what is on a head tells that there is one
             found = [(m, part) for m, part in zip(self.masks, self.parts) if "head" in part.roles]
             found *= len(found) == 1
-        if not found and of == "head" and upright:
+        if not found and of == "head" and (upright or self._overhang is not None):
             masks = [
                 make_region_mask(each.moved, self.points) for each in self.find("head", read_places()["head"])
             ]
@@ -278,7 +274,13 @@ class Regions:
         off = self.points[heads[0]].mean(0) - self.points.mean(0) if len(heads) == 1 else np.zeros(3)
         off[2] = 0.0
         away = float(np.linalg.norm(off))
-        return off / away if away > _OFF * np.ptp(self.points, axis=0).max() else self.viewer.toward
+        if away > _OFF * np.ptp(self.points, axis=0).max():
+            return off / away
+        return self.viewer.toward if self._overhang is None else self._overhang
+
+    @functools.cached_property
+    def _overhang(self) -> np.ndarray | None:
+        return find_overhang(self.points)
 
     @functools.cached_property
     def _deck(self) -> Deck | None:

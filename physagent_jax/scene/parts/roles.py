@@ -39,6 +39,10 @@ _FOOT, _BORNE = (
     0.15,
     0.8,
 )  # of the height, below which the middle of a foot is; share of the ground that feet cover
+_LEG, _HALF = (
+    0.16,
+    0.6,
+)  # of the height, from which on legs are long; share of the ground that shorter ones cover
 
 
 class Roles:
@@ -108,7 +112,17 @@ class Roles:
         ]
         outer = [k for k in standing if not set(list_outer(self.limbs, k)) & set(standing)]
         legs = [k for k in outer if any(k != j and are_alike(self.limbs[k], self.limbs[j]) for j in outer)]
-        return legs or self._find_feet()
+        return legs if self.bear(legs) else self._find_feet()
+
+    def bear(self, legs: list[int]) -> bool:
+        """Return whether legs bear the object, or are long: ragged edges below a pedestal do not, and are short."""
+        long = max((self.limbs[k].length for k in legs), default=0.0) * self.size > _LEG * self.height
+        return bool(long) or self._measure_borne(legs) > _HALF
+
+    def _measure_borne(self, feet: list[int]) -> float:
+        """The share of what is on the ground that belongs to some limbs."""
+        ground = self.places[:, 2] < self.low[2] + _ON_GROUND * self.height
+        return sum(int(ground[self.limbs[k].nodes].sum()) for k in feet) / max(int(ground.sum()), 1)
 
     def _find_feet(self) -> list[int]:
         """The pairs of low limbs without which nothing is on the ground."""
@@ -118,9 +132,7 @@ class Roles:
             if self.partners[k] is not None and not limb.flat and self.things.is_grounded(limb)
             if limb.centre[2] < self.low[2] + _FOOT * self.height and not limb.children
         ]
-        ground = self.places[:, 2] < self.low[2] + _ON_GROUND * self.height
-        borne = sum(int(ground[self.limbs[k].nodes].sum()) for k in feet)
-        return feet if borne > _BORNE * ground.sum() else []
+        return feet if self._measure_borne(feet) > _BORNE else []
 
     def _find_back(self) -> int | None:
         """The broad plate that stands on what has three legs or more."""

@@ -1,0 +1,114 @@
+"""Hinges: the edge at which a piece that opens and closes is joined to the rest, as a laptop's screen is.
+
+Where it touches the rest tells it. What touches along a line at one end of itself turns about that line; what sits on
+the rest all around, as a pot's lid does, has no hinge.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from physagent_jax.core.strict import Vector
+from physagent_jax.forces.part import Part
+from physagent_jax.motion.schema import SceneBrief
+from physagent_jax.motion.vectors import add, cross, dot, norm, normalise, scale, subtract
+
+_NEAR = 0.06  # [body lengths] beyond the least distance, within which a piece touches the rest
+_OFF = 0.25  # of its reach across the hinge, by which its middle is away from it at least
+_LONG = 2.5  # length of a hinge over its breadth, at least
+_STEPS = 20  # of the search for the direction of a hinge
+_GAP = 4.0  # [degrees] that are left where it is closed
+_OPENED, _FURTHER = 100.0, 30.0  # [degrees] by which it opens, and what stands open already
+_OPEN = 45.0  # [degrees] to the rest from which on it stands open
+
+
+@dataclass(frozen=True)
+class Hinge:
+    """The hinge of a piece.
+
+    Attributes:
+        joint: A point on it (bounding-box fractions).
+        axis: Unit world vector about which it closes.
+        angle: Angle between the piece and the rest [degrees].
+    """
+
+    joint: Vector
+    axis: Vector
+    angle: float
+
+    def find_angle(self, axis: Vector | None) -> float:
+        """The angle by which it opens or closes about an axis [degrees]."""
+        if axis is not None and dot(axis, self.axis) < 0:
+            return _FURTHER if self.angle > _OPEN else _OPENED
+        return max(self.angle - _GAP, _GAP)
+
+
+def find_hinge(part: Part, brief: SceneBrief) -> Hinge | None:
+    """The hinge of a rigid piece of the object; None if it touches the rest in no line at one of its ends."""
+    if not part.moved.rigid:
+        return None
+    box = _find_box(brief)
+    inside, outside = (
+        [_stretch(seed, box) for seed in seeds] for seeds in (part.moved.inside, part.moved.outside)
+    )
+    near = [min(math.dist(a, b) for b in outside) for a in inside]
+    touching = [a for a, distance in zip(inside, near) if distance < min(near) + _NEAR]
+    place, middle, rest = _average(touching), _find_middle(inside), _find_middle(outside)
+    line = _find_line(touching, place)
+    if line is None:
+        return None
+    arm, other = (_reject(subtract(end, place), line) for end in (middle, rest))
+    reach = max(norm(_reject(subtract(seed, place), line)) for seed in inside)
+    axis = normalise(cross(arm, other))
+    if norm(arm) < _OFF * reach or axis is None:
+        return None
+    angle = math.degrees(math.atan2(norm(cross(arm, other)), dot(arm, other)))
+    x, y, z = (a / b for a, b in zip(place, box))
+    return Hinge((x, y, z), scale(line, 1.0 if dot(line, axis) > 0 else -1.0), angle)
+
+
+def find_hinged(brief: SceneBrief) -> tuple[int, ...]:
+    """The place in the brief's parts of what opens and closes, where none is named: the highest with a hinge."""
+    hinged = [index for index, part in enumerate(brief.parts) if find_hinge(part, brief)]
+    return tuple(sorted(hinged, key=lambda index: -brief.parts[index].side[2])[:1])
+
+
+def _find_box(brief: SceneBrief) -> Vector:
+    """Extents along the world's axes [body lengths], from those along the viewer's."""
+    (width, height, depth), (x, y, _) = brief.extents, brief.directions.right
+    c, s = abs(x), abs(y)
+    if abs(c - s) < 0.1:
+        return width / (c + s), depth / (c + s), height
+    along = ((width * c - depth * s) / (c * c - s * s), (depth * c - width * s) / (c * c - s * s))
+    return max(along[0], 0.05), max(along[1], 0.05), height
+
+
+def _stretch(place: Vector, box: Vector) -> Vector:
+    return place[0] * box[0], place[1] * box[1], place[2] * box[2]
+
+
+def _average(places: list[Vector]) -> Vector:
+    return scale(add(places), 1.0 / len(places))
+
+
+def _find_middle(places: list[Vector]) -> Vector:
+    """The middle of the box around places, which are denser where parts meet."""
+    x, y, z = (0.5 * (min(along) + max(along)) for along in zip(*places))
+    return x, y, z
+
+
+def _reject(way: Vector, line: Vector) -> Vector:
+    return subtract(way, scale(line, dot(way, line)))
+
+
+def _find_line(places: list[Vector], middle: Vector) -> Vector | None:
+    """The line along which places lie (unit vector); None if they are as broad as they are long."""
+    ways = [subtract(place, middle) for place in places]
+    line = normalise(max(ways, key=norm))
+    for _ in range(_STEPS):  # towards the direction in which they are spread most
+        line = line and normalise(add(scale(way, dot(way, line)) for way in ways))
+    if line is None:
+        return None
+    broad = max(norm(_reject(way, line)) for way in ways)
+    return line if max(abs(dot(way, line)) for way in ways) > _LONG * broad else None

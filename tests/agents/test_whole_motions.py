@@ -1,0 +1,175 @@
+"""Whole motions of everyday words: steps, leaps one after another, gentle pushes, hinges, and nouns for the object."""
+
+import pytest
+
+from physagent_jax.agents.compiler import compile_intent
+from physagent_jax.agents.grammar.semantic import read_intent
+from physagent_jax.core.errors import UserError
+from physagent_jax.forces.part import Part
+from physagent_jax.forces.schema import ActionType, CellsRegion
+from physagent_jax.motion.hinges import find_hinge
+from physagent_jax.motion.schema import MotionKind
+from physagent_jax.motion.vectors import dot
+from physagent_jax.scene.priors import list_nouns
+from tests.agents.scenes import brief, read
+from tests.agents.tellings import ground
+
+LEFT, UP = (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
+CHESS = brief(object_name="knight", object_kind="object", object_nouns=list_nouns("object"), world="ground")
+
+
+def compile_sentence(prompt, scene):
+    return compile_intent(read_intent(prompt, scene), scene)
+
+
+@pytest.mark.parametrize(
+    "prompt", ["knock the chess piece over", "the gizmo wobbles", "the old thing tips over"]
+)
+def test_an_unknown_noun_is_the_only_object_there_is(prompt):
+    assert not read(prompt, CHESS).unsure
+
+
+@pytest.mark.parametrize(
+    "prompt", ["the gizmo zorps to the left", "make the gizmo zorp to the left", "zorp the gizmo"]
+)
+def test_an_unknown_verb_is_no_part_of_the_name(prompt):
+    with pytest.raises(UserError):
+        read(prompt, CHESS)
+
+
+@pytest.mark.parametrize(("prompt", "count"), [("the robot walks to the left", 5), ("it gallops left", 6)])
+def test_steps_are_equal_and_go_up_and_down(prompt, count):
+    reply = read(prompt, ground())
+    (motion,), steps = reply.expectations, reply.force_field.constraints
+    assert motion.kind is MotionKind.MOVE and motion.direction == LEFT and motion.leaves_place
+    assert len(steps) == 2 * count and not reply.force_field.actions
+    assert len({round(step.magnitude * step.gain, 3) for step in steps}) == 1
+    rises = [dot(step.vector, UP) > 0 for step in steps]
+    assert rises == [True, False] * count
+    assert all(step.region is None and dot(step.vector, LEFT) > 0 for step in steps)
+
+
+def test_what_has_wheels_takes_no_steps():
+    reply = read("the car runs to the left", ground(object_name="car", object_kind="vehicle"))
+    assert not reply.force_field.constraints and reply.force_field.actions[0].vector == LEFT
+
+
+def test_forward_is_where_what_walks_looks():
+    side = brief(world="ground", long_axis=(1.0, 0.0, 0.0))
+    (walks,), (pushed,) = (read(text, side).expectations for text in ("it walks forward", "push it forward"))
+    assert walks.direction in (LEFT, (1.0, 0.0, 0.0)) and pushed.direction == side.directions.toward
+
+
+def test_every_one_of_several_leaps_is_a_rise():
+    """Each is strengthened with the others, so that they stay alike."""
+    rise, fall = read("the robot hops three times", ground()).expectations
+    field = read("the robot hops three times", ground()).force_field
+    times = [each.active_time or (-1.0, 1e9) for each in field.actions]
+    assert all(rise.window[0] <= first < rise.window[1] for first, _ in times)
+    assert len({each.magnitude for each in field.actions}) == 1
+    assert fall.window[0] > max(end for _, end in times)
+
+
+def test_whoever_sits_on_it_presses_it():
+    sofa = ground(object_name="sofa")
+    assert read("someone sits down on the sofa", sofa).expectations[0].kind is MotionKind.SQUEEZE
+    assert read("the sofa sits there", sofa).expectations[0].kind is MotionKind.STILL
+
+
+@pytest.mark.parametrize(("word", "far"), [("gently", 0.3), ("hard", 2.0)])
+def test_a_gentle_push_goes_no_farther_than_it_promises(word, far):
+    (push,) = read(f"push the robot {word} to the left", ground()).force_field.actions
+    free = read(f"push the robot {word} to the left", brief(world="free")).force_field.actions[0]
+    assert push.action_type is ActionType.TRANSLATION and push.magnitude * push.gain <= far
+    assert free.gain == 1.0
+
+
+def test_an_earthquake_shakes_faster_than_a_hand():
+    quake, shaken = (
+        len(read(text, ground()).force_field.constraints)
+        for text in ("the robot shakes in an earthquake", "shake the robot")
+    )
+    assert quake > shaken
+
+
+def test_what_is_put_back_says_so():
+    back = read("lift the robot and put it back down", ground()).expectations[-1]
+    lowered = read("lift the robot and lower it", ground()).expectations[-1]
+    assert back.put_back and not lowered.put_back
+    over, counted = (
+        read(text, ground()).expectations[-1] for text in ("it rolls over", "it rolls over twice")
+    )
+    assert over.may_stop_short and not counted.may_stop_short
+
+
+def make_piece(name, inside, outside):
+    where, there = (
+        CellsRegion(inside=a, outside=b, rigid=True) for a, b in ((inside, outside), (outside, inside))
+    )
+    side = (0.0, 0.0, 1.0) if name == "screen" else (0.0, 0.0, -1.0)
+    return Part(
+        name=name,
+        origin="file",
+        seated=True,
+        moved=where,
+        rest=there,
+        joint=(0.5, 1.0, 0.5),
+        arm=UP,
+        side=side,
+        share=0.5,
+    )
+
+
+def make_book(upper, lower):
+    """Two pieces of a thing that is as wide as it is deep and high."""
+    parts = (make_piece("base", lower, upper), make_piece("screen", upper, lower))
+    return brief(object_name="laptop", world="ground", may_be_held=True, extents=(1.0, 1.0, 1.0), parts=parts)
+
+
+ROW = [x / 8 for x in range(9)]
+SCREEN = tuple((x, 1.0, 0.05 + 0.95 * z) for x in ROW for z in ROW)
+BASE = tuple((x, 0.95 * y, 0.0) for x in ROW for y in ROW)
+
+
+def test_a_screen_closes_about_its_lower_edge():
+    laptop = make_book(SCREEN, BASE)
+    hinge = find_hinge(laptop.parts[1], laptop)
+    assert hinge is not None and hinge.joint[1] == pytest.approx(1.0) and hinge.joint[2] < 0.2
+    assert abs(hinge.axis[0]) > 0.99 and 80 < hinge.angle < 105
+    for prompt in ("close the laptop", "close the screen", "shut the laptop"):
+        reply = compile_sentence(prompt, laptop)
+        ((turn,), (motion,)) = reply.force_field.constraints, reply.expectations
+        assert motion.kind is MotionKind.ROTATE and motion.limb == 1 and not reply.unsure
+        assert turn.pivot == pytest.approx(hinge.joint) and turn.vector[0] > 0.99  # its top comes towards us
+        assert reply.anchor.kind == "rest"
+    opened = compile_sentence("open the screen", laptop).force_field.constraints[0]
+    assert opened.vector[0] < -0.99
+
+
+def test_what_sits_on_the_rest_all_around_has_no_hinge():
+    ring = tuple(
+        (0.5 + 0.5 * x, 0.5 + 0.5 * y, z) for z in (0.9, 1.0) for x, y in ((1, 0), (0, 1), (-1, 0), (0, -1))
+    )
+    below = tuple((x, y, 0.8) for x, y, z in ring if z == 0.9) + ((0.5, 0.5, 0.0),)
+    pot = make_book(ring, below)
+    assert find_hinge(pot.parts[1], pot) is None
+    assert compile_sentence("open the screen", pot).expectations[0].kind is MotionKind.MOVE
+
+
+def test_back_and_forth_is_not_the_back():
+    back = make_piece("back", SCREEN, BASE)
+    chair = brief(object_name="chair", world="ground", parts=(back,))
+    reply = read("rock the chair back and forth", chair)
+    assert reply.expectations[0].limb is None and not reply.unsure
+
+
+def test_what_rocks_a_little_is_tilted_by_less():
+    """Its middle goes by a share of its height: slight is at most 0.07 of it to either side."""
+    vase = ground(object_name="vase", object_kind="vessel")
+    turns = read("gently push the vase so it rocks a little", vase).force_field.constraints
+    degrees = [
+        90 * each.magnitude * each.gain * (end - first) * vase.frame_dt / 2
+        for each in turns
+        for first, end in [each.active_time or (0.0, 0.0)]
+    ]
+    assert len(turns) == 8 and all(5 < angle < 8 for angle in degrees)

@@ -1,0 +1,191 @@
+"""Parts that are taken for want of surer ones: figures on a base, branches of numbered pieces, the likeliest limb."""
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from physagent_jax.forces.part import Part
+from physagent_jax.forces.regions import make_region_mask
+from physagent_jax.scene.parts import (
+    Frame,
+    branch_numbered,
+    find_places,
+    guess_parts,
+    join_chains,
+)
+from physagent_jax.scene.parts.branches import find_branches, is_numbered
+from physagent_jax.scene.parts.cells import fit_part
+from physagent_jax.scene.parts.figures import add_figure, is_figure_on_base
+from physagent_jax.scene.parts.guesses import read_guesses
+from physagent_jax.scene.parts.heading import find_overhang
+from physagent_jax.scene.parts.roles import Roles
+from tests.scene.test_part_roles import make
+
+VIEWER = Frame(toward=np.array([0.0, -1.0, 0.0]), right=np.array([1.0, 0.0, 0.0]))
+# A long body with its head raised at -x, a slim tail at +x and a small spike on its back.
+WORM = [
+    ((-0.6, 0, 0.1), (0.6, 0, 0.1), 0.12),
+    ((-0.6, 0, 0.1), (-0.7, 0, 0.7), 0.1),
+    ((-0.7, 0, 0.7), (-1.0, 0, 0.7), 0.1),
+]
+TAIL, SPIKE = ((0.6, 0, 0.1), (1.1, 0, 0.2), 0.04), ((0.0, 0, 0.1), (0.0, 0, 0.4), 0.03)
+WINGED = [((0, 0, 0), (0.1, 0.1, 0.4)), *(((0.25 * k, 0.1, 0.1), (0.2, 0.03, 0.3)) for k in (1, -1))]
+
+
+def list_worm():
+    points = make([*WORM, TAIL, SPIKE], count=6000)
+    masks = [points[:, 0] > 0.74, (points[:, 2] > 0.24) & (np.abs(points[:, 0]) < 0.1)]
+    return points, [
+        fit_part(points, mask, joined=True).model_copy(update=dict(roles=("side",))) for mask in masks
+    ]
+
+
+def test_the_limb_that_looks_most_like_a_tail_is_taken_for_it_and_is_unsure():
+    points, limbs = list_worm()
+    (tail,) = guess_parts(points, limbs, ["tail"], VIEWER)
+    assert (
+        tail.name == "tail" and tail.roles == ("tail",) and tail.unsure and tail.stands_for == "side (part 1)"
+    )
+    (horn,) = guess_parts(points, limbs, ["horns"], VIEWER)
+    assert horn.stands_for == "side (part 2)"
+
+
+def test_what_is_known_is_not_guessed():
+    points, limbs = list_worm()
+    known = [each.model_copy(update=dict(roles=("tail",))) for each in limbs]
+    assert not guess_parts(points, known, ["tail"], VIEWER)
+    assert not guess_parts(points, [limbs[1]], ["wings", "axe"], VIEWER)  # none looks so
+
+
+def test_the_other_one_of_a_pair_is_the_image_of_the_one_that_is_found():
+    points = make(WINGED, count=6000)
+    limb = fit_part(points, points[:, 0] > 0.12, joined=True).model_copy(update=dict(roles=("side",)))
+    left, right = sorted(guess_parts(points, [limb], ["wings"], VIEWER), key=lambda part: part.name)
+    assert (left.name, right.name) == ("left wing", "right wing")
+    mask = make_region_mask(left.moved, points)
+    assert (points[mask, 0] < 0).mean() > 0.95 and mask.sum() > 0.4 * (points[:, 0] < -0.12).sum()
+    assert np.allclose(left.arm, np.array(right.arm) * (-1, 1, 1), atol=0.15)
+
+
+def test_every_row_of_guesses_has_measures_that_are_known():
+    known = {"high", "low", "away", "centred", "ahead", "behind", "slim", "flat", "large", "small", "long"}
+    assert all(
+        set(row) <= known | {"words", "role", "pair", "spins"} and set(row) & known
+        for row in read_guesses().values()
+    )
+
+
+def test_what_juts_out_high_up_over_nothing_tells_the_front():
+    front = find_overhang(make(WORM, count=6000))
+    assert front is not None and np.allclose(front, (-1, 0, 0), atol=0.1)
+    assert find_overhang(make([((0, 0, 0), (0.3, 0.3, 0.5))], count=3000)) is None  # all around
+    assert find_overhang(make(WORM[:1], count=3000)) is None  # flat
+
+
+def make_pieces():
+    """Points of a box with an arm and its grip on top, and the box's lid, with the piece of each."""
+    pieces = [
+        ((0, 0, 0), (0.3, 0.3, 0.3)),
+        ((0, 0, 0.35), (0.2, 0.2, 0.04)),
+        ((0.25, 0, 0.44), (0.3, 0.04, 0.04)),
+        ((0.5, 0, 0.6), (0.04, 0.04, 0.12)),
+    ]
+    clouds = [make([piece], count=count) for piece, count in zip(pieces, (4000, 300, 200, 80))]
+    return np.concatenate(clouds), np.repeat(range(4), [len(each) for each in clouds])
+
+
+def test_a_crank_is_all_that_hangs_on_the_rest_by_its_arm():
+    points, labels = make_pieces()
+    found = [frozenset(labels[mask]) for mask in find_branches(points, labels)]
+    assert {frozenset((3,)), frozenset((2, 3))} <= set(found)
+
+
+def test_numbered_pieces_are_branches_that_turn_about_their_inner_end():
+    points, labels = make_pieces()
+    pieces = [
+        fit_part(points, labels == k, joined=False).model_copy(update=dict(name=f"mill {k}", origin="file"))
+        for k in range(4)
+    ]
+    parts = branch_numbered(points, pieces, "coffee mill")
+    assert all(not part.name and part.roles for part in parts)
+    (crank,) = guess_parts(points, parts, ["crank"], VIEWER)
+    assert crank.axle == (0.0, 0.0, 1.0) and crank.arm[0] > 0.3 and crank.joint[0] < 0.6
+    assert branch_numbered(points, pieces[:1], "coffee mill") == (pieces[0],)
+
+
+@pytest.mark.parametrize(("name", "numbered"), [("mill 3", True), ("wheel 3", False), ("mill", False)])
+def test_only_the_objects_own_name_with_a_number_says_nothing(name, numbered):
+    part = Part.model_construct(name=name)
+    assert is_numbered(part, ("coffee", "mill")) == numbered
+
+
+def test_a_figure_on_its_base_has_parts_of_its_own():
+    """In the frame of the whole; a lid on a figure is its head."""
+    points = make(
+        [((0, 0, 0), (0.45, 0.45, 0.6)), ((0, 0, 1.0), (0.15, 0.15, 0.5)), ((0, 0, 1.5), (0.1, 0.1, 0.1))]
+    )
+    above = points[:, 2] > 0.62
+    figure = fit_part(points, above, joined=True).model_copy(
+        update=dict(roles=("top", "head"), arm=(0, 0, 0.4))
+    )
+
+    def find(own):
+        assert own[:, 2].min() > 0.55
+        return (fit_part(own, own[:, 2] > 1.38, joined=True).model_copy(update=dict(roles=("lid",))),)
+
+    assert is_figure_on_base(figure)
+    plain, head = add_figure(points, [figure], find)
+    mask = make_region_mask(head.moved, points)
+    assert plain.roles == ("top",) and head.roles == ("head",)
+    assert points[mask, 2].min() > 1.3 and mask.sum() > 0.6 * (points[:, 2] > 1.38).sum()
+    assert abs(head.joint[2] - (1.4 + 0.6) / 2.2) < 0.05 and head.share < 0.1
+    assert add_figure(points, [head], find) == (head,)
+
+
+def test_sections_with_names_make_a_limb():
+    sections = [
+        ((0, 0, 0), (0.3, 0.2, 0.3)),
+        ((0.42, 0, 0.1), (0.13, 0.06, 0.06)),
+        ((0.66, 0, 0.1), (0.12, 0.06, 0.06)),
+    ]
+    clouds = [make([piece], count=count) for piece, count in zip(sections, (3000, 200, 200))]
+    points, labels = np.concatenate(clouds), np.repeat(range(3), [len(each) for each in clouds])
+    names = ("body", "upper right arm", "right hand")
+    parts = [
+        fit_part(points, labels == k, joined=False).model_copy(update=dict(name=name, origin="file"))
+        for k, name in enumerate(names)
+    ]
+    *same, arm = join_chains(points, parts)
+    assert same == parts and arm.name == "right arm" and not arm.seated and arm.arm[0] > 0.35
+    assert make_region_mask(arm.moved, points).sum() == (labels > 0).sum()
+    assert (
+        join_chains(points, [*parts[:2], parts[2].model_copy(update=dict(name="right arm"))])[-1].name
+        == "right arm"
+    )
+    assert join_chains(points, parts[:2]) == tuple(parts[:2])
+
+
+def test_the_upper_part_of_what_has_a_front_is_its_head_and_of_a_statue_a_slab():
+    points = make([((0, 0, 0), (0.2, 0.2, 0.5)), ((0, 0, 0.7), (0.1, 0.1, 0.4))], count=4000)
+    upper = fit_part(points, points[:, 2] > 0.5, joined=True)
+    upper = upper.model_copy(update=dict(roles=("top", "head"), arm=(0, 0, 0.4)))
+    assert not find_places(
+        points, [upper.model_copy(update=dict(front=(1, 0, 0)))], ["head"], "thing", VIEWER
+    )
+    (head,) = find_places(points, [upper], ["head"], "thing", VIEWER)
+    assert head.origin == "place"
+
+
+@pytest.mark.parametrize(
+    ("length", "covered", "stands"), [(0.1, 0.3, False), (0.1, 0.8, True), (0.3, 0.3, True)]
+)
+def test_ragged_edges_below_a_pedestal_are_no_legs(length, covered, stands):
+    """Legs are long, or most of what is on the ground is theirs."""
+    roles: Any = Roles.__new__(Roles)
+    roles.places = np.array([(0.0, 0.0, 0.01)] * 100 + [(0.0, 0.0, 1.0)] * 50)
+    roles.low, roles.size, roles.height = np.zeros(3), 1.0, 1.0
+    edge = SimpleNamespace(nodes=np.arange(round(100 * covered)), length=length)
+    roles.limbs = [edge]
+    assert roles.bear([0]) is stands
