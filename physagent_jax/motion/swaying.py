@@ -30,7 +30,6 @@ _BACK = (-1.4, 0.55, -0.21, 0.06)
 _TILT = 14.0  # [degrees] that it rocks by to either side with a strength of 1
 _SHAKEN = 0.12  # [body lengths] that it is shaken by to either side with a strength of 1
 _MILD = 0.5  # power of a strength that an angle to either side grows with: what is gentle is seen as well
-_ROCKED = 0.7  # the same of what rocks, all of which goes as far
 _WALKED, _STEP = 0.9, 0.04  # [body lengths] that it walks, and rises at each step, with a strength of 1
 _SETTLED = 0.2  # [s] for which it is kept upright where it has stopped rocking
 _REACH = 2.0  # [body lengths]: all of its foot borders on the rest
@@ -185,7 +184,7 @@ def rock(
     assert axis is not None  # the way is level
     driver = PartDriver(make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
     spans = _divide(window, strokes)
-    made = [driver.turn(axis, s * strength**_ROCKED * _TILT, span, None) for s, span in zip(strokes, spans)]
+    made = [driver.turn(axis, s * strength**_MILD * _TILT, span, None) for s, span in zip(strokes, spans)]
     rest = min(window[1] + brief.count_frames(_SETTLED), last)
     made[-1] = made[-1].model_copy(update=dict(held_until=rest if rest > window[1] else None))
     return [each.model_copy(update=dict(region=None, pivot=None)) for each in made]

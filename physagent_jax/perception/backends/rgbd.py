@@ -18,8 +18,8 @@ _AGREE = 0.5
 """Overlap (intersection over union) with depth's mask from which colour may draw the edge."""
 _TRUE_EDGE = 40
 """Percentile of the distances from colour's edge to depth's that is the rim's: the rest may lie inside the object."""
-_PATCH = np.ones((3, 3), np.uint8)
-"""Least patch of the background's colour that is filled [px]."""
+_BESIDE = np.ones((3, 3), np.uint8)
+"""A pixel and its neighbours."""
 _LEAST_SHARE = 2e-4
 """Less of the picture than this is noise, not an object."""
 _UNEXPLAINED = 0.5
@@ -93,11 +93,18 @@ class RgbdSegmenter(Segmenter):
 
 
 def _find_patches(solid: np.ndarray, drawn: np.ndarray) -> np.ndarray:
-    """Patches of the object that colour does not draw: they lie deeper within depth's masks than its faint rim."""
+    """Patches of the object that colour does not draw: they lie deeper within depth's masks than its faint rim.
+
+    They are broader than the rims on both sides of a gap, which depth does not see.
+    """
     depth = np.stack([cv2.distanceTransform(each.astype(np.uint8), cv2.DIST_L2, 5) for each in solid])
-    edge = np.stack([each & (cv2.erode(each.astype(np.uint8), _PATCH) == 0) for each in drawn]) & solid
-    missing = (depth > (np.percentile(depth[edge], _TRUE_EDGE) if edge.any() else 0.0)) & ~drawn
-    return np.stack([cv2.morphologyEx(each.astype(np.uint8), cv2.MORPH_OPEN, _PATCH) > 0 for each in missing])
+    edge = np.stack([each & (cv2.erode(each.astype(np.uint8), _BESIDE) == 0) for each in drawn]) & solid
+    rim = float(np.percentile(depth[edge], _TRUE_EDGE)) if edge.any() else 0.0
+    across = 2 * int(np.ceil(rim)) + 1
+    missing = ((depth > rim) & ~drawn).astype(np.uint8)
+    return np.stack(
+        [cv2.morphologyEx(each, cv2.MORPH_OPEN, np.ones((across, across), np.uint8)) > 0 for each in missing]
+    )
 
 
 def _find_standing_out(inverse: np.ndarray, background: Background) -> np.ndarray:
