@@ -2,6 +2,7 @@
 
 import collections
 import math
+import tracemalloc
 from collections.abc import Iterator
 
 import pytest
@@ -10,6 +11,7 @@ from hypothesis import strategies as st
 
 from physagent_jax.agents.compiler.builder import MAX_ACTIONS
 from physagent_jax.agents.grammar.patterns import read_patterns
+from physagent_jax.agents.grammar.tokens import correct_spelling, tokenise
 from physagent_jax.agents.lexicon import read_lexicon
 from physagent_jax.agents.lexicon.types import Motion
 from physagent_jax.core.errors import UserError
@@ -215,6 +217,17 @@ def test_tiny_clips(frame_count):
         "jump",
     ):
         check_windows(read(prompt, scene), frame_count)
+
+
+def test_a_word_longer_than_any_is_not_looked_up_by_its_slips():
+    """Each slip is a copy of the word: of one with 5,000 letters they would take 75 MB."""
+    words = list(tokenise("a" * 5000))
+    tracemalloc.start()
+    try:
+        assert correct_spelling(words, frozenset(("aardvark",))) == words
+        assert tracemalloc.get_traced_memory()[1] < 1e6
+    finally:
+        tracemalloc.stop()
 
 
 def test_long_prompts_stay_small_and_quick():

@@ -84,6 +84,10 @@ def _collect_known() -> frozenset[str]:
 
 
 KNOWN = _collect_known()
+_LONGEST, _SLIPS = (
+    max(map(len, KNOWN)),
+    2,
+)  # letters, and slips in one word: nothing longer is near to a known word
 
 
 def correct_spelling(tokens: Sequence[Token], names: frozenset[str]) -> list[Token]:
@@ -111,7 +115,8 @@ def describe_corrections(sentence: str, names: frozenset[str]) -> list[str]:
 def _find_meant(text: str, names: frozenset[str]) -> str | None:
     """The word that is meant by one that means nothing; None if it stands, or if nothing is near."""
     stands = any(word in known for word in (text, text.removesuffix("s")) for known in (names, KNOWN))
-    if stands or not text.isalpha() or len(text) < _LEAST:
+    longest = max(map(len, names), default=0)
+    if stands or not text.isalpha() or not _LEAST <= len(text) <= max(longest, _LONGEST) + _SLIPS:
         return None
     near = [text[:i] + text[i + 1] + text[i] + text[i + 2 :] for i in range(len(text) - 1)]
     near += [text[:i] + text[i + 1 :] for i in range(1, len(text)) if text[i] == text[i - 1]]
