@@ -79,7 +79,8 @@ class Context:
         """Directions that entries may have."""
         named = [e.direction for e in self.expectations if e.direction is not None]
         lines = [*_AXES, *named]
-        return [*base_directions(self.brief.directions), *lines, *(scale(v, -1.0) for v in lines)]
+        both = [*base_directions(self.brief.directions), *lines, *(scale(v, -1.0) for v in lines)]
+        return list(dict.fromkeys(both))
 
 
 Rule = Callable[[Entries, Context], tuple[Entries, list[str]]]
@@ -98,11 +99,13 @@ def apply_hard_rules(
         expectations: What the sentence asks for.
     """
     entries = (
-        force_field.model_dump(mode="json") if isinstance(force_field, ForceField) else dict(force_field)
+        force_field.model_dump(mode="json")
+        if isinstance(force_field, ForceField)
+        else copy.deepcopy(dict(force_field))
     )
     repairs, context = [], Context(brief, tuple(expectations))
     for name, rule in RULES.items():
-        entries, reasons = rule(copy.deepcopy(entries), context)
+        entries, reasons = rule(entries, context)
         repairs += [Repair(name, why) for why in reasons]
     return ForceField.model_validate(entries), tuple(repairs)
 
@@ -304,10 +307,11 @@ def sentence_direction(entries: Entries, context: Context) -> tuple[Entries, lis
     have a cause that agrees, and stay.
     """
     reasons: list[str] = []
+    field = ForceField.model_validate(entries)
     for expectation in context.expectations:
         if expectation.kind in (MotionKind.SWAY, MotionKind.FALL, MotionKind.STILL):
             continue
-        causes = find_own_causes(expectation, context.expectations, ForceField.model_validate(entries))
+        causes = find_own_causes(expectation, context.expectations, field)
         if any(agrees(cause, expectation) for cause in causes):
             continue
         for cause in causes:
@@ -317,6 +321,8 @@ def sentence_direction(entries: Entries, context: Context) -> tuple[Entries, lis
                 f"its vector becomes {_format(new['vector'])}" if "vector" in new else "its sign is flipped"
             )
             reasons.append(f"{cause.name} goes against '{expectation.words}': {change}")
+        if causes:
+            field = ForceField.model_validate(entries)
     return entries, reasons
 
 
