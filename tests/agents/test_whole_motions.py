@@ -161,5 +161,3 @@ def test_back_and_forth_is_not_the_back():
     chair = brief(object_name="chair", world="ground", parts=(back,))
     reply = read("rock the chair back and forth", chair)
     assert reply.expectations[0].limb is None and not reply.unsure
-
-
