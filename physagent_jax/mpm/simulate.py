@@ -48,8 +48,8 @@ def simulate(
         force_substep: Whether to run ``substep_dt`` even above the bound. It is then never shortened: a frame
             that fails its check ends the run.
         ledger: Whether frames carry an `Exchange`.
-        begin: A frame of an earlier call whose frames up to there are these too. Nothing but its state, grid window
-            and order passes from frame to frame, so what follows is the same as if all were simulated.
+        begin: A frame of an earlier call whose frames up to there are these too. Nothing but its state, grid window,
+            order and its step's trend passes from frame to frame, so what follows is the same as if all were simulated.
         most_substeps: Substeps that all frames after ``begin`` may take, attempts that are redone included.
         tell_limits: Whether to warn of what the method does badly in this model (`limits.find_limits`).
 
