@@ -2,6 +2,7 @@
 
 import dataclasses
 
+import cv2
 import numpy as np
 import pytest
 
@@ -9,6 +10,7 @@ from physagent_jax.metrics.motion import compare, measure_true_motion
 from physagent_jax.perception.backends.rgbd import RgbdSegmenter
 from physagent_jax.perception.background import find_background
 from physagent_jax.perception.measure import perceive
+from physagent_jax.perception.pieces import count_pieces
 from physagent_jax.render.camera import Camera
 from tests.perception.scenes import Clip, blob, film, rotated, texture, translated
 
@@ -127,3 +129,13 @@ def test_the_inside_of_what_is_as_white_as_the_background_is_the_object():
     masks = RgbdSegmenter().segment(rgb, None, depth=np.where(solid, 2.0, np.nan).astype(np.float32)).masks
     assert (masks & ~solid).sum() == 0
     assert (solid & ~masks).sum() <= 3 * 24
+
+
+def test_a_gap_that_faint_rims_bridge_stays_one():
+    """Depth reaches three pixels beyond what is seen of two blocks, four pixels apart: they are no one thing."""
+    blocks = np.zeros((3, 60, 60), bool)
+    blocks[:, 15:45, 10:28], blocks[:, 15:45, 32:50] = True, True
+    solid = np.stack([cv2.dilate(each.astype(np.uint8), np.ones((7, 7), np.uint8)) > 0 for each in blocks])
+    rgb = np.where(blocks[..., None], 120, 255).astype(np.uint8).repeat(3, axis=-1)
+    masks = RgbdSegmenter().segment(rgb, None, depth=np.where(solid, 2.0, np.nan).astype(np.float32)).masks
+    assert count_pieces(masks) == [2, 2, 2] and (masks & ~blocks).sum() == 0
