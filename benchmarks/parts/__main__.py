@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import sys
 import tempfile
 import warnings
@@ -14,12 +15,14 @@ import numpy as np
 
 from benchmarks import harness
 from benchmarks.harness import RAW, Job, Row, say
-from benchmarks.parts.answers import FORMS, Answers, Thing, find_file, read_things
+from benchmarks.parts.answers import Answers, Thing, find_file, read_things
 from benchmarks.parts.markdown import PAGE
+from physagent_jax.agents.context import AgentContext
+from physagent_jax.forces.description import describe_skills
 from physagent_jax.forces.regions import make_region_mask
+from physagent_jax.run.brief import make_brief
 from physagent_jax.run.chosen_agents import open_agents
-from physagent_jax.run.reading import read_for_scene
-from physagent_jax.run.resolve import resolve
+from physagent_jax.run.resolve import ResolvedRun, resolve
 from physagent_jax.run.spec import ObjectChoice, Overrides, RunSpec
 from physagent_jax.scene.body import Body, make_body
 
@@ -62,37 +65,34 @@ def ask_thing(thing: Thing, data: Path) -> Iterable[Row]:
     path = find_file(thing, data)
     if path is None:
         raise FileNotFoundError(f"{thing.file.url} is not below {data}")
-    answers, rows = Answers(path), []
-    with tempfile.TemporaryDirectory() as folder:
-        for form in FORMS:
-            bare = Path(folder) / f"{thing.name.replace(' ', '_')}.glb"
-            answers.write(bare, form)
-            rows += [{"form": form} | row for row in ask_form(thing, answers, bare)]
+    answers = Answers(path)
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        bare = Path(folder) / f"{thing.name.replace(' ', '_')}.glb"
+        answers.write(bare)
+        rows = ask_body(thing, answers, bare, load(thing, bare))
     say(f"{thing.name}: " + "; ".join(f"{r['word']} {r['outcome']} {r['overlap']:.2f}" for r in rows))
     return rows
 
 
-def ask_form(thing: Thing, answers: Answers, path: Path) -> list[Row]:
-    """The rows of one file of an object."""
-    body, truth, rows = None, np.zeros(0, int), []
-    for word, patterns in thing.parts.items():
-        spec = RunSpec(
-            object=ObjectChoice(path=str(path)),
-            prompt=f"pull the {word} of the {thing.name} up",
-            overrides=Overrides(max_particles=_PARTICLES),
-        )
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)
-            run = resolve(spec)
-            if body is None:
-                preset = run.template.preset
-                body = make_body(run.template.source, preset.filling, preset.domain, run.base_dir)
-                truth = answers.list_owners(body.placement.to_source(body.shape))
-            with open_agents(run.spec, run.base_dir) as agents:
-                reply = read_for_scene(run, body, agents.semantic.compile).value
-        limbs = [each.limb for each in reply.expectations if each.limb is not None]
-        known = run.list_parts(body)
-        taken = [known[k] for k in limbs]
+def load(thing: Thing, path: Path) -> Body:
+    """The object at rest."""
+    run = _ask(thing, path, next(iter(thing.parts)))
+    preset = run.template.preset
+    return make_body(run.template.source, preset.filling, preset.domain, run.base_dir)
+
+
+def ask_body(thing: Thing, answers: Answers, path: Path, body: Body) -> list[Row]:
+    """The rows of an object that is loaded."""
+    truth, rows = answers.list_owners(body.placement.to_source(body.shape)), []
+    forms = {"mesh": body, "capture": dataclasses.replace(body, surfaces=())}
+    for (form, seen), (word, patterns) in itertools.product(forms.items(), thing.parts.items()):
+        run = _ask(thing, path, word)
+        with open_agents(run.spec, run.base_dir) as agents:
+            brief = make_brief(run.template, parts=run.list_parts(seen))
+            reply = agents.semantic.compile(AgentContext(run.spec.prompt, brief, describe_skills())).value
+        known = brief.parts
+        taken = [known[each.limb] for each in reply.expectations if each.limb is not None]
         mask = np.logical_or.reduce(
             [np.zeros(len(body.shape), bool), *(~make_region_mask(each.rest, body.shape) for each in taken)]
         )
@@ -100,11 +100,11 @@ def ask_form(thing: Thing, answers: Answers, path: Path) -> list[Row]:
             mask = _find_region(reply, body)
         asked = np.isin(truth, answers.list_fitting(patterns))
         overlap = float((mask & asked).sum() / max((mask | asked).sum(), 1))
-        outcome = "asked for" if not mask.any() else "right" if overlap >= RIGHT else "wrong"
         rows.append(
             dict(
+                form=form,
                 word=word,
-                outcome=outcome,
+                outcome="asked for" if not mask.any() else "right" if overlap >= RIGHT else "wrong",
                 overlap=round(overlap, 3),
                 unsure=any(each.unsure for each in taken),
                 taken=", ".join(each.stands_for or each.label or each.name or each.roles[0] for each in taken),
@@ -112,6 +112,13 @@ def ask_form(thing: Thing, answers: Answers, path: Path) -> list[Row]:
             )
         )
     return rows
+
+
+def _ask(thing: Thing, path: Path, word: str) -> ResolvedRun:
+    """The run in which a part is pulled up."""
+    prompt = f"pull the {word} of the {thing.name} up"
+    chosen, few = ObjectChoice(path=str(path)), Overrides(max_particles=_PARTICLES)
+    return resolve(RunSpec(object=chosen, prompt=prompt, overrides=few))
 
 
 def _find_region(reply, body: Body) -> np.ndarray:

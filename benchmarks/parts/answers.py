@@ -15,7 +15,6 @@ from scipy.spatial import KDTree
 from benchmarks.first_results.pins import PinnedFile
 from physagent_jax.scene.mesh_files import join_parts, read_named_parts
 
-FORMS = ("one shape", "pieces")
 _SAMPLES = 100_000  # on all surfaces
 
 
@@ -92,15 +91,7 @@ class Answers:
             if any(fnmatch.fnmatch((each.names or ("",))[0], pattern) for pattern in patterns)
         ]
 
-    def write(self, path: Path, form: str) -> None:
-        """Write the object without names: all of it as one shape, or each surface as a piece with a number."""
-        scene = trimesh.Scene()
-        groups = [self.surfaces] if form == FORMS[0] else [[each] for each in self.surfaces]
-        for number, group in enumerate(groups, 1):
-            vertices, faces = join_parts(group)
-            scene.add_geometry(
-                trimesh.Trimesh(vertices, faces, process=False),
-                node_name=f"Object_{number}",
-                geom_name=f"Object_{number}",
-            )
-        path.write_bytes(scene.export(file_type="glb"))
+    def write(self, path: Path) -> None:
+        """Write the object as one mesh without names."""
+        vertices, faces = join_parts(self.surfaces)
+        path.write_bytes(trimesh.Scene([trimesh.Trimesh(vertices, faces, process=False)]).export(file_type="glb"))

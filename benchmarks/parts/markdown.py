@@ -31,7 +31,7 @@ def _summarise(sections: dict[str, Rows]) -> str:
 
 
 def _list_each(sections: dict[str, Rows]) -> str:
-    columns = ("object", "half", "part", "as one shape", "as pieces")
+    columns = ("object", "half", "part", "as a mesh", "as a capture")
     lines = []
     for half, rows in sections.items():
         for name, word in dict.fromkeys((row["job"], row["word"]) for row in rows):

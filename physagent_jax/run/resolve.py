@@ -105,8 +105,8 @@ class ResolvedRun:
             word for part in known if part.stands_for and " " in part.name for word in split_name(part.name)
         }
         words = [word for word in split_name(prompt) if word not in named]
-        known = (*known, *guess_parts(body.shape, known, words, viewer))
-        places = find_places(body.shape, known, words, name, viewer)
+        known = (*known, *guess_parts(body.shape, known, words, viewer, body.shells, name))
+        places = find_places(body.shape, known, words, name, viewer, body.shells)
         return (*known, *places, *find_aliases(body.shape, places, prompt, name, viewer.toward))
 
     def turn(self, body: Body, reply: SemanticReply) -> Body:

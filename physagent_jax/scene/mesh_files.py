@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.names import explain_unknown_name
@@ -19,6 +21,8 @@ from physagent_jax.scene.mesh_formats.obj import OBJ, read_groups
 # Its loaders log tracebacks of what they survive, which would reach the terminal.
 logging.getLogger("trimesh").addHandler(logging.NullHandler())
 
+_WELDED = 1e-5  # of the longest side, within which vertices are one
+_MOST_SHELLS = 500
 _FARTHEST = 1e12  # in the file's units; float32 holds its square
 
 
@@ -89,6 +93,28 @@ def read_named_parts(path: str | Path) -> list[MeshPart]:
             warnings.simplefilter("ignore", UserWarning)  # of colours, which are not asked for
             parts = [limb for part in read_parts(path) for limb in part.split()]
     return parts if any(part.names for part in parts) else []
+
+
+def read_shells(path: str | Path) -> list[MeshPart]:
+    """Read the shells of a file: surfaces that share no edge with each other, whatever the file calls them.
+
+    Vertices at one place are one. None for what is a single shell, or so many that they are a scan's crumbs.
+
+    Raises:
+        UserError: As `read_parts`.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of colours, which are not asked for
+        vertices, faces = join_parts(read_parts(path))
+    step = _WELDED * max(float(np.ptp(vertices, axis=0).max()), 1e-30)
+    welded = np.unique(np.round(vertices / step).astype(np.int64), axis=0, return_inverse=True)[1].ravel()[faces]
+    first, second = welded[:, [0, 1]].ravel(), welded[:, [1, 2]].ravel()
+    edges = coo_matrix((np.ones(len(first)), (first, second)), 2 * (int(welded.max()) + 1,))
+    owner = np.unique(connected_components(edges, directed=False)[1][welded[:, 0]], return_inverse=True)[1]
+    count = int(owner.max()) + 1
+    order = np.argsort(owner, kind="stable")
+    groups = np.split(faces[order], np.cumsum(np.bincount(owner))[:-1]) if 1 < count <= _MOST_SHELLS else []
+    return [MeshPart(vertices, group) for group in groups]
 
 
 def join_parts(parts: list[MeshPart]) -> tuple[np.ndarray, np.ndarray]:

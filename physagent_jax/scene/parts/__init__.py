@@ -21,3 +21,5 @@ from physagent_jax.scene.parts.named import join_parts as join_parts
 from physagent_jax.scene.parts.named import make_parts as make_parts
 from physagent_jax.scene.parts.places import find_places as find_places
 from physagent_jax.scene.parts.regions import Frame as Frame
+from physagent_jax.scene.parts.shells import Shells as Shells
+from physagent_jax.scene.parts.shells import find_shells as find_shells

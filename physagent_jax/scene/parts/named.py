@@ -60,7 +60,7 @@ def find_groups(points: np.ndarray, normals: np.ndarray, surfaces: Sequence[Mesh
     Returns:
         Groups with distinct particles, in the order of the file; none that is all of the object.
     """
-    owner = _find_owners(points, normals, surfaces)
+    owner = find_owners(points, normals, surfaces)
     found: list[Group] = []
     for name in dict.fromkeys(name for each in surfaces for name in each.names):
         mine = np.array([name in each.names for each in surfaces])
@@ -77,7 +77,7 @@ def _is_all(mask: np.ndarray) -> bool:
     return bool(mask.sum() >= _WHOLE * len(mask))
 
 
-def _find_owners(points: np.ndarray, normals: np.ndarray, surfaces: Sequence[MeshPart]) -> np.ndarray:
+def find_owners(points: np.ndarray, normals: np.ndarray, surfaces: Sequence[MeshPart]) -> np.ndarray:
     """The surface of each particle, shape (n,)."""
     corners = [each.vertices[each.faces] for each in surfaces]
     doubled = [np.cross(each[:, 1] - each[:, 0], each[:, 2] - each[:, 0]) for each in corners]

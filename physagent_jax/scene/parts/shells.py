@@ -1,0 +1,113 @@
+"""The shells of a mesh: surfaces that share no edge, of which people build what they model: a wheel, a lid, a sign.
+
+A shell has a border that is known, where a limb of the solid ends about there. So a part that is about some shells is
+these, and where nothing else tells what a word means, shells are looked through as limbs are.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from physagent_jax.forces.part import Part
+from physagent_jax.forces.regions import make_region_mask
+from physagent_jax.scene.mesh_formats import MeshPart
+from physagent_jax.scene.parts.branches import find_branches
+from physagent_jax.scene.parts.cells import fit_part
+from physagent_jax.scene.parts.named import find_owners
+
+_FEWEST = 12  # points of a shell, below which it is part of what is nearest
+_WITHIN = 0.6  # share of a shell in a part, from which on it is of that
+_SAME = 0.45  # overlap (intersection over union) of a part with its shells, from which on it is these
+ROUGH = 0.35  # the same of a region that a word tells roughly
+_NESTED = 0.04  # of its length, by which a shell may reach out of the box of one that it is set into
+_HOST = 0.25  # share of the object that such a one has at most
+_CUT, _CUT_SIZE = 0.25, 2.0  # share of a part in shells that it cuts, and their size over its own, from which on it is none
+_MOST = 0.6  # share of the object that a candidate has
+
+
+@dataclasses.dataclass(frozen=True)
+class Shells:
+    """The shells of an object.
+
+    Attributes:
+        points: Points of the object at rest, z up [m], shape (n, 3).
+        labels: The shell that each belongs to, from 0, shape (n,); zeros if there is but one.
+    """
+
+    points: np.ndarray
+    labels: np.ndarray
+
+    def snap(self, mask: np.ndarray, least: float = _SAME) -> np.ndarray | None:
+        """The points of the shells that a mask is about, shape (n,); None if it is not about any of them.
+
+        Args:
+            mask: Points, shape (n,).
+            least: Overlap (intersection over union) of the mask with its shells, from which on it is these.
+        """
+        sizes = np.bincount(self.labels)
+        chosen = np.bincount(self.labels[mask], minlength=len(sizes)) > _WITHIN * sizes
+        found = chosen[self.labels]
+        if chosen.all() or not chosen.any():
+            return None
+        return found if (found & mask).sum() > least * (found | mask).sum() else None
+
+    def snap_part(self, part: Part) -> Part:
+        """A part that the shape shows, with the borders of the shells that it is about."""
+        mask = self.snap(~make_region_mask(part.rest, self.points)) if self.labels.any() else None
+        if mask is None:
+            return part
+        made = fit_part(self.points, mask, joined=False)
+        told = dict(moved=made.moved, rest=made.rest, share=made.share, side=made.side, neck=made.neck)
+        return part.model_copy(update=told)
+
+    def are_cut(self, mask: np.ndarray) -> bool:
+        """Return whether the border of a mask is across shells that are not much larger than it."""
+        sizes = np.bincount(self.labels)
+        inside = np.bincount(self.labels[mask], minlength=len(sizes))
+        small = sizes < _CUT_SIZE * mask.sum()
+        return bool(np.minimum(inside, sizes - inside)[small].sum() > _CUT * mask.sum())
+
+    @functools.cached_property
+    def candidates(self) -> list[np.ndarray]:
+        """The shells, those with what is set into them, and what hangs on the rest by one of them, as masks."""
+        if not self.labels.any():
+            return []
+        own = [self.labels == k for k in range(self.labels.max() + 1)]
+        boxes = [(self.points[mask].min(0), self.points[mask].max(0)) for mask in own]
+        slack = _NESTED * float(np.ptp(self.points, axis=0).max())
+        found: dict[bytes, np.ndarray] = {}
+        for mask, (low, high) in zip(own, boxes):
+            inner = [
+                other
+                for other, (a, b) in zip(own, boxes)
+                if (a > low - slack).all() and (b < high + slack).all() and other.sum() < mask.sum()
+            ]
+            hosts = [mask, np.logical_or.reduce([mask, *inner])] if mask.mean() < _HOST else [mask]
+            found |= {each.tobytes(): each for each in hosts}
+        found |= {each.tobytes(): each for each in find_branches(self.points, self.labels)}
+        return [mask for mask in found.values() if mask.mean() < _MOST]
+
+
+def find_shells(points: np.ndarray, surfaces: Sequence[MeshPart] = ()) -> Shells:
+    """The shells of an object; those of a few points are part of what is nearest.
+
+    Args:
+        points: Points of the object at rest, z up [m], shape (n, 3).
+        surfaces: Its shells in the same frame; none = there is but one.
+    """
+    alone = Shells(points, np.zeros(len(points), int))
+    if len(surfaces) < 2:
+        return alone
+    owner = find_owners(points, np.zeros_like(points), surfaces)
+    large = np.bincount(owner, minlength=len(surfaces))[owner] >= _FEWEST
+    if not large.any():
+        return alone
+    tree: Any = KDTree(points[large])
+    labels = np.unique(owner[large], return_inverse=True)[1].ravel()
+    return Shells(points, labels[tree.query(points)[1]])
