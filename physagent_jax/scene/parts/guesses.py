@@ -17,7 +17,7 @@ import numpy as np
 import yaml
 from scipy.spatial import KDTree
 
-from physagent_jax.forces.part import Part, split_name
+from physagent_jax.forces.part import SIDES, Part, split_name
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.scene.parts.cells import fit_part
 from physagent_jax.scene.parts.figures import is_figure_on_base
@@ -38,6 +38,7 @@ _MET = 0.6  # share of a limb's image that does, where it has one
 _FEWEST = 8  # particles
 _LIKE, _AS_LIKELY = 1.5, 0.85  # ratio of what is alike, at most; of the best score, that it has at least
 _NEARLY = 0.9  # of the best score, that what holds the best one has at least
+_APART_BY = 0.15  # of the length, by which places are on different sides
 _APART = 0.1  # share of the smaller one in the larger, up to which two are apart
 
 
@@ -74,7 +75,7 @@ def guess_parts(
         row = read_guesses().get(noun or "", {})
         if noun is None or noun in named or noun in own or search.knows(row):
             continue
-        found += search.guess(noun, row, plural=word != noun)
+        found += search.guess(noun, row, several=word != noun or not SIDES.isdisjoint(words))
     return tuple(found)
 
 
@@ -108,19 +109,19 @@ class _Search:
         told = [part for part in self.parts if roles & {*part.roles[:1]} and not part.unsure]
         return any(not self.shells.are_cut(~make_region_mask(each.rest, self.points)) for each in told)
 
-    def guess(self, noun: str, row: dict[str, Any], *, plural: bool) -> list[Part]:
-        """The parts that a noun is likeliest to mean; none if none looks so."""
+    def guess(self, noun: str, row: dict[str, Any], *, several: bool) -> list[Part]:
+        """The parts that a noun is likeliest to mean, all that are alike if ``several``; none if none looks so."""
         for least, candidates in ((_LEAST_SHELL, self._shells), (_LEAST, self._limbs)):
             scores = [self._looks.score(each.mask, row) for each in candidates]
             best = int(np.argmax(scores)) if scores else -1
-            if best < 0 or scores[best] < least:
+            if best < 0 or scores[best] < least or candidates is self._limbs and not row.get("limb"):
                 continue
             chosen = [self._widen(candidates[best], candidates, scores, scores[best])]
             if row.get("pair") or row.get("many"):
                 chosen += self._list_alike(chosen[0], list(zip(scores, candidates)), scores[best])
                 if len(chosen) == 1 and row.get("pair"):
                     chosen += self._find_image(chosen[0])
-            if row.get("many") and not plural:
+            if row.get("many") and not several:
                 chosen = [max(chosen, key=lambda each: float((self.points[each.mask] @ self.viewer.toward).mean()))]
             return list(self._name(noun, row, chosen))
         return []
@@ -137,21 +138,33 @@ class _Search:
         return max(holding, key=lambda each: int(each.mask.sum()))
 
     def _name(self, noun: str, row: dict[str, Any], chosen: list[_Candidate]) -> Iterable[Part]:
-        places = [float(self.points[each.mask].mean(0) @ self.viewer.right) for each in chosen]
-        sides = ("left", "right") if len(chosen) == 2 and row.get("pair") else ()
-        for number, (each, place) in enumerate(zip(chosen, places), 1):
-            side = sides[place == max(places)] if sides else ""
-            name = f"{side} {noun}".strip() if len(chosen) < 3 and (sides or len(chosen) == 1) else f"{noun} {number}"
-            part = each.part or fit_part(
-                self.points, each.mask, joined=False, wheel=bool(row.get("spins") or row.get("rolls"))
-            )
-            told: dict[str, Any] = dict(
-                roles=tuple(row.get("role", "").split()[:1]), confidence=_CHANCE, origin="shape"
-            )
+        """The candidates as parts, with their sides in their names where these tell them apart, else with numbers."""
+        sides = self._list_sides([self.points[each.mask].mean(0) for each in chosen], row)
+        told: dict[str, Any] = dict(
+            roles=tuple(row.get("role", "").split()[:1]), confidence=_CHANCE, origin="shape"
+        )
+        for number, (each, side) in enumerate(zip(chosen, sides), 1):
+            wheel = bool(row.get("spins") or row.get("rolls"))
+            part = each.part or fit_part(self.points, each.mask, joined=False, wheel=wheel)
             if row.get("spins") and part.axle is None:
                 level = np.array([*part.side[:2], 0.0]) / max(float(np.hypot(*part.side[:2])), 1e-9)
                 told |= dict(axle=(0.0, 0.0, 1.0) if part.joint[2] > _ON_TOP else tuple(level.tolist()))
-            yield part.model_copy(update=told | dict(name=name, stands_for=each.label))
+            name = f"{side} {noun}" if len({*sides}) == len(sides) else f"{noun} {number}"
+            yield part.model_copy(update=told | dict(name=name.strip(), stands_for=each.label))
+
+    def _list_sides(self, places: list[np.ndarray], row: dict[str, Any]) -> list[str]:
+        """The words for where each of some places is among them: "front left"; empty for one alone."""
+        ways = [(np.array([0.0, 0.0, 1.0]), ("upper", "lower")), (self.viewer.right, ("right", "left"))]
+        if self._front is not None and row.get("many"):
+            ways.insert(0, (self._front, ("front", "rear")))
+        size = float(np.ptp(self.points, axis=0).max())
+        words: list[list[str]] = [[] for _ in places]
+        for way, names in ways:
+            along = np.array([place @ way for place in places])
+            if np.ptp(along) > _APART_BY * size:
+                for told, here in zip(words, along > 0.5 * (along.min() + along.max())):
+                    told.append(names[0] if here else names[1])
+        return [" ".join(told) for told in words]
 
     def _list_alike(
         self, first: _Candidate, others: list[tuple[float, _Candidate]], best: float

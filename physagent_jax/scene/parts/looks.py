@@ -10,8 +10,9 @@ import numpy as np
 
 _LARGE = 0.08  # share of the object from which on a part is large
 _GROUND = 0.05  # of the height
+_SIDES = np.array([(1.0, 0, 0), (-1.0, 0, 0), (0, 1.0, 0), (0, -1.0, 0)])
+_SEEN = 0.2  # cosine to the viewer of a side that is seen
 _COLUMNS = 24  # along the longest side, from above
-_SKIN = 0.06  # of the length, from the farthest place on a side, that is outside there
 
 
 @dataclasses.dataclass(frozen=True)
@@ -70,7 +71,7 @@ class Looks:
             open=1 - self._measure_covered(mask, 1),
             hung=1 - self._measure_covered(mask, -1),
             grounded=own[:, 2].min() < low + _GROUND * height,
-            toward=self._measure_outside(own, self.toward),
+            toward=max(self._measure_outside(own, way) for way in _SIDES if way @ self.toward > _SEEN),
             rear=self._measure_outside(own, -self.toward),
         )
         if self.front is not None:
@@ -95,10 +96,10 @@ class Looks:
         return float((ends[sign][here] > mine[here] + 0.5 * side).mean())
 
     def _measure_outside(self, own: np.ndarray, way: np.ndarray) -> float:
-        """The share of a part that lies near the farthest place of the object that way."""
+        """The place of a part's middle that way, from the object's middle (0) to its farthest end (1)."""
         along = self.points @ way
-        slack = _SKIN * float(np.ptp(self.points, axis=0).max())
-        return float((own @ way > np.quantile(along, 0.99) - 2 * slack).mean())
+        low, high = np.quantile(along, (0.01, 0.99))
+        return 2 * float(own.mean(0) @ way - low) / max(float(high - low), 1e-12) - 1
 
 
 def _find_tops(column: np.ndarray, height: np.ndarray) -> np.ndarray:

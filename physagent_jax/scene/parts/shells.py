@@ -12,12 +12,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.scene.mesh_formats import MeshPart
-from physagent_jax.scene.parts.branches import find_branches
 from physagent_jax.scene.parts.cells import fit_part
 from physagent_jax.scene.parts.named import find_owners
 
@@ -25,6 +25,8 @@ _FEWEST = 12  # points of a shell, below which it is part of what is nearest
 _WITHIN = 0.6  # share of a shell in a part, from which on it is of that
 _SAME = 0.45  # overlap (intersection over union) of a part with its shells, from which on it is these
 ROUGH = 0.35  # the same of a region that a word tells roughly
+_TOUCH = 2.5  # spacings within which shells touch
+_MOST_SHELLS = 60  # largest ones; the others are part of what is nearest
 _NESTED = 0.04  # of its length, by which a shell may reach out of the box of one that it is set into
 _HOST = 0.25  # share of the object that such a one has at most
 _CUT, _CUT_SIZE = 0.25, 2.0  # share of a part in shells that it cuts, and their size over its own, from which on it is none
@@ -90,8 +92,43 @@ class Shells:
             ]
             hosts = [mask, np.logical_or.reduce([mask, *inner])] if mask.mean() < _HOST else [mask]
             found |= {each.tobytes(): each for each in hosts}
-        found |= {each.tobytes(): each for each in find_branches(self.points, self.labels)}
+        found |= {each.tobytes(): each for each in self._list_branches()}
         return [mask for mask in found.values() if mask.mean() < _MOST]
+
+    def _list_branches(self) -> list[np.ndarray]:
+        """What is left without the middle one if a shell is taken away, with that shell, as masks."""
+        sizes, links = np.bincount(self.labels).astype(float), self._link()
+        groups = [_part(links, k) for k in range(len(sizes))]  # an arm is what hangs on the body by its upper half
+        most = [np.bincount(group[group >= 0], sizes[group >= 0]).max(initial=0) for group in groups]
+        middle = int(np.argmin(most))
+        return [
+            ((group != group[middle]))[self.labels] for k, group in enumerate(groups) if k != middle
+        ]
+
+    def _link(self) -> np.ndarray:
+        """Which shells touch; what touches none is linked to the nearest. Bool, shape (k, k)."""
+        count = int(self.labels.max()) + 1
+        trees: list[Any] = [KDTree(self.points[self.labels == k]) for k in range(count)]
+        spacing = float(np.median(KDTree(self.points).query(self.points, k=2)[0][:, 1]))
+        apart = np.full((count, count), np.inf)
+        for a in range(count):
+            for b in range(a):
+                apart[a, b] = apart[b, a] = trees[b].query(trees[a].data)[0].min()
+        links = apart <= _TOUCH * spacing
+        while (groups := connected_components(links, directed=False)[1]).any():
+            between = np.where(groups[:, None] == groups[None], np.inf, apart)
+            a, b = np.unravel_index(between.argmin(), between.shape)
+            links[a, b] = links[b, a] = True
+        return links
+
+
+def _part(links: np.ndarray, shell: int) -> np.ndarray:
+    """The connected group of each shell if one is taken away, whose own is -1; shape (k,)."""
+    left = links.copy()
+    left[shell], left[:, shell] = False, False
+    groups = connected_components(left, directed=False)[1].astype(int)
+    groups[shell] = -1
+    return groups
 
 
 def find_shells(points: np.ndarray, surfaces: Sequence[MeshPart] = ()) -> Shells:
@@ -105,7 +142,8 @@ def find_shells(points: np.ndarray, surfaces: Sequence[MeshPart] = ()) -> Shells
     if len(surfaces) < 2:
         return alone
     owner = find_owners(points, np.zeros_like(points), surfaces)
-    large = np.bincount(owner, minlength=len(surfaces))[owner] >= _FEWEST
+    sizes = np.bincount(owner, minlength=len(surfaces))
+    large = sizes[owner] >= max(_FEWEST, np.sort(sizes)[::-1][: _MOST_SHELLS + 1][-1] + 1 if len(sizes) > _MOST_SHELLS else 0)
     if not large.any():
         return alone
     tree: Any = KDTree(points[large])
