@@ -55,9 +55,7 @@ def main() -> int:
 
 def make_jobs(half: str, data: Path) -> list[Job]:
     """One per object of a half."""
-    return [
-        Job(each.name, partial(ask_thing, each, data)) for each in read_things() if each.half == half
-    ]
+    return [Job(each.name, partial(ask_thing, each, data)) for each in read_things() if each.half == half]
 
 
 def ask_thing(thing: Thing, data: Path) -> Iterable[Row]:
@@ -107,7 +105,9 @@ def ask_body(thing: Thing, answers: Answers, path: Path, body: Body) -> list[Row
                 outcome="asked for" if not mask.any() else "right" if overlap >= RIGHT else "wrong",
                 overlap=round(overlap, 3),
                 unsure=any(each.unsure for each in taken),
-                taken=", ".join(each.stands_for or each.label or each.name or each.roles[0] for each in taken),
+                taken=", ".join(
+                    each.stands_for or each.label or each.name or each.roles[0] for each in taken
+                ),
                 share=round(float(asked.mean()), 3),
             )
         )

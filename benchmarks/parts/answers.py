@@ -48,9 +48,7 @@ def read_things() -> tuple[Thing, ...]:
     for row in table["objects"]:
         root, credit = table["repositories"][row["from"]].split(", ", 1)
         folder, _, name = f"{root}/{row['path']}".rpartition("/")
-        words = {
-            word: tuple(each.strip() for each in told.split(",")) for word, told in row["parts"].items()
-        }
+        words = {word: tuple(each.strip() for each in told.split(",")) for word, told in row["parts"].items()}
         file = PinnedFile(name, folder, row["sha256"], f"mesh, {credit}")
         found.append(Thing(row["name"], file, row["path"], words))
     return tuple(found)
@@ -94,4 +92,6 @@ class Answers:
     def write(self, path: Path) -> None:
         """Write the object as one mesh without names."""
         vertices, faces = join_parts(self.surfaces)
-        path.write_bytes(trimesh.Scene([trimesh.Trimesh(vertices, faces, process=False)]).export(file_type="glb"))
+        path.write_bytes(
+            trimesh.Scene([trimesh.Trimesh(vertices, faces, process=False)]).export(file_type="glb")
+        )

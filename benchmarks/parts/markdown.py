@@ -21,9 +21,7 @@ def _summarise(sections: dict[str, Rows]) -> str:
     for half, rows in sections.items():
         for form in dict.fromkeys(row["form"] for row in rows):
             own = [row for row in rows if row["form"] == form]
-            counts = {
-                key: sum(r["outcome"] == key for r in own) for key in ("right", "wrong", "asked for")
-            }
+            counts = {key: sum(r["outcome"] == key for r in own) for key in ("right", "wrong", "asked for")}
             unsure = [row["outcome"] == "right" for row in own if row["unsure"]]
             shares = [f"{100 * count / len(own):.0f} % ({count})" for count in counts.values()]
             lines.append([half, form, len(own), *shares, f"{sum(unsure)} of {len(unsure)}"])

@@ -144,7 +144,9 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
     named, binding = _find_named(cloud, placement, particles, surfaces, source.name)
     photo = find_view(source, placement, base_dir) if is_photo(Path(base_dir) / source.path) else None
     shells = _place(load_shells(source, base_dir), placement)
-    return Body(cloud, placement, particles, binding, reading, loose, plain, named, source.parts, photo, shells)
+    return Body(
+        cloud, placement, particles, binding, reading, loose, plain, named, source.parts, photo, shells
+    )
 
 
 def _find_named(

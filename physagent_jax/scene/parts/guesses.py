@@ -122,7 +122,9 @@ class _Search:
                 if len(chosen) == 1 and row.get("pair"):
                     chosen += self._find_image(chosen[0])
             if row.get("many") and not several:
-                chosen = [max(chosen, key=lambda each: float((self.points[each.mask] @ self.viewer.toward).mean()))]
+                chosen = [
+                    max(chosen, key=lambda each: float((self.points[each.mask] @ self.viewer.toward).mean()))
+                ]
             return list(self._name(noun, row, chosen))
         return []
 
@@ -176,7 +178,9 @@ class _Search:
         for score, each in sorted(others, key=lambda other: -other[0]):
             ratio = each.mask.sum() / first.mask.sum()
             sides = np.sort(np.ptp(self.points[each.mask], axis=0))
-            alike = 1 / _LIKE < ratio < _LIKE and bool((np.abs(sides - size) < 0.25 * size.max() + slack).all())
+            alike = 1 / _LIKE < ratio < _LIKE and bool(
+                (np.abs(sides - size) < 0.25 * size.max() + slack).all()
+            )
             apart = all((each.mask & one.mask).sum() < _APART * each.mask.sum() for one in found)
             if alike and apart and score > _AS_LIKELY * best:
                 found.append(each)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 _LARGE = 0.08  # share of the object from which on a part is large
-_GROUND = 0.05  # of the height
+_GROUND = 0.2  # of the height, from which on a part's lowest place is off the ground
 _SIDES = np.array([(1.0, 0, 0), (-1.0, 0, 0), (0, 1.0, 0), (0, -1.0, 0)])
 _SEEN = 0.2  # cosine to the viewer of a side that is seen
 _COLUMNS = 24  # along the longest side, from above
@@ -63,6 +63,7 @@ class Looks:
             flat=flat,
             disc=flat * (1 - slim),
             round=max(1 - slim, 1 - flat),
+            stout=1 - slim,
             level=flat * abs(axes[2, 0]),
             upright=flat * np.hypot(*axes[:2, 0]),
             large=large,
@@ -70,7 +71,7 @@ class Looks:
             long=np.ptp(own, axis=0).max() / np.ptp(whole, axis=0).max(),
             open=1 - self._measure_covered(mask, 1),
             hung=1 - self._measure_covered(mask, -1),
-            grounded=own[:, 2].min() < low + _GROUND * height,
+            grounded=1 - (own[:, 2].min() - low) / (_GROUND * height),
             toward=max(self._measure_outside(own, way) for way in _SIDES if way @ self.toward > _SEEN),
             rear=self._measure_outside(own, -self.toward),
         )

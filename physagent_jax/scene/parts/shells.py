@@ -29,7 +29,10 @@ _TOUCH = 2.5  # spacings within which shells touch
 _MOST_SHELLS = 60  # largest ones; the others are part of what is nearest
 _NESTED = 0.04  # of its length, by which a shell may reach out of the box of one that it is set into
 _HOST = 0.25  # share of the object that such a one has at most
-_CUT, _CUT_SIZE = 0.25, 2.0  # share of a part in shells that it cuts, and their size over its own, from which on it is none
+_CUT, _CUT_SIZE = (
+    0.25,
+    2.0,
+)  # share of a part in shells that it cuts, and their size over its own, from which on it is none
 _MOST = 0.6  # share of the object that a candidate has
 
 
@@ -98,12 +101,12 @@ class Shells:
     def _list_branches(self) -> list[np.ndarray]:
         """What is left without the middle one if a shell is taken away, with that shell, as masks."""
         sizes, links = np.bincount(self.labels).astype(float), self._link()
-        groups = [_part(links, k) for k in range(len(sizes))]  # an arm is what hangs on the body by its upper half
+        groups = [
+            _part(links, k) for k in range(len(sizes))
+        ]  # an arm is what hangs on the body by its upper half
         most = [np.bincount(group[group >= 0], sizes[group >= 0]).max(initial=0) for group in groups]
         middle = int(np.argmin(most))
-        return [
-            ((group != group[middle]))[self.labels] for k, group in enumerate(groups) if k != middle
-        ]
+        return [(group != group[middle])[self.labels] for k, group in enumerate(groups) if k != middle]
 
     def _link(self) -> np.ndarray:
         """Which shells touch; what touches none is linked to the nearest. Bool, shape (k, k)."""
@@ -143,7 +146,9 @@ def find_shells(points: np.ndarray, surfaces: Sequence[MeshPart] = ()) -> Shells
         return alone
     owner = find_owners(points, np.zeros_like(points), surfaces)
     sizes = np.bincount(owner, minlength=len(surfaces))
-    large = sizes[owner] >= max(_FEWEST, np.sort(sizes)[::-1][: _MOST_SHELLS + 1][-1] + 1 if len(sizes) > _MOST_SHELLS else 0)
+    large = sizes[owner] >= max(
+        _FEWEST, np.sort(sizes)[::-1][: _MOST_SHELLS + 1][-1] + 1 if len(sizes) > _MOST_SHELLS else 0
+    )
     if not large.any():
         return alone
     tree: Any = KDTree(points[large])
