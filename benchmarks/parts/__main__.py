@@ -68,27 +68,29 @@ def ask_thing(thing: Thing, data: Path) -> Iterable[Row]:
         warnings.simplefilter("ignore", UserWarning)
         bare = Path(folder) / f"{thing.name.replace(' ', '_')}.glb"
         answers.write(bare)
-        rows = ask_body(thing, answers, bare, load(thing, bare))
+        rows = ask_body(thing, answers, *load(thing, bare))
     say(f"{thing.name}: " + "; ".join(f"{r['word']} {r['outcome']} {r['overlap']:.2f}" for r in rows))
     return rows
 
 
-def load(thing: Thing, path: Path) -> Body:
-    """The object at rest."""
-    run = _ask(thing, path, next(iter(thing.parts)))
+def load(thing: Thing, path: Path) -> tuple[ResolvedRun, Body]:
+    """A run of an object, and the object at rest."""
+    chosen, few = ObjectChoice(path=str(path)), Overrides(max_particles=_PARTICLES)
+    run = resolve(RunSpec(object=chosen, prompt=f"drop the {thing.name}", overrides=few))
     preset = run.template.preset
-    return make_body(run.template.source, preset.filling, preset.domain, run.base_dir)
+    return run, make_body(run.template.source, preset.filling, preset.domain, run.base_dir)
 
 
-def ask_body(thing: Thing, answers: Answers, path: Path, body: Body) -> list[Row]:
+def ask_body(thing: Thing, answers: Answers, run: ResolvedRun, body: Body) -> list[Row]:
     """The rows of an object that is loaded."""
     truth, rows = answers.list_owners(body.placement.to_source(body.shape)), []
     forms = {"mesh": body, "capture": dataclasses.replace(body, surfaces=())}
     for (form, seen), (word, patterns) in itertools.product(forms.items(), thing.parts.items()):
-        run = _ask(thing, path, word)
+        prompt = f"pull the {word} of the {thing.name} up"
+        run = dataclasses.replace(run, spec=run.spec.model_copy(update=dict(prompt=prompt)))
         with open_agents(run.spec, run.base_dir) as agents:
             brief = make_brief(run.template, parts=run.list_parts(seen))
-            reply = agents.semantic.compile(AgentContext(run.spec.prompt, brief, describe_skills())).value
+            reply = agents.semantic.compile(AgentContext(prompt, brief, describe_skills())).value
         known = brief.parts
         taken = [known[each.limb] for each in reply.expectations if each.limb is not None]
         mask = np.logical_or.reduce(
@@ -112,13 +114,6 @@ def ask_body(thing: Thing, answers: Answers, path: Path, body: Body) -> list[Row
             )
         )
     return rows
-
-
-def _ask(thing: Thing, path: Path, word: str) -> ResolvedRun:
-    """The run in which a part is pulled up."""
-    prompt = f"pull the {word} of the {thing.name} up"
-    chosen, few = ObjectChoice(path=str(path)), Overrides(max_particles=_PARTICLES)
-    return resolve(RunSpec(object=chosen, prompt=prompt, overrides=few))
 
 
 def _find_region(reply, body: Body) -> np.ndarray:

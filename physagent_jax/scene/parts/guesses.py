@@ -1,4 +1,4 @@
-"""The likeliest limb or shell for a word, where shape and file tell none for certain: a tail is behind, slim and far out.
+"""The likeliest limb or shell for a word, where nothing tells it for certain: a tail is behind, slim and far out.
 
 `guesses.yaml` says how the part of each word looks. The best one is taken, and said to be unsure, so that a person can
 name another one. Where none looks so, nothing is guessed. Shells of a mesh (`shells.py`) are looked through before
