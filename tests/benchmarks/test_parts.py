@@ -35,7 +35,11 @@ def test_rows_are_counted_by_half_and_form():
     rows = [
         dict(job="pot", word=word, form=form, outcome=outcome, overlap=0.5, unsure=unsure)
         for form in ("mesh", "capture")
-        for word, outcome, unsure in (("lid", "right", True), ("knob", "asked for", False), ("spout", "wrong", True))
+        for word, outcome, unsure in (
+            ("lid", "right", True),
+            ("knob", "asked for", False),
+            ("spout", "wrong", True),
+        )
     ]
     section = dict(runs=[], complete=True, rows=rows)
     tables = write_tables({"held back": section})

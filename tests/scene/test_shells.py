@@ -31,7 +31,9 @@ def make_box(size, middle):
 def make_car(count=7000):
     boxes = [make_box(*each) for each in CAR]
     boxes[3:] = [
-        trimesh.creation.cylinder(0.15, 0.1, transform=trimesh.transformations.rotation_matrix(np.pi / 2, (1, 0, 0)))
+        trimesh.creation.cylinder(
+            0.15, 0.1, transform=trimesh.transformations.rotation_matrix(np.pi / 2, (1, 0, 0))
+        )
         for _ in WHEELS
     ]
     for wheel, place in zip(boxes[3:], WHEELS):
@@ -77,8 +79,10 @@ def test_a_part_that_is_about_a_shell_has_its_border(car):
     rough = sign | (points[:, 2] > 0.79) & (np.abs(points[:, :2] - (0.2, 0)) < 0.1).all(1)
     part = fit_part(points, rough, joined=True).model_copy(update=dict(roles=("top",)))
     assert shells.snap(rough).tolist() == sign.tolist()
-    assert abs(shells.snap_part(part).share - sign.mean()) < 1e-3 and part.share > shells.snap_part(part).share
-    assert shells.snap(points[:, 0] > 0) is None and find_shells(points).snap(sign) is None
+    assert (
+        abs(shells.snap_part(part).share - sign.mean()) < 1e-3 and part.share > shells.snap_part(part).share
+    )
+    assert shells.snap(points[:, 1] > 0) is None and find_shells(points).snap(sign) is None
 
 
 def test_a_border_across_small_shells_is_that_of_no_part(car):
@@ -129,5 +133,7 @@ def test_measures_tell_a_plate_that_lies_from_a_rod_that_stands():
     looks = Looks(points, np.ones(1200, bool), None, VIEWER.toward)
     lying, standing = looks.measure(~own), looks.measure(own)
     assert lying["level"] > 0.8 > 0.2 > standing["level"] and standing["slim"] > 0.8 > 0.3 > lying["slim"]
-    assert lying["grounded"] > 0.9 and standing["raised"] > 0.1 and standing["open"] > 0.9 > lying["hung"] - 0.2
+    assert (
+        lying["grounded"] > 0.9 and standing["raised"] > 0.1 and standing["open"] > 0.9 > lying["hung"] - 0.2
+    )
     assert "ahead" not in standing

@@ -243,13 +243,14 @@ class _Search:
 
     @functools.cached_property
     def _front(self) -> np.ndarray | None:
-        """The level way in which it looks, by its head, as a vehicle does, or by what overhangs; None = not told."""
+        """The level way in which it looks, by its head, by what overhangs, or as a vehicle does; None = not told."""
         whole = self.points[self._whole]
         heads = [part for part in self.parts if "head" in part.roles[:1]]
+        overhang = find_overhang(whole)
         if len(heads) != 1:
-            heading = find_heading(self.points, self.parts)
-            return find_overhang(whole) if heading is None else heading[0]
+            heading = find_heading(self.points, self.parts) if overhang is None else None
+            return overhang if heading is None else heading[0]
         off = self.points[~make_region_mask(heads[0].rest, self.points)].mean(0) - whole.mean(0)
         off[2] = 0.0
         away = float(np.linalg.norm(off))
-        return off / away if away > 0.1 * float(np.ptp(whole, axis=0).max()) else find_overhang(whole)
+        return off / away if away > 0.1 * float(np.ptp(whole, axis=0).max()) else overhang

@@ -29,10 +29,7 @@ _TOUCH = 2.5  # spacings within which shells touch
 _MOST_SHELLS = 60  # largest ones; the others are part of what is nearest
 _NESTED = 0.04  # of its length, by which a shell may reach out of the box of one that it is set into
 _HOST = 0.25  # share of the object that such a one has at most
-_CUT, _CUT_SIZE = (
-    0.25,
-    2.0,
-)  # share of a part in shells that it cuts, and their size over its own, from which on it is none
+_CUT = 0.25  # share of a part in shells that it cuts and that are smaller than it, from which on it is none
 _MOST = 0.6  # share of the object that a candidate has
 
 
@@ -72,10 +69,10 @@ class Shells:
         return part.model_copy(update=told)
 
     def are_cut(self, mask: np.ndarray) -> bool:
-        """Return whether the border of a mask is across shells that are not much larger than it."""
+        """Return whether the border of a mask is across shells that are smaller than it."""
         sizes = np.bincount(self.labels)
         inside = np.bincount(self.labels[mask], minlength=len(sizes))
-        small = sizes < _CUT_SIZE * mask.sum()
+        small = sizes < mask.sum()
         return bool(np.minimum(inside, sizes - inside)[small].sum() > _CUT * mask.sum())
 
     @functools.cached_property
