@@ -114,7 +114,8 @@ class _Search:
         for least, candidates in ((_LEAST_SHELL, self._shells), (_LEAST, self._limbs)):
             scores = [self._looks.score(each.mask, row) for each in candidates]
             best = int(np.argmax(scores)) if scores else -1
-            if best < 0 or scores[best] < least or candidates is self._limbs and not row.get("limb"):
+            fits = row.get("limb") if candidates is self._limbs else self._looks.knows(row)
+            if best < 0 or scores[best] < least or not fits:
                 continue
             chosen = [self._widen(candidates[best], candidates, scores, scores[best])]
             if row.get("pair") or row.get("many"):

@@ -31,6 +31,11 @@ class Looks:
     front: np.ndarray | None
     toward: np.ndarray
 
+    def knows(self, row: dict[str, Any]) -> bool:
+        """Return whether what a row weighs most can be measured: without a front, nothing is ahead."""
+        most = max(value for key, value in row.items() if isinstance(value, int))
+        return self.front is not None or most not in (row.get("ahead"), row.get("behind"))
+
     def score(self, mask: np.ndarray, row: dict[str, Any]) -> float:
         """The mean of the measures of a part by their weights, 0 .. 1; those that are not known do not count.
 

@@ -30,7 +30,7 @@ _MOST_SHELLS = 60  # largest ones; the others are part of what is nearest
 _NESTED = 0.04  # of its length, by which a shell may reach out of the box of one that it is set into
 _HOST = 0.25  # share of the object that such a one has at most
 _CUT = 0.25  # share of a part in shells that it cuts and that are smaller than it, from which on it is none
-_MOST = 0.6  # share of the object that a candidate has
+_MOST = 0.8  # share of the object that a candidate has
 
 
 @dataclasses.dataclass(frozen=True)
@@ -96,7 +96,7 @@ class Shells:
         return [mask for mask in found.values() if mask.mean() < _MOST]
 
     def _list_branches(self) -> list[np.ndarray]:
-        """What is left without the middle one if a shell is taken away, with that shell, as masks."""
+        """The shells with what hangs on the middle one by each of them, as masks."""
         sizes, links = np.bincount(self.labels).astype(float), self._link()
         groups = [
             _part(links, k) for k in range(len(sizes))
@@ -106,7 +106,7 @@ class Shells:
         return [(group != group[middle])[self.labels] for k, group in enumerate(groups) if k != middle]
 
     def _link(self) -> np.ndarray:
-        """Which shells touch; what touches none is linked to the nearest. Bool, shape (k, k)."""
+        """The pairs of shells that touch; what touches none is linked to the nearest. Bool, shape (k, k)."""
         count = int(self.labels.max()) + 1
         trees: list[Any] = [KDTree(self.points[self.labels == k]) for k in range(count)]
         spacing = float(np.median(KDTree(self.points).query(self.points, k=2)[0][:, 1]))
