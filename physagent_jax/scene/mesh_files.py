@@ -100,8 +100,8 @@ def read_shells(path: str | Path) -> list[MeshPart]:
     """Read the shells of a file: surfaces that touch each other nowhere, whatever the file calls them.
 
     Vertices at one place are one. A large shell is looked at again: what meets along an edge of more than
-    two faces is two then, as a door in its frame. None for what is a single shell, for so many that they are crumbs, and
-    for what is as finely meshed as a scan.
+    two faces is two then, as a door in its frame. None for what is a single shell, for so many that they are crumbs,
+    and for what is as finely meshed as a scan.
 
     Raises:
         UserError: As `read_parts`.
