@@ -137,3 +137,14 @@ def test_measures_tell_a_plate_that_lies_from_a_rod_that_stands():
         lying["grounded"] > 0.9 and standing["raised"] > 0.1 and standing["open"] > 0.9 > lying["hung"] - 0.2
     )
     assert "ahead" not in standing
+
+
+def test_a_shell_that_has_a_name_is_nothing_else(car):
+    points, shells = car
+    named = fit_part(points, shells.labels == 2, joined=False).model_copy(
+        update=dict(name="lamp", origin="file")
+    )
+    assert all(
+        abs(part.share - named.share) > 0.005
+        for part in guess_parts(points, (named,), ["sign"], VIEWER, shells)
+    )

@@ -38,6 +38,7 @@ _MET = 0.6  # share of a limb's image that does, where it has one
 _FEWEST = 8  # particles
 _LIKE, _AS_LIKELY = 1.5, 0.85  # ratio of what is alike, at most; of the best score, that it has at least
 _NEARLY = 0.9  # of the best score, that what holds the best one has at least
+_NAMED = 0.5  # overlap (intersection over union) from which on a shell is a part that has a name
 _APART_BY = 0.15  # of the length, by which places are on different sides
 _APART = 0.1  # share of the smaller one in the larger, up to which two are apart
 
@@ -210,7 +211,14 @@ class _Search:
 
     @functools.cached_property
     def _shells(self) -> list[_Candidate]:
-        return [_Candidate(mask, None, "a piece of the surface") for mask in self.shells.candidates]
+        """The shells that the file has no other name for."""
+        named = [~make_region_mask(part.rest, self.points) for part in self.parts if part.name]
+        free = [
+            mask
+            for mask in self.shells.candidates
+            if all((mask & each).sum() < _NAMED * (mask | each).sum() for each in named)
+        ]
+        return [_Candidate(mask, None, "a piece of the surface") for mask in free]
 
     @functools.cached_property
     def _looks(self) -> Looks:
