@@ -71,7 +71,7 @@ _NECKED = frozenset(("head", "face", "neck"))  # words for what does not turn so
 _JAWS = frozenset(("jaw", "mouth"))  # words for what opens downwards
 _OWN_WAYS = dict(forward=1.0, forwards=1.0, backward=-1.0, backwards=-1.0)  # as it looks, and the other way
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them
-_TIME = 1.0  # [s] in which a limb gets where it goes, at most
+_TIME = 1.0  # [s] in which a limb gets where it goes, at most; less strongly is slower
 Window = tuple[float, float]
 
 
@@ -366,7 +366,7 @@ class Turning:
     def _find_window(self, motion: ExpectedMotion, until: float) -> Window:
         """The frames in which it goes where it is to go, before ``until``; a blow is short."""
         first, end = motion.window
-        frames = self.brief.count_frames(BLOW if motion.sudden else _TIME)
+        frames = self.brief.count_frames(BLOW if motion.sudden else _TIME / min(motion.strength, 1.0))
         return (first, min(end, first + max(frames, 2.0), until))
 
     @property

@@ -145,7 +145,7 @@ def _drive(
     part, told = brief.parts[motion.limb], motion
     if motion.manner == "hinge" and (hinge := find_hinge(part, brief)):
         part = part.model_copy(update=dict(joint=hinge.joint))
-        angle = Amount(value=hinge.find_angle(motion.direction), unit="degrees")
+        angle = Amount(value=hinge.find_angle(motion.direction, motion.strength), unit="degrees")
         told = motion if motion.amount else motion.model_copy(update=dict(amount=angle))
     slides = part.seated and (part.origin == "place" or LOOSE.issuperset(find_roles(part.name)))
     later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > motion.window[0] + 0.5]

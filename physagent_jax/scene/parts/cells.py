@@ -23,7 +23,7 @@ _RIM = 1.15  # farthest from the axle over that of an even disc of the same spre
 _JOINT = 0.3  # of the way from joint to tip that bends, of what is one skin with the rest
 
 
-def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool, wheel: bool = False) -> Part:
+def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool, wheel: bool = False, limb: bool = False) -> Part:
     """The part that some of the particles are.
 
     A piece of its own, whose surface is closed, moves with all its particles; what is of one skin with the rest bends
@@ -35,6 +35,7 @@ def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool, wheel: bool 
         mask: Those of the part, shape (n,); neither none nor all.
         joined: Whether it is of one skin with the rest.
         wheel: Whether it is called a wheel: then it may be nearly as thick as it is broad.
+        limb: Whether it is called as what has a joint, however short it is.
     """
     low, high = points.min(0), points.max(0)
     box, size = np.maximum(high - low, 1e-12), float((high - low).max())
@@ -48,7 +49,8 @@ def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool, wheel: bool 
     off = float(np.linalg.norm(centre - joint))
     axle = _find_axle(own, _THICK if wheel else _FLAT)
     rolls = axle is not None and not joined
-    seated = rolls or length < _SLIM * max(width, 1e-9) or off < _OFF * length
+    slim = limb or length >= _SLIM * max(width, 1e-9)
+    seated = rolls or not slim or off < _OFF * length
     arm = tip - joint
     if seated:  # it goes up or out as far as it is long
         out = centre - joint
