@@ -16,6 +16,7 @@ from physagent_jax.motion.schema import SceneBrief
 from physagent_jax.motion.vectors import add, cross, dot, norm, scale, subtract
 
 _SQUARE = 1.4  # area of the largest box around a piece seen from above over the least, of what has corners
+_FEWEST = 16  # places that tell corners
 _TURNS = 12  # directions of such a box in a quarter turn
 _TRIMMED = 0.04  # share of seeds at either end that is no part of an extent
 _THIN = 0.6  # thickness of a door over its next extent, at most
@@ -107,8 +108,10 @@ def _find_ends(places: Sequence[Vector], way: Vector) -> tuple[float, float]:
 
 
 def _find_corners(places: Sequence[Vector], up: Vector) -> tuple[Vector, Vector] | None:
-    """The level ways along the sides of the least box around places; None if they are round, seen from above."""
+    """The level ways along the sides of the least box around places; None if they are round or few, seen from above."""
     boxes = []
+    if len(places) < _FEWEST:
+        return None
     for step in range(_TURNS):
         angle = 0.5 * math.pi * step / _TURNS
         one: Vector = (math.cos(angle), math.sin(angle), 0.0)

@@ -18,7 +18,7 @@ from physagent_jax.forces.calibration import BLOW
 from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.schema import Bend, VelocityConstraint
-from physagent_jax.motion.limbs import SEATED, find_facing, find_front
+from physagent_jax.motion.limbs import SEATED, find_facing
 from physagent_jax.motion.schema import Amount, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import (
     add,
@@ -99,7 +99,7 @@ class Turning:
     @functools.cached_property
     def out(self) -> Vector:
         """The level way that leads away from the body: from its mirror image to it, else to where it is."""
-        front = find_front(self.brief.parts)
+        front = find_facing(self.brief.parts)
         if front is not None and "leg" in self.part.roles[:1]:
             return front
         side = self.part.side
@@ -291,13 +291,14 @@ class Turning:
         return up, [most, *[-angle, angle] * count]
 
     def _nod(self, motion: ExpectedMotion) -> Vector | None:
-        """The way of a head that nods: down where it looks aside, forward where it is upright and that is known."""
+        """The way of a head that nods: down where it looks aside, forward where it is upright."""
         if "head" not in self.part.roles or not any(
             each.startswith("nod") for each in split_name(motion.words)
         ):
             return None
         level = abs(dot(self.arm, self.brief.directions.up)) < _HANGS
-        return self.brief.directions.down if level else find_front(self.brief.parts)
+        table = self.brief.directions
+        return table.down if level else find_facing(self.brief.parts) or table.toward
 
     def _face(self, motion: ExpectedMotion) -> ExpectedMotion:
         """The motion as the object has it: what is bent "backwards" goes to its own back, where its front is known."""

@@ -150,4 +150,4 @@ def _drive(
     slides = part.seated and (part.origin == "place" or LOOSE.issuperset(find_roles(part.name)))
     later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > motion.window[0] + 0.5]
     made, seen = Turning(part, brief, frame_count, slides).drive(told, min([frame_count - 1.0, *later]))
-    return made, motion if told is not motion else seen
+    return made, seen
