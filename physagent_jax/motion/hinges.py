@@ -53,12 +53,7 @@ def find_hinge(part: Part, brief: SceneBrief) -> Hinge | None:
     if not part.moved.rigid or not _UNHINGED.isdisjoint(split_name(part.name)):
         return None
     box = _find_box(brief)
-    inside, outside = (
-        [_stretch(seed, box) for seed in seeds] for seeds in (part.moved.inside, part.moved.outside)
-    )
-    near = [(min(outside, key=lambda b: math.dist(a, b)), a) for a in inside]
-    least = min(math.dist(a, b) for a, b in near) + _NEAR
-    gaps = [(a, b) for b, a in near if math.dist(a, b) < least]
+    inside, outside, gaps = _find_gaps(part, box)
     found = _find_line_hinge(inside, outside, [a for a, _ in gaps])
     if found is None and (edge := find_edge(part, brief, inside, gaps, box)):
         found = Hinge(edge[0], scale(edge[1], -1.0), 0.0)
@@ -66,6 +61,30 @@ def find_hinge(part: Part, brief: SceneBrief) -> Hinge | None:
         return None
     x, y, z = (a / b for a, b in zip(found.joint, box))
     return replace(found, joint=(x, y, z))
+
+
+def stand_up(part: Part, brief: SceneBrief) -> Part:
+    """A part that sits on the rest, as what sways on it: its joint is where it touches that."""
+    box = _find_box(brief)
+    inside, _, gaps = _find_gaps(part, box)
+    base = _average([here for here, _ in gaps])
+    arm = scale(subtract(_find_middle(inside), base), 2.0)
+    if norm(arm) < _OFF * max(math.dist(base, each) for each in inside):
+        return part
+    x, y, z = (a / b for a, b in zip(base, box))
+    return part.model_copy(update=dict(joint=(x, y, z), arm=arm, seated=False))
+
+
+def _find_gaps(
+    part: Part, box: Vector
+) -> tuple[list[Vector], list[Vector], list[tuple[Vector, Vector]]]:
+    """Places in a part, in the rest, and those of the part that touch the rest with what they touch [body lengths]."""
+    inside, outside = (
+        [_stretch(seed, box) for seed in seeds] for seeds in (part.moved.inside, part.moved.outside)
+    )
+    near = [(here, min(outside, key=lambda there: math.dist(here, there))) for here in inside]
+    least = min(math.dist(here, there) for here, there in near) + _NEAR
+    return inside, outside, [each for each in near if math.dist(*each) < least]
 
 
 def _find_line_hinge(inside: list[Vector], outside: list[Vector], touching: list[Vector]) -> Hinge | None:

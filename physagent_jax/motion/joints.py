@@ -18,6 +18,7 @@ from physagent_jax.forces.calibration import BLOW
 from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.schema import Bend, VelocityConstraint
+from physagent_jax.motion.hinges import stand_up
 from physagent_jax.motion.limbs import SEATED, find_facing
 from physagent_jax.motion.schema import Amount, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import (
@@ -58,6 +59,9 @@ _INWARD = -0.3  # cosine to the way out below which a level way leads into the b
 _SUPPLE = frozenset(
     ("tail", "wing", "ear", "horn", "nose")
 )  # roles of what bends everywhere, and not at its joint alone
+_CURLED = 140.0  # [degrees] that a plain word curls a limb by
+_REACHED, _STEP = 0.06, 5.0  # [body lengths] over the ground where a tip has come down; [degrees] of the search for that
+_DEEPER = 1.4  # times the angle without a crease, that a limb is turned by to come so far
 _CURLS = 1.4  # times the angle that a supple limb turns by: its tip goes less far
 _WIDE = 4.0  # standard deviations of a disc in its diameter
 _ZONE = 1.25  # widths of the limb, over which it bends beside its joint
@@ -68,6 +72,7 @@ _BORDER = 3.0  # standard deviations of the neck, within which the rest borders 
 _SPUN = 180.0  # [degrees] that a plain word turns what stands on the rest about the upright
 _WHEELED = 360.0  # [degrees] that it turns a wheel
 _NECKED = frozenset(("head", "face", "neck"))  # words for what does not turn so far
+_CURLING = frozenset(("curl", "coil"))  # begins of words for what bends over all of its length
 _JAWS = frozenset(("jaw", "mouth"))  # words for what opens downwards
 _OWN_WAYS = dict(forward=1.0, forwards=1.0, backward=-1.0, backwards=-1.0)  # as it looks, and the other way
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them
@@ -84,12 +89,14 @@ class Turning:
         brief: The scene.
         frame_count: Length of the clip [frames].
         slides: Whether it sits loose on the rest, as a lid does, and is moved rather than turned.
+        curls: Whether it bends over all of its length.
     """
 
     part: Part
     brief: SceneBrief
     frame_count: int
     slides: bool = False
+    curls: bool = False
 
     @functools.cached_property
     def arm(self) -> Vector:
@@ -150,8 +157,11 @@ class Turning:
             until: Frame at which the limb's next one begins, or the clip's last.
         """
         motion = self._face(motion)
+        if not self.curls and not _CURLING.isdisjoint(each[:4] for each in split_name(motion.words)):
+            return dataclasses.replace(self, slides=False, curls=True).drive(motion, until)
         if motion.kind is MotionKind.SWAY:
-            return self._drive_swings(motion)
+            standing = stand_up(self.part, self.brief) if self.part.seated else self.part
+            return dataclasses.replace(self, part=standing, slides=False)._drive_swings(motion)
         axis = motion.direction
         if motion.kind is MotionKind.ROTATE and axis is not None and (spun := self._find_spun(motion, axis)):
             if spun < _WHEELED:  # pictures do not tell one turn of alike blades from a part of it
@@ -163,6 +173,8 @@ class Turning:
         if motion.kind is MotionKind.ROTATE and axis is not None:
             return [self.turn(axis, self.find_angle(motion, axis), window, stop)], motion
         way = self._gape(motion) or motion.direction or self.swing
+        if self.curls and abs(dot(way, self.arm)) > _ALONG:  # it cannot curl along itself
+            way = self.swing if self.hangs else self.brief.directions.toward
         place = self.part.origin == "place"  # it has no joint
         angle = self.find_angle(motion, None if place else self.find_axis(way, sudden=motion.sudden), way)
         course = motion.direction and self.find_course(way, angle, sudden=motion.sudden)
@@ -227,18 +239,31 @@ class Turning:
         """
         if motion.amount is not None and motion.amount.unit == "degrees":
             return motion.amount.value
-        angle = clamp(_PLAIN * motion.strength, _LEAST, _MOST)
+        angle = clamp((_CURLED if self.curls else _PLAIN) * motion.strength, _LEAST, _CURLED if self.curls else _MOST)
         rise = 0.0 if way is None else dot(way, self.brief.directions.up)
         if axis is None:
             return angle
         if abs(rise) > _ALONG and not motion.sudden and "leg" not in self.part.roles[:1]:
             wanted = _RAISED - self.height if rise > 0 else self.height - _LOWERED
             angle = clamp(wanted * min(motion.strength, 1.0), angle, _FARTHEST)
-        return min(angle * (_CURLS if self.supple else 1.0), self._find_zone(axis)[1])
+        if motion.to_ground and rise < -_ALONG:
+            return min(self._find_way_down(axis), _DEEPER * self._find_zone(axis)[1])
+        curls = _CURLS if self.supple and not self.curls else 1.0
+        return min(angle * curls, self._find_zone(axis)[1])
+
+    def _find_way_down(self, axis: Vector) -> float:
+        """The angle about an axis at which its tip is at the ground, or lowest [degrees]."""
+        up, base = self.brief.directions.up, self.part.joint[2] * self.brief.extents[1]
+        angles = [_STEP * each for each in range(1, round(180 / _STEP))]
+        heights = [base + dot(rotate(self.part.arm, scale(axis, angle)), up) for angle in angles]
+        lowest = angles[heights.index(min(heights))]
+        return next((angle for angle, z in zip(angles, heights) if z < _REACHED), lowest)
 
     @property
     def supple(self) -> bool:
         """Return whether it bends everywhere."""
+        if self.curls and norm(self.part.neck) > 0:
+            return True
         return not _SUPPLE.isdisjoint(self.part.roles[:1]) and norm(self.part.neck) > 0
 
     def turn(self, axis: Vector, angle: float, window: Window, stop: float | None) -> VelocityConstraint:

@@ -50,7 +50,7 @@ def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool, wheel: bool 
     off = float(np.linalg.norm(centre - joint))
     axle = _find_axle(own, _THICK if wheel else _FLAT)
     rolls = axle is not None and not joined
-    if limb and off < _OFF * length:  # it is sunk in the rest: the end at the middle of that is its joint
+    if limb and not joined and off < _OFF * length:  # it is sunk in the rest: the end at the middle of that is its joint
         joint, tip = _find_ends(own, rest.mean(0))
         length, off = float(np.linalg.norm(tip - joint)), float(np.linalg.norm(centre - joint))
     slim = limb or length >= _SLIM * max(width, 1e-9)
