@@ -18,7 +18,7 @@ from physagent_jax.motion.vectors import add, cross, dot, norm, scale, subtract
 _SQUARE = 1.4  # area of the largest box around a piece seen from above over the least, of what has corners
 _FEWEST = 16  # places that tell corners
 _TURNS = 12  # directions of such a box in a quarter turn
-_TRIMMED = 0.04  # share of seeds at either end that is no part of an extent
+_TRIMMED = 0.02  # share of seeds at either end that is no part of an extent
 _THIN = 0.6  # thickness of a door over its next extent, at most
 _ASIDE = 0.12  # [body lengths] from the object's middle, from which on a piece lies on one side of it
 _EDGE = 0.8  # length of a lid's hinge over its longest edge, at least

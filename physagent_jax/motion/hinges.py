@@ -52,7 +52,7 @@ def find_hinge(part: Part, brief: SceneBrief) -> Hinge | None:
     """The hinge of a rigid piece of the object; None if nothing tells one."""
     if not part.moved.rigid or not _UNHINGED.isdisjoint(split_name(part.name)):
         return None
-    box = _find_box(brief)
+    box = find_box(brief)
     inside, outside, gaps = _find_gaps(part, box)
     found = _find_line_hinge(inside, outside, [a for a, _ in gaps])
     if found is None and (edge := find_edge(part, brief, inside, gaps, box)):
@@ -65,7 +65,7 @@ def find_hinge(part: Part, brief: SceneBrief) -> Hinge | None:
 
 def stand_up(part: Part, brief: SceneBrief) -> Part:
     """A part that sits on the rest, as what sways on it: its joint is where it touches that."""
-    box = _find_box(brief)
+    box = find_box(brief)
     inside, _, gaps = _find_gaps(part, box)
     base = _average([here for here, _ in gaps])
     arm = scale(subtract(_find_middle(inside), base), 2.0)
@@ -108,8 +108,8 @@ def find_hinged(brief: SceneBrief) -> tuple[int, ...]:
     return tuple(sorted(hinged, key=lambda index: -brief.parts[index].side[2])[:1])
 
 
-def _find_box(brief: SceneBrief) -> Vector:
-    """Extents along the world's axes [body lengths], from those along the viewer's."""
+def find_box(brief: SceneBrief) -> Vector:
+    """The object's extents along the world's axes [body lengths], from those along the viewer's."""
     (width, height, depth), (x, y, _) = brief.extents, brief.directions.right
     c, s = abs(x), abs(y)
     if abs(c - s) < 0.1:

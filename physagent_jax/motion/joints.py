@@ -18,7 +18,7 @@ from physagent_jax.forces.calibration import BLOW
 from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.schema import Bend, VelocityConstraint
-from physagent_jax.motion.hinges import stand_up
+from physagent_jax.motion.hinges import find_box, stand_up
 from physagent_jax.motion.limbs import SEATED, find_facing
 from physagent_jax.motion.schema import Amount, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import (
@@ -60,13 +60,14 @@ _SUPPLE = frozenset(
     ("tail", "wing", "ear", "horn", "nose")
 )  # roles of what bends everywhere, and not at its joint alone
 _CURLED = 140.0  # [degrees] that a plain word curls a limb by
-_REACHED, _STEP = 0.06, 5.0  # [body lengths] over the ground where a tip has come down; [degrees] of the search for that
-_DEEPER = 1.4  # times the angle without a crease, that a limb is turned by to come so far
+_REACHED, _STEP = 0.06, 5.0  # [body lengths] over the ground, where it has come down; [degrees] of the search for that
+_DEEPER = 1.2  # times the angle without a crease, that a limb is turned by to come so far
 _CURLS = 1.4  # times the angle that a supple limb turns by: its tip goes less far
 _WIDE = 4.0  # standard deviations of a disc in its diameter
 _ZONE = 1.25  # widths of the limb, over which it bends beside its joint
 _SHORT = 0.6  # of its length, at most
 _STRAIN = 0.85  # [1] of the skin on the outside of a bend, at most
+_WRUNG = 40.0  # [degrees] that what is twisted is turned by, as the rest below it is twisted as well
 _STEEPEST = 1.5  # slope of u^2 (3 - 2 u) in its middle
 _BORDER = 3.0  # standard deviations of the neck, within which the rest borders on the part
 _SPUN = 180.0  # [degrees] that a plain word turns what stands on the rest about the upright
@@ -252,12 +253,18 @@ class Turning:
         return min(angle * curls, self._find_zone(axis)[1])
 
     def _find_way_down(self, axis: Vector) -> float:
-        """The angle about an axis at which its tip is at the ground, or lowest [degrees]."""
-        up, base = self.brief.directions.up, self.part.joint[2] * self.brief.extents[1]
-        angles = [_STEP * each for each in range(1, round(180 / _STEP))]
-        heights = [base + dot(rotate(self.part.arm, scale(axis, angle)), up) for angle in angles]
-        lowest = angles[heights.index(min(heights))]
-        return next((angle for angle, z in zip(angles, heights) if z < _REACHED), lowest)
+        """The angle about an axis at which it meets the ground, or its lowest place is lowest [degrees]."""
+        box, up = find_box(self.brief), self.brief.directions.up
+        joint = (self.part.joint[0] * box[0], self.part.joint[1] * box[1], self.part.joint[2] * box[2])
+        arms = [
+            subtract((x * box[0], y * box[1], z * box[2]), joint) for x, y, z in self.part.moved.inside
+        ]
+        angles = [_STEP * each for each in range(1, round(_FARTHEST / _STEP))]
+        lowest = [
+            dot(joint, up) + min(dot(rotate(arm, scale(axis, angle)), up) for arm in arms) for angle in angles
+        ]
+        end = angles[lowest.index(min(lowest))]
+        return next((angle for angle, z in zip(angles, lowest) if z < _REACHED), end)
 
     @property
     def supple(self) -> bool:
@@ -288,7 +295,8 @@ class Turning:
         if not width:
             return 0.0, math.inf
         depth = length if self.supple else min(_ZONE * width, _SHORT * length)
-        return depth, max(math.degrees(2 * _STRAIN * depth / (_STEEPEST * width)), _LEAST)
+        least = _WRUNG if across is None else _LEAST
+        return depth, max(math.degrees(2 * _STRAIN * depth / (_STEEPEST * width)), least)
 
     def _bend(self, made: VelocityConstraint, depth: float) -> VelocityConstraint:
         reach, part = _BORDER * max(self.part.neck), self.part
