@@ -61,7 +61,7 @@ _SUPPLE = frozenset(
 )  # roles of what bends everywhere, and not at its joint alone
 _CURLED = 140.0  # [degrees] that a plain word curls a limb by
 _REACHED, _STEP = 0.06, 5.0  # [body lengths] over the ground, where it has come down; [degrees] of the search for that
-_DEEPER = 1.2  # times the angle without a crease, that a limb is turned by to come so far
+_NEARLY = 0.1  # of its length, over where a limb is lowest: farther on, it would only be tucked in
 _CURLS = 1.4  # times the angle that a supple limb turns by: its tip goes less far
 _WIDE = 4.0  # standard deviations of a disc in its diameter
 _ZONE = 1.25  # widths of the limb, over which it bends beside its joint
@@ -71,7 +71,7 @@ _WRUNG = 40.0  # [degrees] that what is twisted is turned by, as the rest below 
 _STEEPEST = 1.5  # slope of u^2 (3 - 2 u) in its middle
 _BORDER = 3.0  # standard deviations of the neck, within which the rest borders on the part
 _SPUN = 180.0  # [degrees] that a plain word turns what stands on the rest about the upright
-_WHEELED = 360.0  # [degrees] that it turns a wheel
+_WHEELED, _FAST = 360.0, 2.0  # [degrees] that it turns a wheel; times that, of a strong word
 _NECKED = frozenset(("head", "face", "neck"))  # words for what does not turn so far
 _CURLING = frozenset(("curl", "coil"))  # begins of words for what bends over all of its length
 _JAWS = frozenset(("jaw", "mouth"))  # words for what opens downwards
@@ -189,7 +189,8 @@ class Turning:
         upright = abs(dot(axis, self.brief.directions.up)) > _ALONG
         seated = upright and not SEATED.isdisjoint(self.part.roles[:1])
         wheel = self.part.axle is not None and abs(dot(axis, self.part.axle)) > _ALONG
-        return (_WHEELED if wheel else _SPUN) if plain and (wheel or seated) else 0.0
+        turns = _WHEELED * (_FAST if motion.strength > 1.0 else 1.0)
+        return (turns if wheel else _SPUN) if plain and (wheel or seated) else 0.0
 
     def _drive_swings(self, motion: ExpectedMotion) -> tuple[list[VelocityConstraint], ExpectedMotion]:
         """As `drive`, to and fro: each stroke takes as long as its angle needs."""
@@ -248,12 +249,12 @@ class Turning:
             wanted = _RAISED - self.height if rise > 0 else self.height - _LOWERED
             angle = clamp(wanted * min(motion.strength, 1.0), angle, _FARTHEST)
         if motion.to_ground and rise < -_ALONG:
-            return min(self._find_way_down(axis), _DEEPER * self._find_zone(axis)[1])
+            return min(self._find_way_down(axis), self._find_zone(axis)[1])
         curls = _CURLS if self.supple and not self.curls else 1.0
         return min(angle * curls, self._find_zone(axis)[1])
 
     def _find_way_down(self, axis: Vector) -> float:
-        """The angle about an axis at which it meets the ground, or its lowest place is lowest [degrees]."""
+        """The angle about an axis at which it meets the ground, or is nearly as low as it can be [degrees]."""
         box, up = find_box(self.brief), self.brief.directions.up
         joint = (self.part.joint[0] * box[0], self.part.joint[1] * box[1], self.part.joint[2] * box[2])
         arms = [
@@ -263,8 +264,8 @@ class Turning:
         lowest = [
             dot(joint, up) + min(dot(rotate(arm, scale(axis, angle)), up) for arm in arms) for angle in angles
         ]
-        end = angles[lowest.index(min(lowest))]
-        return next((angle for angle, z in zip(angles, lowest) if z < _REACHED), end)
+        enough = max(_REACHED, min(lowest) + _NEARLY * norm(self.part.arm))
+        return next(angle for angle, z in zip(angles, lowest) if z <= enough)
 
     @property
     def supple(self) -> bool:
@@ -287,7 +288,8 @@ class Turning:
     def _find_zone(self, axis: Vector) -> tuple[float, float]:
         """The way over which it bends [body lengths], and the largest angle that leaves no crease [degrees]."""
         length = norm(self.part.arm)
-        across = normalise(cross(axis, self.arm))  # None of a twist
+        twisted = abs(dot(axis, self.arm)) > _ALONG
+        across = None if twisted else normalise(cross(axis, self.arm))
         spread = (
             max(self.part.neck) if across is None else math.hypot(*map(operator.mul, across, self.part.neck))
         )

@@ -118,6 +118,16 @@ def test_two_doors_have_their_hinges_away_from_each_other():
     assert one.axis[2] * other.axis[2] < 0
 
 
+def test_both_doors_open_each_about_its_own_hinge():
+    block = fill((0, 0.12, 0), (1, 1, 1))
+    left, right = fill((0.1, 0, 0), (0.48, 0.08, 0.8)), fill((0.52, 0, 0), (0.9, 0.08, 0.8))
+    thing = make_thing(make_piece("left gate", left, block, 0.1), make_piece("right gate", right, block, 0.1))
+    reply = compile_intent(read_intent("both gates open", thing), thing)
+    one, other = reply.force_field.constraints
+    assert one.vector[2] * other.vector[2] < -0.9 and one.magnitude == other.magnitude
+    assert {each.amount.value for each in reply.expectations} == {100.0}
+
+
 def test_a_drawer_has_no_hinge():
     assert find_hinge(make_wall("drawer").parts[0], make_wall()) is None
 

@@ -527,6 +527,16 @@ def test_what_sits_on_the_rest_sways_about_its_foot():
     assert all(each.pivot[2] < 0.88 for each in made)
 
 
+def test_a_wheel_goes_around_twice_where_it_spins_fast():
+    wheel = make_part("side", (0, 0.1, 0), (0, -1, 0)).model_copy(update=dict(name="wheel", axle=(0, 1, 0)))
+    plain, fast = (
+        abs(made.magnitude) * made.gain
+        for text in ("the wheel spins", "the wheel spins fast")
+        for made in read(text, wheel).force_field.constraints
+    )
+    assert fast == pytest.approx(2 * plain, rel=0.01)
+
+
 def test_an_upright_head_nods_to_where_we_stand():
     (nod, *_) = read("the robot nods its head").force_field.constraints
     assert find_way(nod, HEAD)[1] < -0.1

@@ -299,6 +299,7 @@ def test_what_hangs_on_a_joint_belongs_to_its_limbs(tmp_path):
         {"name": "hand.l", "children": [1]},
     ]
     builder.tree["skins"] = [{"joints": [2, 3, 4]}]
+    builder.tree["scenes"] = [{"nodes": [0, 2]}]
     axe = read_named_parts(write(tmp_path, "a.glb", builder.glb()))[-1]
     assert axe.names == ("axe", "left hand", "left arm")
 
