@@ -75,9 +75,7 @@ def stand_up(part: Part, brief: SceneBrief) -> Part:
     return part.model_copy(update=dict(joint=(x, y, z), arm=arm, seated=False))
 
 
-def _find_gaps(
-    part: Part, box: Vector
-) -> tuple[list[Vector], list[Vector], list[tuple[Vector, Vector]]]:
+def _find_gaps(part: Part, box: Vector) -> tuple[list[Vector], list[Vector], list[tuple[Vector, Vector]]]:
     """Places in a part, in the rest, and those of the part that touch the rest with what they touch [body lengths]."""
     inside, outside = (
         [_stretch(seed, box) for seed in seeds] for seeds in (part.moved.inside, part.moved.outside)

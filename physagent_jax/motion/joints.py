@@ -60,7 +60,10 @@ _SUPPLE = frozenset(
     ("tail", "wing", "ear", "horn", "nose")
 )  # roles of what bends everywhere, and not at its joint alone
 _CURLED = 140.0  # [degrees] that a plain word curls a limb by
-_REACHED, _STEP = 0.06, 5.0  # [body lengths] over the ground, where it has come down; [degrees] of the search for that
+_REACHED, _STEP = (
+    0.06,
+    5.0,
+)  # [body lengths] over the ground, where it has come down; [degrees] of the search for that
 _NEARLY = 0.1  # of its length, over where a limb is lowest: farther on, it would only be tucked in
 _CURLS = 1.4  # times the angle that a supple limb turns by: its tip goes less far
 _WIDE = 4.0  # standard deviations of a disc in its diameter
@@ -241,7 +244,9 @@ class Turning:
         """
         if motion.amount is not None and motion.amount.unit == "degrees":
             return motion.amount.value
-        angle = clamp((_CURLED if self.curls else _PLAIN) * motion.strength, _LEAST, _CURLED if self.curls else _MOST)
+        angle = clamp(
+            (_CURLED if self.curls else _PLAIN) * motion.strength, _LEAST, _CURLED if self.curls else _MOST
+        )
         rise = 0.0 if way is None else dot(way, self.brief.directions.up)
         if axis is None:
             return angle
@@ -257,9 +262,7 @@ class Turning:
         """The angle about an axis at which it meets the ground, or is nearly as low as it can be [degrees]."""
         box, up = find_box(self.brief), self.brief.directions.up
         joint = (self.part.joint[0] * box[0], self.part.joint[1] * box[1], self.part.joint[2] * box[2])
-        arms = [
-            subtract((x * box[0], y * box[1], z * box[2]), joint) for x, y, z in self.part.moved.inside
-        ]
+        arms = [subtract((x * box[0], y * box[1], z * box[2]), joint) for x, y, z in self.part.moved.inside]
         angles = [_STEP * each for each in range(1, round(_FARTHEST / _STEP))]
         lowest = [
             dot(joint, up) + min(dot(rotate(arm, scale(axis, angle)), up) for arm in arms) for angle in angles

@@ -493,7 +493,9 @@ def test_what_wags_on_a_free_object_does_not_rock_all_of_it():
 
 def test_a_limb_curls_farther_than_it_bends_and_over_all_of_its_length():
     tail = TAIL.model_copy(update=dict(neck=(0.01, 0.0, 0.01)))
-    (bend, *_), (curl, *_) = (read(f"it {verb}s its tail", tail).force_field.constraints for verb in ("lift", "curl"))
+    (bend, *_), (curl, *_) = (
+        read(f"it {verb}s its tail", tail).force_field.constraints for verb in ("lift", "curl")
+    )
     assert find_way(curl, tail)[2] > 0 and curl.bend.depth == pytest.approx(0.2)
     assert abs(curl.magnitude) * curl.gain > 1.3 * abs(bend.magnitude) * bend.gain
 

@@ -24,7 +24,9 @@ _RIM = 1.15  # farthest from the axle over that of an even disc of the same spre
 _JOINT = 0.3  # of the way from joint to tip that bends, of what is one skin with the rest
 
 
-def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool, wheel: bool = False, limb: bool = False) -> Part:
+def fit_part(
+    points: np.ndarray, mask: np.ndarray, *, joined: bool, wheel: bool = False, limb: bool = False
+) -> Part:
     """The part that some of the particles are.
 
     A piece of its own, whose surface is closed, moves with all its particles; what is of one skin with the rest bends
@@ -50,7 +52,9 @@ def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool, wheel: bool 
     off = float(np.linalg.norm(centre - joint))
     axle = _find_axle(own, _THICK if wheel else _FLAT)
     rolls = axle is not None and not joined
-    if limb and not joined and off < _OFF * length:  # it is sunk in the rest: the end at the middle of that is its joint
+    if (
+        limb and not joined and off < _OFF * length
+    ):  # it is sunk in the rest: the end at the middle of that is its joint
         joint, tip = _find_ends(own, rest.mean(0))
         length, off = float(np.linalg.norm(tip - joint)), float(np.linalg.norm(centre - joint))
     slim = limb or length >= _SLIM * max(width, 1e-9)
