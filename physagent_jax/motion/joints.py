@@ -133,6 +133,11 @@ class Turning:
         return dot(self.arm, self.brief.directions.up) < -_HANGS
 
     @property
+    def is_head(self) -> bool:
+        """Return whether it is a head, by its shape or its name."""
+        return "head" in (*self.part.roles, *split_name(self.part.name))
+
+    @property
     def swing(self) -> Vector:
         """The way across a limb that it swings to and fro: a tail and a head levelly, others across the sight."""
         table = self.brief.directions
@@ -201,13 +206,23 @@ class Turning:
         way, angles = self.list_swings(motion, count)
         done = list(itertools.accumulate([0.0, *map(abs, angles)]))
         edges = [first + (last - first) * each / done[-1] for each in done]
+        if self._shakes(motion):
+            way = self.brief.directions.right  # so the face goes
         made = [
-            self.bring(way, motion, angle, window, None)
+            self.turn(self.brief.directions.up, angle, window, None)
+            if self._shakes(motion)
+            else self.bring(way, motion, angle, window, None)
             for angle, window in zip(angles, itertools.pairwise(edges))
             if window[1] - window[0] >= 1.0
         ]
-        course = self.find_course(way, angles[0])
+        course = way if self._shakes(motion) else self.find_course(way, angles[0])
         return made, motion.model_copy(update=dict(direction=course, repeats=count))
+
+    def _shakes(self, motion: ExpectedMotion) -> bool:
+        """Return whether it is an upright head that is shaken, which turns to either side."""
+        shaken = any(each.startswith("shak") for each in split_name(motion.words))
+        upright = dot(self.arm, self.brief.directions.up) > _HANGS
+        return shaken and upright and self.is_head
 
     def find_axis(self, way: Vector, *, sudden: bool = False) -> Vector | None:
         """The axis about which a limb turns so that its tip goes a way; None where the way leads along it.
@@ -330,9 +345,7 @@ class Turning:
 
     def _nod(self, motion: ExpectedMotion) -> Vector | None:
         """The way of a head that nods: down where it looks aside, forward where it is upright."""
-        if "head" not in self.part.roles or not any(
-            each.startswith("nod") for each in split_name(motion.words)
-        ):
+        if not self.is_head or not any(each.startswith("nod") for each in split_name(motion.words)):
             return None
         level = abs(dot(self.arm, self.brief.directions.up)) < _HANGS
         table = self.brief.directions

@@ -539,6 +539,12 @@ def test_a_wheel_goes_around_twice_where_it_spins_fast():
     assert fast == pytest.approx(2 * plain, rel=0.01)
 
 
+def test_an_upright_head_that_shakes_turns_to_either_side():
+    made = read("the robot shakes its head").force_field.constraints
+    assert len(made) > 2 and all(abs(each.vector[2]) > 0.99 for each in made)
+    assert {each.vector[2] > 0 for each in made} == {True, False}
+
+
 def test_an_upright_head_nods_to_where_we_stand():
     (nod, *_) = read("the robot nods its head").force_field.constraints
     assert find_way(nod, HEAD)[1] < -0.1
