@@ -41,6 +41,11 @@ class Hinge:
     axis: Vector
     angle: float
 
+    def follow(self, lead: Hinge | None, axis: Vector | None) -> Vector:
+        """The axis about which it opens where another hinge opens about an axis, or closes likewise."""
+        opens = lead is not None and axis is not None and dot(axis, lead.axis) < 0
+        return scale(self.axis, -1.0 if opens else 1.0)
+
     def find_angle(self, axis: Vector | None, strength: float = 1.0) -> float:
         """The angle by which it opens or closes about an axis, opens less with less strength [degrees]."""
         if axis is not None and dot(axis, self.axis) < 0:

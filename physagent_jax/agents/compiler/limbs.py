@@ -21,7 +21,7 @@ from physagent_jax.motion.limbs import LOOSE, PLACES, choose_parts, find_front, 
 from physagent_jax.motion.parts import find_named, join_rest
 from physagent_jax.motion.schema import Amount, AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.swaying import FOOT, find_fold, leads_aside, lies
-from physagent_jax.motion.vectors import add, dot, scale
+from physagent_jax.motion.vectors import add, scale
 
 _DONE = {
     ConstraintType.PARTICLE_ROTATION: "turns about its joint",
@@ -142,20 +142,13 @@ def _drive(
 ) -> tuple[list[VelocityConstraint], ExpectedMotion]:
     """The constraints that bring about a limb's motion, and the motion as it is then expected."""
     assert motion.limb is not None
-    part, told = brief.parts[motion.limb], motion
+    part = brief.parts[motion.limb]
     if motion.manner == "hinge" and (hinge := find_hinge(part, brief)):
         part = part.model_copy(update=dict(joint=hinge.joint))
-        first = find_hinge(brief.parts[_find_first(motion, asked)], brief) or hinge
-        closes = dot(motion.direction or first.axis, first.axis) > 0  # each about its own hinge
-        motion = motion.model_copy(update=dict(direction=scale(hinge.axis, 1.0 if closes else -1.0)))
-        angle = Amount(value=hinge.find_angle(motion.direction, motion.strength), unit="degrees")
-        told = motion if motion.amount else motion.model_copy(update=dict(amount=angle))
+        first = next(e.limb for e in asked if e.words == motion.words and e.limb is not None)
+        way = hinge.follow(find_hinge(brief.parts[first], brief), motion.direction)
+        angle = Amount(value=hinge.find_angle(way, motion.strength), unit="degrees")
+        motion = motion.model_copy(update=dict(direction=way, amount=motion.amount or angle))
     slides = part.seated and (part.origin == "place" or LOOSE.issuperset(find_roles(part.name)))
     later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > motion.window[0] + 0.5]
-    made, seen = Turning(part, brief, frame_count, slides).drive(told, min([frame_count - 1.0, *later]))
-    return made, seen
-
-
-def _find_first(motion: ExpectedMotion, asked: list[ExpectedMotion]) -> int:
-    """The first limb of the words that a motion comes from: they tell one axis for all."""
-    return next(e.limb for e in asked if e.words == motion.words and e.limb is not None)
+    return Turning(part, brief, frame_count, slides).drive(motion, min([frame_count - 1.0, *later]))
