@@ -53,6 +53,7 @@ RUBS = 0.9  # of friction's deceleration, at most: it is help against friction, 
 BALANCING = 3.0  # times what its weight turns it by when it lies, up to which it is kept upright
 ROCKS = math.radians(2)  # by which what slides may rock
 TILTED = math.radians(20)  # at which what is led over its foot stands on its edge
+_EDGE = 0.02  # [L] around that point, in which particles tell where the edge is
 HELD_END = 0.25  # of the length, whose middle is where what is held turns about when it is wrung
 PAST = math.radians(5)  # beyond the balance up to which what tips over is driven
 _LEVEL = 0.7  # vertical component of an axis below which a turn tips
@@ -86,6 +87,7 @@ class Circumstances:
         turned: Whether something turns the object at the same time.
         until: Frame at which the next entry begins.
         tilted: Axis about which what stands is first tilted by a constraint, unit vector, shape (3,); None = it is not.
+        moved: Whether it has gone elsewhere before that.
     """
 
     scaling: SkillScaling
@@ -95,6 +97,7 @@ class Circumstances:
     turned: bool = False
     until: float = math.inf
     tilted: np.ndarray | None = None
+    moved: bool = False
 
 
 @dataclasses.dataclass(frozen=True)
@@ -188,7 +191,7 @@ class Binding:
         self._until = min(about.until * frame_dt, FOREVER)
         pivot = getattr(timed, "pivot", None)
         self._pivot = None if pivot is None else rest.min(0) + np.asarray(pivot) * np.ptp(rest, axis=0)
-        self._led, self._share, wrung = np.flatnonzero(self._mask), None, False
+        self._led, self._share, self._about, wrung = np.flatnonzero(self._mask), None, None, False
         if (bend := getattr(timed, "bend", None)) is not None:
             part, share, middle = grade_part(bend, rest)
             self._led, self._share = np.flatnonzero(part), self.leaf(share)
@@ -199,6 +202,9 @@ class Binding:
                 self._share = None if twist.share is None else self.leaf(twist.share)
         if about.tilted is not None and self._pivot is None and self._stands:
             self._pivot = self._find_foot_edge(about.tilted)
+            if about.moved:  # the edge is where its particles have gone
+                near = np.linalg.norm(rest - self._pivot, axis=1) < _EDGE * np.ptp(rest, axis=0).max()
+                self._about, self._pivot = self.leaf(near), None
         hold_end = getattr(timed, "held_until", None)
         self._held_until = None if hold_end is None else self.leaf(hold_end * frame_dt)
         self._rigid = wrung or (isinstance(timed.region, CellsRegion) and timed.region.rigid)
@@ -443,7 +449,7 @@ class Binding:
             windows.append((self.window[1], self._held_until))
             fields.append((still, still, still))
         motions = [
-            PrescribedMotion(particles, *field, *window, share=self._share, rigid=self._rigid)
+            PrescribedMotion(particles, *field, *window, share=self._share, rigid=self._rigid, about=self._about)
             for field, window in zip(fields, windows)
         ]
         return motions

@@ -63,6 +63,18 @@ class DirectionTable(Strict):
     away: Numbers
 
 
+class FootEdge(Strict):
+    """A straight edge of what an object stands on.
+
+    Attributes:
+        way: The level way across it, outwards (unit world vector).
+        reach: Its distance from the middle of the object [body lengths].
+    """
+
+    way: Numbers
+    reach: float = Field(ge=0, le=10)
+
+
 class SceneBrief(Strict):
     """The facts about a scene that an agent may use.
 
@@ -79,6 +91,7 @@ class SceneBrief(Strict):
         size: The object's longest side [m].
         long_axis: World axis along which the object is clearly longest; None if it has none.
         extents: Its width, height and depth as the viewer sees it [body lengths].
+        edges: The straight edges of its foot; none where that is round.
         world: "ground": gravity acts and the object stands on the ground, unless the sentence says otherwise; "free":
             it floats at rest in empty space.
         directions: The direction table.
@@ -95,6 +108,7 @@ class SceneBrief(Strict):
     size: float = Field(default=1.0, ge=1e-6, le=1e6)
     long_axis: Numbers | None = None
     extents: Numbers = (1.0, 1.0, 1.0)
+    edges: tuple[FootEdge, ...] = ()
     world: Literal["ground", "free"] = "free"
     directions: DirectionTable
     parts: tuple[Part, ...] = ()

@@ -132,6 +132,31 @@ def test_what_rocks_turns_about_the_edge_that_it_stands_on(more):
     np.testing.assert_allclose(edges, [[half, 0], [half, 0], [-half, 0], [-half, 0]], atol=1e-6)
 
 
+@pytest.mark.parametrize(
+    "before",
+    [
+        act("translation", (-1, 0, 0), 0, 20),
+        act("impulse", (0, 0, 1), 0, 1),
+        *(
+            dict(constraint_type="enforce_particle_rotation", vector=way, magnitude=0.8, active_time=(0, 9))
+            for way in ((1, 0, 0), (0, 0, 1))
+        ),
+    ],
+    ids=["slid", "leapt", "tilted", "spun"],
+)
+def test_what_stands_elsewhere_is_tilted_over_its_foot_there(before):
+    """What lies or looks another way by then turns about its middle."""
+    tilt = dict(
+        constraint_type="enforce_particle_rotation", magnitude=0.42, vector=(0, 1, 0), active_time=(25, 50)
+    )
+    actions, constraints = ([before], []) if "action_type" in before else ([], [before])
+    motion = compile_entries(*actions, constraints=[*constraints, tilt])[1][-1]
+    assert motion.center is None and (motion.about is None) == (not actions)
+    if actions:
+        edge = TOWER[np.asarray(motion.about) > 0]
+        assert len(edge) and (edge[:, 0] == TOWER[:, 0].max()).all() and (edge[:, 2] == 0).all()
+
+
 def test_gradients_of_the_balance_are_finite_also_where_nothing_is_off():
     import jax
 

@@ -191,8 +191,8 @@ def compile_topple(task: Task) -> None:
         task.builder.drop_height = task.builder.drop_height or 0.0  # it stands on what it falls onto
     axis, (first, last), dt = find_lean_axis(task.direction, task.brief), task.window, task.brief.frame_dt
     magnitude, seconds = find_tipping(task.event.strength, (last - first) * dt, task.brief.seconds)
-    untouched = task.builder.grounded and not (task.builder.actions or task.builder.constraints)
-    led = tip(task.brief, task.direction, task.event.strength, task.window) if untouched else []
+    before = (*task.builder.actions, *task.builder.constraints)
+    led = tip(task.brief, task.direction, task.event.strength, task.window, before) if task.builder.grounded else []
     task.builder.constraints += led
     if not led:
         task.act(ActionType.TORQUE, axis, magnitude, (first, first + seconds / dt))

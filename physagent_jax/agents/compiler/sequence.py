@@ -104,7 +104,9 @@ def _goes_over(before: Event, event: Event) -> bool:
     until = event.clause.order == "together" or "so" in before.clause.strength
     slowly = event.clause.order != "then" or before.strength < SLOW
     goes = before.motion.manner == "rock" and slowly if before.effect is Effect.LEAN else until
-    goes = goes if before.effect in (Effect.LEAN, Effect.PUSH) else before.effect is Effect.TOPPLE
+    if before.effect is Effect.STRIKE or before.is_in_wind:  # "a ball hits it and knocks it over"
+        goes = event.clause.order != "then" and not before.motion.gravity
+    goes = goes if before.effect in _UPSETTING else before.effect is Effect.TOPPLE
     return event.effect is Effect.TOPPLE and goes and whole and same and not timed
 
 
