@@ -30,7 +30,7 @@ from physagent_jax.forces.schema import (
     VelocityConstraint,
 )
 from physagent_jax.forces.sections import find_stress_concentration
-from physagent_jax.forces.terms import Balance, PushCompensation, TurnCompensation
+from physagent_jax.forces.terms import Balance, Landing, PushCompensation, TurnCompensation
 from physagent_jax.forces.twisting import Twist, find_twist
 from physagent_jax.mpm.boundaries import HalfSpace
 from physagent_jax.mpm.constraints import GradedRotation, GradedTranslation, MovingPlate, PrescribedMotion
@@ -53,6 +53,7 @@ RUBS = 0.9  # of friction's deceleration, at most: it is help against friction, 
 BALANCING = 3.0  # times what its weight turns it by when it lies, up to which it is kept upright
 ROCKS = math.radians(2)  # by which what slides may rock
 TILTED = math.radians(20)  # at which what is led over its foot stands on its edge
+FALLING = math.radians(40)  # from which on what is led over it and let go falls over
 _EDGE = 0.02  # [L] around that point, in which particles tell where the edge is
 HELD_END = 0.25  # of the length, whose middle is where what is held turns about when it is wrung
 PAST = math.radians(5)  # beyond the balance up to which what tips over is driven
@@ -200,7 +201,10 @@ class Binding:
             if twist is not None:
                 self._led, self._pivot, wrung = twist.led, twist.pivot, twist.share is None
                 self._share = None if twist.share is None else self.leaf(twist.share)
+        self._tilt = 0.0  # [rad] by which it is led over the edge of its foot
         if about.tilted is not None and self._pivot is None and self._stands:
+            frames = np.subtract(*(timed.active_time or (0.0, about.frame_count - 1))[::-1])
+            self._tilt = self.scaling.rotation * abs(timed.magnitude) * timed.gain * frames * frame_dt
             self._pivot = self._find_foot_edge(about.tilted)
             if about.moved:  # the edge is where its particles have gone
                 near = np.linalg.norm(rest - self._pivot, axis=1) < _EDGE * np.ptp(rest, axis=0).max()
@@ -318,18 +322,32 @@ class Binding:
         Args:
             released: Whether it is only kept upright once the entry lets it go: what was out of shape until then.
         """
-        opposition = self._opposition_of_the_whole
-        if opposition is None or not opposition.lever or self._turned:
+        opposition, most = self._opposition_of_the_whole, self._find_most_balance()
+        if opposition is None or most is None or self._turned:
             return []
-        x, volume = self._rest.astype(float), self._volume.astype(float)
-        arm = x - np.average(x, axis=0, weights=volume)
-        spread = max(float(np.average((arm**2).sum(1), weights=volume)), _TINY)
-        most = BALANCING * opposition.weight * opposition.lever / spread
         swings = self.stroke is not None and self.stroke.swings
         slack = 0.0 if self.upwards >= RISES else ROCKS
         start, end = self.window[1 if swings or released else 0], self.leaf(self._until)
         start = start if self._held_until is None else self._held_until
         return [Balance(self.leaf(self._rest), self.leaf(most), self.leaf(slack), start, end)]
+
+    def let_land(self) -> list:
+        """The force that lets what is led over the edge of its foot, and then let go, lie where it falls."""
+        most = self._find_most_balance()
+        if self._tilt < FALLING or most is None or self._held_until is not None:
+            return []
+        numbers = (self._rest, self._way, most)
+        return [Landing(*map(self.leaf, numbers), self.window[1], self.leaf(self._until))]
+
+    def _find_most_balance(self) -> float | None:
+        """The largest angular acceleration that keeps or brings it where it is to be [rad/s^2]; None = none does."""
+        opposition = self._opposition_of_the_whole
+        if opposition is None or not opposition.lever:
+            return None
+        x, volume = self._rest.astype(float), self._volume.astype(float)
+        arm = x - np.average(x, axis=0, weights=volume)
+        spread = max(float(np.average((arm**2).sum(1), weights=volume)), _TINY)
+        return BALANCING * opposition.weight * opposition.lever / spread
 
     def _find_foot_edge(self, axis: np.ndarray) -> np.ndarray:
         """The point on which it stands when it is tilted about a level axis by `TILTED` [m], shape (3,)."""
