@@ -10,6 +10,7 @@ from physagent_jax.forces.skills import get_skill
 
 Entry = Action | VelocityConstraint
 _LEVEL = 0.5  # vertical component of a way
+_ROUNDED = 0.5  # frames, by which an action's end may be rounded
 _BACK = 0.02  # of all turns, by which what comes back may miss its place
 
 
@@ -25,7 +26,7 @@ def end_of(entry: Entry) -> float:
 
 def leave_upright(entries: Sequence[Entry], frame: float) -> bool:
     """Return whether the whole of what stood stands upright again at a frame, after all of some entries."""
-    if not all(each.region is None and end_of(each) <= frame for each in entries):
+    if not all(each.region is None and end_of(each) <= frame + _ROUNDED for each in entries):
         return False
     turns = [each for each in entries if get_skill(each).is_axis]
     if not all(get_skill(each).prescribes for each in turns):
