@@ -79,6 +79,8 @@ def test_no_push_goes_on_after_its_balance(prompt):
     degrees, seconds = find_degrees(turns[-1], reply)
     assert 40 < degrees < 70 and seconds < 1.0 and turns[-1].held_until is None
     assert all(each.action_type is not ActionType.TORQUE for each in reply.force_field.actions)
+    struck = [each for each in reply.expectations if each.sudden and "jumps" not in prompt]
+    assert not (struck and reply.force_field.actions) and all(each.strength <= 1 for each in struck)
 
 
 def test_what_tips_goes_over_an_edge_of_its_foot_and_over_no_corner():
