@@ -467,7 +467,9 @@ class Binding:
             windows.append((self.window[1], self._held_until))
             fields.append((still, still, still))
         motions = [
-            PrescribedMotion(particles, *field, *window, share=self._share, rigid=self._rigid, about=self._about)
+            PrescribedMotion(
+                particles, *field, *window, share=self._share, rigid=self._rigid, about=self._about
+            )
             for field, window in zip(fields, windows)
         ]
         return motions

@@ -1,4 +1,4 @@
-"""What leaves an object standing upright: level motions, blows after which it lands, and turns that come back."""
+"""Entries that leave an object standing upright: level motions, blows after which it lands, turns that come back."""
 
 from __future__ import annotations
 

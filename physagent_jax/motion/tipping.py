@@ -64,16 +64,19 @@ def tip(
         return []
     end = first + max(float(round(min(brief.count_frames(seconds), _SHARE * (last - first)))), 1.0)
     driver = PartDriver(make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
-    turn = driver.turn(find_lean_axis(find_tipping_way(way, brief), brief), _find_angle(way, brief), (first, end), None)
+    turn = driver.turn(
+        find_lean_axis(find_tipping_way(way, brief), brief), _find_angle(way, brief), (first, end), None
+    )
     return [turn.model_copy(update=dict(region=None, pivot=None))]
 
 
 def _find_angle(way: Vector, brief: SceneBrief) -> float:
-    """The angle that it is led by [degrees]; 0 if it lies, or is so broad that it would go over another edge first."""
+    """The angle that it is led by [degrees]; 0 if it is so broad that it would go over another edge first, or rolls."""
     width, height, depth = brief.extents
     table, over = brief.directions, find_tipping_way(way, brief)
     reach = next((edge.reach for edge in brief.edges if edge.way == over), None)
     across = width * abs(dot(over, table.right)) + depth * abs(dot(over, table.toward))
     across = across if reach is None else 2 * reach
     angle = max(_LED, math.degrees(math.atan2(across, height)) + _PAST)
-    return 0.0 if lies(brief) or angle > _MOST else angle
+    rolls = lies(brief) and reach is None  # a log; a car tips over its wheels
+    return 0.0 if rolls or angle > _MOST else angle

@@ -36,7 +36,8 @@ def make_brief(
         long_axis=find_long_axis(template.source, template.preset.domain),
         extents=find_extents(template.source, template.preset.domain, ways),
         edges=tuple(
-            FootEdge(way=way, reach=reach) for way, reach in find_edges(template.source, template.preset.domain)
+            FootEdge(way=way, reach=reach)
+            for way, reach in find_edges(template.source, template.preset.domain)
         ),
         world="ground" if template.world.gravity == "down" and template.world.ground else "free",
         directions=directions,

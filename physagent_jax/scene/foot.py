@@ -7,8 +7,13 @@ import numpy as np
 from physagent_jax.core.strict import Vector
 
 _STEP = 5  # [degrees] between the ways that are tried
-_SOLE, _DEEP = 0.04, 0.03  # [L] over its lowest point, and behind the outermost one, that belong to foot and edge
-_STRAIGHT = 0.6  # of the foot's breadth that an edge is long: of a round one, less than half borders on a line
+_SOLE, _DEEP = (
+    0.04,
+    0.03,
+)  # [L] over its lowest point, and behind the outermost one, that belong to foot and edge
+_STRAIGHT = (
+    0.6  # of the foot's breadth that an edge is long: of a round one, less than half borders on a line
+)
 _FEWEST = 12  # points of a foot
 
 

@@ -75,7 +75,9 @@ def test_what_is_broad_is_turned_by_a_torque_however_slowly():
 def test_no_push_goes_on_after_its_balance(prompt):
     """A torque took what was broad or round over the next edge as well, onto its head."""
     reply = compile_whole(prompt)
-    turns = [c for c in reply.force_field.constraints if c.constraint_type is ConstraintType.PARTICLE_ROTATION]
+    turns = [
+        c for c in reply.force_field.constraints if c.constraint_type is ConstraintType.PARTICLE_ROTATION
+    ]
     degrees, seconds = find_degrees(turns[-1], reply)
     assert 40 < degrees < 70 and seconds < 1.0 and turns[-1].held_until is None
     assert all(each.action_type is not ActionType.TORQUE for each in reply.force_field.actions)
@@ -83,12 +85,22 @@ def test_no_push_goes_on_after_its_balance(prompt):
     assert not (struck and reply.force_field.actions) and all(each.strength <= 1 for each in struck)
 
 
+def test_what_lies_on_wheels_is_led_over_these_and_what_is_round_or_long_that_way_is_not():
+    car = dict(extents=(1.0, 0.4, 0.45), long_axis=(1.0, 0.0, 0.0), world="ground")
+    edges = [dict(way=way, reach=reach) for way, reach in [((1.0, 0, 0), 0.45), ((0, 1.0, 0), 0.2)]]
+    scenes = [brief(object_name="car", **car), brief(object_name="car", edges=edges, **car)]
+    assert [bool(tip(each, (0.0, 1.0, 0.0), 1.0, (0.0, 60.0))) for each in scenes] == [False, True]
+    assert not tip(scenes[1], (1.0, 0.0, 0.0), 1.0, (0.0, 60.0))
+
+
 def test_what_tips_goes_over_an_edge_of_its_foot_and_over_no_corner():
     box = brief(
         object_name="box",
         extents=(1.2, 0.8, 1.1),
         world="ground",
-        edges=[dict(way=(c * x, s, 0.0), reach=0.4) for c, s in [(0.8, 0.6), (0.8, -0.6)] for x in (1.0, -1.0)],
+        edges=[
+            dict(way=(c * x, s, 0.0), reach=0.4) for c, s in [(0.8, 0.6), (0.8, -0.6)] for x in (1.0, -1.0)
+        ],
     )
     (turn,) = tip(box, (-1.0, 0.0, 0.0), 1.0, (0.0, 60.0))
     assert abs(turn.vector[0]) == pytest.approx(0.6) and turn.vector[1] == pytest.approx(-0.8)

@@ -145,7 +145,7 @@ def test_what_rocks_turns_about_the_edge_that_it_stands_on(more):
     ids=["slid", "leapt", "tilted", "spun"],
 )
 def test_what_stands_elsewhere_is_tilted_over_its_foot_there(before):
-    """What lies or looks another way by then turns about its middle."""
+    """A turn about its middle is left to what lies or looks another way by then."""
     tilt = dict(
         constraint_type="enforce_particle_rotation", magnitude=0.42, vector=(0, 1, 0), active_time=(25, 50)
     )

@@ -213,6 +213,12 @@ def _find_blows(task: Task) -> list[Action]:
     """The level blow by which it is knocked over, as it was planned just before: none if it is another motion."""
     builder, last = task.builder, task.builder.expectations[-1:]
     at_once = [each for each in last if each.sudden and abs(each.window[0] - task.window[0]) < 0.5]
-    blow = builder.actions[-1:] if any(each.kind is MotionKind.MOVE and each.repeats == 1 for each in at_once) else []
-    level = all(abs(dot(each.vector, task.brief.directions.up)) < _LEVEL and each.region is None for each in blow)
+    blow = (
+        builder.actions[-1:]
+        if any(each.kind is MotionKind.MOVE and each.repeats == 1 for each in at_once)
+        else []
+    )
+    level = all(
+        abs(dot(each.vector, task.brief.directions.up)) < _LEVEL and each.region is None for each in blow
+    )
     return blow if level and all(each.action_type is ActionType.IMPULSE for each in blow) else []

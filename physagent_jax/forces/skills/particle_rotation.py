@@ -25,7 +25,7 @@ class ParticleRotation(Skill):
     is_axis = True
 
     def make_forces(self, bound):
-        """What tips over lies where it falls."""
+        """The force that lets what tips over lie where it falls."""
         return bound.let_land()
 
     def make_constraints(self, bound):
