@@ -203,8 +203,8 @@ class Binding:
                 self._share = None if twist.share is None else self.leaf(twist.share)
         self._tilt = 0.0  # [rad] by which it is led over the edge of its foot
         if about.tilted is not None and self._pivot is None and self._stands:
-            frames = np.subtract(*(timed.active_time or (0.0, about.frame_count - 1))[::-1])
-            self._tilt = self.scaling.rotation * abs(timed.magnitude) * timed.gain * frames * frame_dt
+            begin, end = timed.active_time or (0.0, about.frame_count - 1)
+            self._tilt = self.scaling.rotation * abs(timed.magnitude) * timed.gain * (end - begin) * frame_dt
             self._pivot = self._find_foot_edge(about.tilted)
             if about.moved:  # the edge is where its particles have gone
                 near = np.linalg.norm(rest - self._pivot, axis=1) < _EDGE * np.ptp(rest, axis=0).max()
@@ -336,8 +336,8 @@ class Binding:
         most = self._find_most_balance()
         if self._tilt < FALLING or most is None or self._held_until is not None:
             return []
-        numbers = (self._rest, self._way, most)
-        return [Landing(*map(self.leaf, numbers), self.window[1], self.leaf(self._until))]
+        rest, way, most = map(self.leaf, (self._rest, self._way, most))
+        return [Landing(rest, way, most, self.window[1], self.leaf(self._until))]
 
     def _find_most_balance(self) -> float | None:
         """The largest angular acceleration that keeps or brings it where it is to be [rad/s^2]; None = none does."""
