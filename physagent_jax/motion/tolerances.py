@@ -51,6 +51,7 @@ _WRUNG = 0.85  # of the largest angle of its word that a free end turns by: it l
 _SPUN_LEAST = 60.0  # [degrees] less is a turn, and no spin
 SPIN = 360.0  # [degrees] that what spins turns by, unless the sentence says
 _GENTLE = 0.27  # [body lengths / s] at which what goes on and on is still slow, however far it comes
+_SLOW_TURN = 30.0  # [degrees / s] the same of a turn
 _UNHURRIED = 1.0  # [s] what lasts for less time may do less
 _STRENGTHS = (0.4, 1.0, 1.6)
 
@@ -199,7 +200,9 @@ def expect_rotation(expectation: ExpectedMotion, anchored: bool, *, seconds: flo
         return Tolerance(_SPUN_LEAST, SPIN, 4.0 * SPIN, "degrees")
     band = pick_band(TURN_HELD if anchored else TURN, expectation.strength, "degrees")
     share = _PART if expectation.partial and expectation.part is None else 1.0
-    return band.scaled(share * clamp(seconds / _UNHURRIED, 0.3, 1.0), least=VISIBLE_DEGREES)
+    band = band.scaled(share * clamp(seconds / _UNHURRIED, 0.3, 1.0), least=VISIBLE_DEGREES)
+    slow = 0.0 if anchored or expectation.partial or expectation.sudden else _SLOW_TURN * seconds
+    return dataclasses.replace(band, high=max(band.high, slow))
 
 
 def expect_wrung(expectation: ExpectedMotion, brief: SceneBrief) -> float:

@@ -17,7 +17,7 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.comparing import check_limit, make_unseen_check
-from physagent_jax.motion.judging.seen import Course, Signal, View
+from physagent_jax.motion.judging.seen import Course, Signal, View, find_landing
 from physagent_jax.motion.judging.stages import group_stages
 from physagent_jax.motion.judging.toppling import find_lean
 from physagent_jax.motion.matching import AXIAL
@@ -40,7 +40,6 @@ _ASIDE = 0.22  # [body lengths] that a thing may wander while it is only turned 
 _BESIDE = 0.9  # of the way along what was asked that it may go across: less than is another direction
 _TOPPLED = 0.7  # [body lengths] that the centre of what tips over goes: half its height and half its breadth
 _HALF = 0.5  # [body lengths] of its way as it tips over beside which it may roll aside
-_LANDED = 0.1  # of its way down that may be left when it has landed
 _TURN_PUSHED = 30.0  # [degrees] that what is deformed, or pushed in empty space, may turn
 _TURN_PRESSED = (
     15.0  # [degrees] the same of what is only pressed as it stands: from more on it is about to fall over
@@ -99,8 +98,16 @@ def _check_lasting(
 
 
 def _is_rough(view: View, asked: list[ExpectedMotion]) -> bool:
-    """Return whether it is hit, dropped, thrown or toppled, after which things tumble."""
-    return any(e.sudden or e.kind is MotionKind.FALL for e in asked) or view.force_field.default_drop
+    """Return whether it is hit, dropped, thrown or toppled, or leaps, after which things tumble and what is loose flaps."""
+    rough = any(e.sudden or e.kind is MotionKind.FALL or _leaps(view, e) for e in asked)
+    return rough or view.force_field.default_drop
+
+
+def _leaps(view: View, motion: ExpectedMotion) -> bool:
+    """Return whether what stands free goes up and down as a whole, and lands each time."""
+    way, whole = motion.direction, motion.part is None and motion.limb is None
+    stands = view.grounded and not view.anchored and whole and motion.kind is MotionKind.SWAY
+    return stands and way is not None and abs(dot(way, view.brief.directions.up)) > _ON_END
 
 
 def _is_partial(asked: list[ExpectedMotion]) -> bool:
@@ -129,7 +136,7 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     for way in view.find_topples():  # the centre goes along with the top
         course = [(t, reject(p, way, 0.0, _TOPPLED)) for t, p in course]
     if view.force_field.default_drop or any(e.kind is MotionKind.FALL for e in asked):
-        landed = _find_landing(course, down)
+        landed = find_landing(course, down)
         course = [(t, _shorten(reject(p, up), _HALF if t > landed else 0.0)) for t, p in course]
     elif (
         view.gravity
@@ -142,13 +149,6 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     aside = _measure_distances(course, lines)
     name, sigma = "aside" if moves else "away", view.sigma("displacement")
     return _check_lasting(view, name, aside, limit, sigma, longest=longest)
-
-
-def _find_landing(course: Course, down: Vector) -> int:
-    """The frame in which what falls has come down; it may topple from then on, and roll."""
-    lowest = max(dot(p, down) for _, p in course)
-    highest = min(dot(p, down) for _, p in course)
-    return next(t for t, p in course if dot(p, down) >= lowest - _LANDED * (lowest - highest))
 
 
 def _shorten(vector: Vector, length: float) -> Vector:

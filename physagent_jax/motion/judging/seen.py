@@ -40,6 +40,7 @@ ALONG_END = 0.65  # cosine: the end nearest to a direction that lies between two
 SAME_LINE = 0.97  # cosine
 _TURNS = 20.0  # [degrees] from which on a limb is seen to turn
 _TOPPLES = 0.5  # sine of an axis to the vertical
+_LANDED = 0.1  # of its way down that may be left when it has landed
 _ZERO = (0.0, 0.0, 0.0)
 
 Value = TypeVar("Value")
@@ -277,6 +278,13 @@ class View:
 def find_farthest(course: Course) -> tuple[int, Vector]:
     """The frame and place farthest from the start, in whatever direction."""
     return max(course, key=lambda point: norm(point[1]))
+
+
+def find_landing(course: Course, down: Vector) -> int:
+    """The frame in which what falls has come down; it may topple from then on, and roll."""
+    lowest = max(dot(p, down) for _, p in course)
+    highest = min(dot(p, down) for _, p in course)
+    return next(t for t, p in course if dot(p, down) >= lowest - _LANDED * (lowest - highest))
 
 
 def find_first_response(course: Course, threshold: float) -> tuple[int, Vector] | None:
