@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import re
 from collections.abc import Callable
 
 from physagent_jax.core.turning import find_turning_points
@@ -39,6 +40,8 @@ _REST_SHARE = {False: 0.75, True: 0.4}
 moves."""
 _PRESSED_REST = 0.15  # the same of an end that is pressed or drawn along itself
 _TO_ITS_BACK = 210.0  # [degrees] short of a whole turn, what rolls over has come to lie on its back
+_OPENS = re.compile(r"^(?!.*\b(drawer|curtain|slid)).*\b(open|clos|shut)")
+_OPENED = 12.0  # [degrees] that what opens or closes is turned by at least
 _ASKEW = 15.0  # [degrees] off an angle that is only told from what is foreshortened, and half of a small one
 _WORDS = read_words()
 _QUANTITY = "is it as much as the sentence says?"
@@ -276,6 +279,15 @@ def _check_reach(asked: Asked) -> list[Check]:
     return [check_limit(asked, "reaches", way, least, asked.sigma, gain=least / max(way, 0.1 * least))]
 
 
+def _check_opening(asked: Asked) -> list[Check]:
+    """A lid, a door or a jaw that opens or closes turns about its hinge; lifted off level, it does not open."""
+    motion, hinged = asked.motion, _OPENS.search(asked.motion.words.lower())
+    if not hinged or asked.end is None or motion.kind is not MotionKind.MOVE:
+        return []
+    turned = max((norm(v) for _, v in asked.view.turns(*asked.span, asked.end)), default=None)
+    return [] if turned is None else [check_limit(asked, "opens", turned, _OPENED, asked.view.sigma("rotation"))]
+
+
 def _observe_course(asked: Asked) -> Course:
     course = asked.course(asked.span[0], asked.until)
     if not course:
@@ -378,5 +390,6 @@ _CHECKS: tuple[tuple[str, Callable[[Asked], list[Check]]], ...] = (
     (_WORDS["stays"]["question"], _check_stay),
     (_WORDS["in_turn"]["question"], _check_order),
     (_WORDS["reaches"]["question"], _check_reach),
+    (_WORDS["opens"]["question"], _check_opening),
     (_WORDS["part"]["question"], _check_part),
 )
