@@ -81,6 +81,7 @@ class SceneBrief(Strict):
         extents: Its width, height and depth as the viewer sees it [body lengths].
         world: "ground": gravity acts and the object stands on the ground, unless the sentence says otherwise; "free":
             it floats at rest in empty space.
+        reach: Distance from its middle to the nearest wall of the space that is simulated [body lengths].
         directions: The direction table.
     """
 
@@ -96,8 +97,16 @@ class SceneBrief(Strict):
     long_axis: Numbers | None = None
     extents: Numbers = (1.0, 1.0, 1.0)
     world: Literal["ground", "free"] = "free"
+    reach: float = Field(default=1e5, ge=0, le=1e6)
     directions: DirectionTable
     parts: tuple[Part, ...] = ()
+
+    def find_room(self, way: Numbers) -> float:
+        """The distance that it can go a way (unit world vector) before it meets a wall of that space [body lengths]."""
+        table = self.directions
+        lines = zip((table.right, table.up, table.toward), self.extents)
+        half = sum(abs(sum(a * b for a, b in zip(way, line))) * extent / 2 for line, extent in lines)
+        return max(self.reach - half, 0.0)
 
     @property
     def last(self) -> float:
