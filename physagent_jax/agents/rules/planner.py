@@ -6,6 +6,7 @@ from physagent_jax.agents.context import AgentContext, Observation
 from physagent_jax.agents.materials import DENTED, find_materials, find_meaning
 from physagent_jax.agents.protocols import PlannerAgent
 from physagent_jax.agents.trace import Reply
+from physagent_jax.motion.judging.posing import tells_pose
 from physagent_jax.motion.judging.seen import View
 from physagent_jax.motion.judging.verdict import judge
 from physagent_jax.motion.schema import Judgement, MotionKind
@@ -26,10 +27,12 @@ class RulePlanner(PlannerAgent):
         gravity, field = _has_gravity(context, seen), seen.force_field
         told = (find_meaning(each.word) for each in find_materials(context.prompt, context.brief))
         dented = any(each is not None and each.preset in DENTED for each in told)
-        view = View(
-            seen.report, context.brief, expectations, field, gravity, obstacles, context.prompt, dented
-        )
-        return Reply(judge(view, unsure))
+        asked = context.brief, expectations, field, gravity, obstacles, context.prompt, dented
+        return Reply(judge(View(seen.report, *asked, seen.ending), unsure))
+
+    def watches_ending(self, context: AgentContext) -> bool:
+        """Return whether the sentence is about how it is left."""
+        return tells_pose(context.prompt, context.expectations, context.brief)
 
 
 def _has_gravity(context: AgentContext, seen: Observation) -> bool:

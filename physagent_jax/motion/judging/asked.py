@@ -150,7 +150,9 @@ class Asked:
     def wobbles(self) -> bool:
         """Return whether the whole is to wobble: any change of its shape or tilt that comes and goes is one."""
         whole = self.motion.part is None and self.motion.limb is None
-        return whole and self.kind is MotionKind.SWAY and _WOBBLES.search(self.motion.words.lower()) is not None
+        return (
+            whole and self.kind is MotionKind.SWAY and _WOBBLES.search(self.motion.words.lower()) is not None
+        )
 
     @cached_property
     def together(self) -> list[ExpectedMotion]:

@@ -83,7 +83,9 @@ def check_rotation(asked: Asked) -> list[Check]:
         return checks
     tolerance = tolerances.expect_rotation(motion, view.anchored, seconds=view.seconds(first, until))
     if view.grounded and any(e.kind is MotionKind.MOVE and e.words == motion.words for e in asked.together):
-        tolerance = replace(tolerance, high=tolerances.TURN[2][2])  # how gently it was pushed tells no end of rolling
+        tolerance = replace(
+            tolerance, high=tolerances.TURN[2][2]
+        )  # how gently it was pushed tells no end of rolling
     moved = view.course(first, last)
     shift = norm(find_farthest(moved)[1]) if moved else 0.0
     words = f"{angle:.0f} degrees about its axis"

@@ -17,6 +17,7 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.comparing import check_limit, make_unseen_check
+from physagent_jax.motion.judging.posing import UPRIGHT, check_pose
 from physagent_jax.motion.judging.seen import Course, Signal, View, find_landing
 from physagent_jax.motion.judging.stages import group_stages
 from physagent_jax.motion.judging.toppling import find_lean
@@ -63,18 +64,6 @@ _STRAIN_TUMBLING = 1.0
 _STRAIN_TWISTED = (
     0.75  # [1] of what turns one way at one end and the other way at the other, which no one map fits
 )
-_UPRIGHT = re.compile(
-    r"\bupright\b|\b(without|not|never)\b.{0,20}\b(fall|tip|toppl|roll)|n't (fall|tip|toppl|roll)"
-)
-"""Words of who asks that it does not fall over."""
-_ON_ITS_FEET = re.compile(
-    r"\b(on|onto|to) (its|his|her|their|all|both) (own )?(four |two )?(feet|foot|legs|paws|wheels|hooves|base|bottom|fours)\b"
-)
-_ON_ITS_SIDE = re.compile(r"\b(on|onto) (its|his|her|their|one) (left |right )?side\b")
-_LEAPS = re.compile(r"\b(jump|hop|leap)(s|ing|ed|ping|ped|t)?\b")
-_STANDS = 45.0  # [degrees] from upright at the end of what is left standing
-_LIES_ASIDE = 50.0  # [degrees] off a right angle of what is left on its side, on whatever it lies there
-_ROUND = 1.25  # times its shortest side: the longest of what rolls as a ball does
 _SIZE = 1.35  # times the diagonal of its box: more is breaking up
 _ZERO = (0.0, 0.0, 0.0)
 _EARLY = 0.05  # [body lengths], and the same in degrees / 100 and strain
@@ -83,7 +72,7 @@ _EARLY = 0.05  # [body lengths], and the same in degrees / 100 and strain
 def check_collateral(view: View) -> list[Check]:
     """Check of everything that was not asked for; they name the first expectation, for want of a better one."""
     asked = [e for e in view.expectations if e.kind is not MotionKind.STILL]
-    always = [*_check_whole(view), *_check_picture(view, asked), *_check_observed(view), *_check_pose(view)]
+    always = [*_check_whole(view), *_check_picture(view, asked), *_check_observed(view), *check_pose(view)]
     if not asked:
         return always
     before = [*_check_aside(view, asked), *_check_turning(view, asked), *_check_deformation(view, asked)]
@@ -106,7 +95,7 @@ def _check_lasting(
 
 
 def _is_rough(view: View, asked: list[ExpectedMotion]) -> bool:
-    """Return whether it is hit, dropped, thrown or toppled, or leaps, after which things tumble and what is loose flaps."""
+    """Return whether it is hit, dropped, thrown or toppled, or leaps: things tumble then, and what is loose flaps."""
     rough = any(e.sudden or e.kind is MotionKind.FALL or _leaps(view, e) for e in asked)
     return rough or view.force_field.default_drop
 
@@ -217,7 +206,7 @@ def _check_turning(view: View, asked: list[ExpectedMotion]) -> list[Check]:
 
 def _may_tip(view: View, asked: list[ExpectedMotion]) -> bool:
     """Return whether it stands free and is moved along the ground, so that friction may tip it over."""
-    if view.anchored or not view.grounded or _UPRIGHT.search(view.sentence.lower()):
+    if view.anchored or not view.grounded or UPRIGHT.search(view.sentence.lower()):
         return False
     up = view.brief.directions.up
     return any(
@@ -365,29 +354,6 @@ def _check_whole(view: View) -> list[Check]:
     blamed = _blame(view, _find_onset([(t, v - 1.0) for t, v in growths], limit - 1.0))
     figures, sigma = {"most": limit, "growth": growth}, view.sigma("stretch")
     return [*checks, check_limit(blamed, "size", max(growth - 1.0, 0.0), limit - 1.0, sigma, 0.5, **figures)]
-
-
-def _check_pose(view: View) -> list[Check]:
-    """The pose in which what stood at first is left: upright, or on its side, as far as the sentence tells."""
-    turns, told = view.turns(0, view.last), view.sentence.lower()
-    if not turns or not view.grounded or view.anchored:
-        return []
-    blamed = Asked(len(view.expectations) - 1, view.expectations[-1], view)
-    lean, sigma = norm(find_lean(turns[-1][1], view.brief.directions.up)), view.sigma("rotation")
-    if _ON_ITS_SIDE.search(told):
-        return [check_limit(blamed, "on_its_side", abs(lean - 90.0), _LIES_ASIDE, sigma, lean=lean)]
-    if _ON_ITS_FEET.search(told) or _UPRIGHT.search(told) or _lands_after_leap(view):
-        return [check_limit(blamed, "stands", lean, _STANDS, sigma)]
-    return []
-
-
-def _lands_after_leap(view: View) -> bool:
-    """Return whether all that is asked is a leap, of what is not so round that nobody can tell how it stands."""
-    up = view.brief.directions.up
-    straight = (e.direction is None or abs(dot(e.direction, up)) > _LEVEL for e in view.expectations)
-    leaps = view.expectations and _LEAPS.search(view.sentence.lower()) is not None and all(straight)
-    shown = all(e.kind in (*_TRAVELS, MotionKind.STILL) for e in view.expectations)
-    return bool(leaps) and shown and max(view.brief.extents) > _ROUND * min(view.brief.extents)
 
 
 def _gives_way(view: View) -> bool:

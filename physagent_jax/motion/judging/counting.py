@@ -17,7 +17,10 @@ _NORMAL = 0.6745  # median of a standard normal variable's size
 _FOURTH = math.sqrt(70.0)  # deviation of the fourth difference of unit noise: 1, 4, 6, 4, 1 squared and added
 _ROUNDED = 1 / math.sqrt(12.0)  # [frames] standard deviation of a time that is read off to whole frames
 _SMALLEST = 1e-9
-_SOME, _MANY = 2, 16  # turns of what goes to and fro again and again: to one side, and to the other; and what is still followed
+_SOME, _MANY = (
+    2,
+    16,
+)  # turns of what goes to and fro again and again: to one side, and to the other; and what is still followed
 
 
 def estimate_jitter(path: Sequence[float]) -> float:

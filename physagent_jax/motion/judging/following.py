@@ -285,7 +285,9 @@ def _check_opening(asked: Asked) -> list[Check]:
     if not hinged or asked.end is None or motion.kind is not MotionKind.MOVE:
         return []
     turned = max((norm(v) for _, v in asked.view.turns(*asked.span, asked.end)), default=None)
-    return [] if turned is None else [check_limit(asked, "opens", turned, _OPENED, asked.view.sigma("rotation"))]
+    return (
+        [] if turned is None else [check_limit(asked, "opens", turned, _OPENED, asked.view.sigma("rotation"))]
+    )
 
 
 def _observe_course(asked: Asked) -> Course:

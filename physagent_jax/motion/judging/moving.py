@@ -34,7 +34,9 @@ from physagent_jax.motion.vectors import add, cosine, cross, dot, norm, normalis
 _DOWN = 0.7  # cosine
 _FIRST = 0.15  # of the farthest excursion: what is seen of a motion first
 _KEPT = 0.4  # of the farthest excursion that a free thing has left where it ends
-_SEEN_OFF = 1.0  # [s] that what was struck stays away at least before it may come back: the blow is seen by then
+_SEEN_OFF = (
+    1.0  # [s] that what was struck stays away at least before it may come back: the blow is seen by then
+)
 _SINKS = 0.4  # share of what its middle sinks by as it tips over that is seen at least
 _ALL_BACK = 1.25  # of the way that it had come: something that is put back where it was may go so far
 _ASIDE = 0.22  # [body lengths] that it may wander to either side as it tips over
@@ -134,7 +136,9 @@ def check_move(asked: Asked) -> list[Check]:
     free = not view.anchored and motion.repeats == 1 and not rises and not at_end
     if free and direction is not None and peak_frame < own[-1][0] and along >= tolerance.low:
         seen_off = own
-        if view.grounded and motion.sudden and asked.obstacle is None:  # what was struck may come rolling back
+        if (
+            view.grounded and motion.sudden and asked.obstacle is None
+        ):  # what was struck may come rolling back
             gone = next(t for t, p in own if dot(p, direction) >= _KEPT * along)
             seen_off = [each for each in own if each[0] <= gone + _SEEN_OFF / view.report.frame_dt] or own
         left = dot(seen_off[-1][1], direction) / along
@@ -229,7 +233,7 @@ def check_fall(asked: Asked) -> list[Check]:
 
 
 def check_sway(asked: Asked) -> list[Check]:
-    """Excursion to either side, its line, and how often it goes back; or what else of it comes and goes as it wobbles."""
+    """Excursion to either side, its line, and how often it goes back; or what else comes and goes as it wobbles."""
     checks = _check_swing(asked)
     if not asked.wobbles or all(check.passed for check in checks):
         return checks
@@ -249,11 +253,15 @@ def _list_wobbles(asked: Asked) -> Iterator[list[Check]]:
         first = min(first, find_landing(fall, table.down)) if fall else first
     course, turns = view.course(first, last), view.turns(first, last)
     paths = [[dot(p, axis) for _, p in course] for axis in (table.right, table.up, table.toward)]
-    paths += [[math.radians(dot(v, axis)) * height / 2 for _, v in turns] for axis in (table.right, table.toward)]
+    paths += [
+        [math.radians(dot(v, axis)) * height / 2 for _, v in turns] for axis in (table.right, table.toward)
+    ]
     for axis, length in ((table.right, width), (table.up, height)):
         paths.append([strain * length / 2 for _, strain in view.strains(axis, first, last)])
     tolerance = tolerances.expect_sway(asked.motion, view.anchored)
-    tolerance = replace(tolerance, low=max(tolerance.low, tolerances.VISIBLE), high=max(_WILD, tolerance.high))
+    tolerance = replace(
+        tolerance, low=max(tolerance.low, tolerances.VISIBLE), high=max(_WILD, tolerance.high)
+    )
     for path in paths:
         amplitude = (max(path) - min(path)) / 2.0 if len(path) > 2 else 0.0
         if amplitude >= tolerance.low:

@@ -58,6 +58,7 @@ class View:
         obstacles: What the sentence puts in the way.
         sentence: The sentence itself, for what it rules out.
         keeps_dents: Whether it is said to be of matter that keeps the shape which a blow gives it.
+        ending: What was seen of the frames after the planned ones, from the last of those on; None = nothing.
     """
 
     report: MotionReport
@@ -68,6 +69,7 @@ class View:
     obstacles: tuple[ObstacleRequest, ...] = ()
     sentence: str = ""
     keeps_dents: bool = False
+    ending: MotionReport | None = None
 
     @property
     def anchored(self) -> bool:

@@ -1,0 +1,192 @@
+"""Motions that viewers take for what was asked, or do not, beyond the plain kinds."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from physagent_jax.agents.rules.planner import RulePlanner
+from physagent_jax.agents.schema import SemanticReply
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.judging.posing import find_last_lean, tells_pose
+from physagent_jax.motion.judging.seen import View
+from physagent_jax.motion.schema import MotionKind, Verdict
+from tests.agents.scenes import asked, brief, judge, ramp, read
+from tests.agents.test_planner import along, ends, expected, show
+
+AWAY, DOWN, LEFT, RIGHT, UP = (0, 1, 0), (0, 0, -1), (-1, 0, 0), (1, 0, 0), (0, 0, 1)
+GROUND = brief(world="ground", extents=(0.4, 1.0, 0.4))
+KINDS, LAST = MotionKind, 48
+
+
+def verdict(sentence, expectations, seen, scene=GROUND):
+    reply = SemanticReply(force_field=ForceField(), expectations=tuple(expectations))
+    judgement = judge(sentence, reply, seen, scene).judgement
+    return judgement.verdict is Verdict.SUCCESS
+
+
+def hop(t, height=0.4):
+    return 0, 0, height * abs(math.sin(3 * math.pi * t / LAST))
+
+
+def test_what_is_loose_may_flap_where_it_leaps():
+    """The shape by 0.7 for a while; of what only sways aside that is too much."""
+
+    def flap(t):
+        return np.multiply((0.7, -0.2, -0.2), 1.0 if 10 < t < 20 else 0.0)
+
+    leaps = expected(KINDS.SWAY, UP, repeats=3)
+    assert verdict("it jumps up and down three times", [leaps], show(hop, strain=flap))
+    aside = show(lambda t: (0.1 * math.sin(6 * math.pi * t / LAST), 0, 0), strain=flap)
+    assert not verdict("it sways three times", [expected(KINDS.SWAY, RIGHT, repeats=3)], aside)
+
+
+def test_a_gentle_push_sets_no_end_to_rolling():
+    gentle = dict(strength=0.5, words="roll it gently")
+    roll = expected(direction=RIGHT, **gentle), expected(KINDS.ROTATE, AWAY, **gentle)
+    assert verdict("roll it gently to the right", roll, show(along(RIGHT, 0.6), along(AWAY, 120)))
+    assert not verdict("turn it gently", roll[1:], show(turn=along(AWAY, 120)), brief())
+
+
+def test_a_slow_turn_may_go_far_in_a_long_clip():
+    scene = brief(frame_count=100)
+    slow = expected(KINDS.ROTATE, UP, strength=0.5, window=(0, 99))
+    seen = show(turn=lambda t: np.multiply(UP, 100 * ramp(t, 0, 99)), count=100)
+    assert verdict("turn it gently", [slow], seen, scene)
+
+
+@pytest.mark.parametrize(("back_at", "right"), [(40, True), (16, False)])
+def test_what_was_kicked_may_come_rolling_back_once_it_was_away(back_at, right):
+    kicked = [expected(direction=AWAY, sudden=True, strength=1.3)]
+
+    def place(t):
+        return np.multiply(AWAY, 1.2 * min(t / 8, 1.0) - 1.2 * ramp(t, back_at, back_at + 8))
+
+    assert verdict("kick it", kicked, show(place)) is right
+    assert not verdict("push it", [expected(direction=AWAY, strength=1.3)], show(place))
+
+
+@pytest.mark.parametrize("figure", ["strain", "turn", "place"])
+def test_any_change_that_comes_and_goes_is_a_wobble(figure):
+    wave = lambda t, size: size * math.sin(6 * math.pi * t / LAST) * math.exp(-t / 40)  # noqa: E731
+    ways = dict(
+        strain=lambda t: (wave(t, -0.06), wave(t, -0.06), wave(t, 0.25)),
+        turn=lambda t: (0, wave(t, 14.0), 0),
+        place=lambda t: (0, 0, wave(t, 0.12)),
+    )
+    sway = expected(KINDS.SWAY, LEFT, repeats=3, manner="bend", words="wobbles", strength=0.8)
+    once = dict(
+        strain=lambda t: np.multiply((-0.06, -0.06, 0.25), ramp(t, 0, 9)),
+        turn=lambda t: np.multiply((0, 14, 0), ramp(t, 0, 9)),
+        place=lambda t: np.multiply((0, 0, 0.12), ramp(t, 0, 9)),
+    )
+    assert verdict("the jelly wobbles", [sway], show(**{figure: ways[figure]}))
+    assert not verdict("the jelly wobbles", [sway], show(**{figure: once[figure]})), "it comes, and stays"
+    faint = {figure: lambda t: np.multiply(0.1, ways[figure](t))}
+    assert not verdict("the jelly wobbles", [sway], show(**faint))
+
+
+def test_what_falls_wobbles_from_where_it_lands():
+    """Its planned time for the wobble is later; by then it stands."""
+    motions = (
+        expected(KINDS.FALL, None, window=(0, 30)),
+        expected(KINDS.SWAY, LEFT, repeats=3, manner="bend", words="wobbles", window=(30, LAST)),
+    )
+
+    def strain(t):
+        return np.multiply((-0.1, -0.1, 0.25), math.sin(math.pi * (t - 10) / 4) if 10 < t < 28 else 0.0)
+
+    assert verdict("it drops and wobbles", motions, show(along(DOWN, 0.5, 0, 10), strain=strain))
+    assert not verdict("it drops and wobbles", motions, show(along(DOWN, 0.5, 0, 10)))
+
+
+@pytest.mark.parametrize(
+    ("sentence", "right"), [("it sways in the wind", True), ("it sways three times", False)]
+)
+def test_nobody_counts_what_no_number_is_told_of(sentence, right):
+    sways = [expected(KINDS.SWAY, RIGHT, repeats=3)]
+    seen = show(lambda t: (0.1 * math.sin(4 * math.pi * t / LAST), 0, 0))
+    assert verdict(sentence, sways, seen) is right
+
+
+@pytest.mark.parametrize(
+    ("sentence", "lean", "right"),
+    [
+        ("it hops and lands on its feet", 10, True),
+        ("it hops and lands on its feet", 90, False),
+        ("the robot hops", 90, False),
+        ("it wobbles but does not fall over", 80, False),
+        ("throw the robot up", 90, True),
+        ("the robot jumps and lands on its side", 90, True),
+        ("the robot jumps and lands on its side", 170, False),
+    ],
+)
+def test_a_leap_ends_as_the_sentence_says(sentence, lean, right):
+    leap = expected(direction=UP, sudden=True, words="hops", window=(0, 20))
+    fall = expected(KINDS.FALL, None, window=(20, LAST), words="hops")
+
+    def place(t):
+        return 0, 0, 0.6 * 4 * (t / 30) * (1 - t / 30) if t < 30 else 0.0
+
+    seen = show(place, turn=along(AWAY, lean, 10, 40))
+    assert verdict(sentence, (leap, fall), seen) is right
+
+
+def test_the_true_end_decides_how_it_is_left():
+    """At the last planned frame it stands; in the frames after it goes over."""
+    sways = [expected(KINDS.SWAY, RIGHT, repeats=2)]
+    seen = show(lambda t: (0.1 * math.sin(4 * math.pi * t / LAST), 0, 0))
+    after = show(turn=along(AWAY, 85, 0, 20), count=25)
+    reply = SemanticReply(force_field=ForceField(), expectations=tuple(sways))
+    context = asked("it wobbles but does not fall", GROUND, reply)
+    observation = judge(context.prompt, reply, seen, GROUND)
+    assert observation.judgement.verdict is Verdict.SUCCESS
+    watched = dataclasses.replace(observation, ending=after)
+    assert RulePlanner().watches_ending(context)
+    assert RulePlanner().judge(context, watched).value.verdict is Verdict.FAIL
+    view = View(seen, GROUND, tuple(sways), ForceField(), ending=after)
+    assert find_last_lean(view) == pytest.approx(85, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("sentence", "tells"),
+    [
+        ("the robot tips over", True),
+        ("the robot hops", True),
+        ("push the robot to the left", False),
+        ("spin the robot around", False),
+    ],
+)
+def test_only_who_tells_a_pose_has_the_ending_looked_at(sentence, tells):
+    assert tells_pose(sentence, read(sentence, GROUND).expectations, GROUND) is tells
+    assert not tells_pose(sentence, read(sentence).expectations, brief())
+
+
+@pytest.mark.parametrize(
+    ("turned", "words", "right"),
+    [(0, "lid opens", False), (30, "lid opens", True), (0, "lift the lid", True), (0, "drawer opens", True)],
+)
+def test_what_opens_turns(turned, words, right):
+    held = brief(world="ground", anchored="base")
+    opens = [expected(direction=UP, part=UP, words=words, strength=0.6)]
+    parts = ends((0, 0, 0.15), (0, 0, 0), turn_top=(turned, 0, 0))
+    seen = show(along(UP, 0.05), parts=parts)
+    assert verdict("", opens, seen, held) is right
+
+
+@pytest.mark.parametrize(("metres", "cut"), [(1.0, 1.0), (3.0, 0.95 * 1.4)])
+def test_a_way_without_room_is_cut_and_judged_so(metres, cut):
+    scene = brief(world="ground", extents=(0.5, 1.0, 0.5), reach=1.9)
+    reply = read(f"throw the robot {metres:g} metres up into the air", scene)
+    amount = reply.expectations[0].amount
+    assert amount is not None and amount.unit == "metres" and amount.value == pytest.approx(cut)
+    assert any("there is room for" in note for note in reply.notes) is (cut < metres)
+    seen = show(lambda t: (0, 0, cut * 4 * (t / 40) * (1 - t / 40) if t < 40 else 0.0))
+    expectations = [reply.expectations[0].model_copy(update=dict(window=(0, 24)))]
+    assert verdict("throw it", expectations, seen, scene)
+
+
+def test_room_is_less_along_a_longer_side():
+    scene = brief(extents=(1.0, 0.4, 0.4), reach=1.9)
+    assert scene.find_room(RIGHT) == pytest.approx(1.4) and scene.find_room(UP) == pytest.approx(1.7)
