@@ -54,6 +54,7 @@ _GENTLE = 0.27  # [body lengths / s] at which what goes on and on is still slow,
 _SLOW_TURN = 30.0  # [degrees / s] the same of a turn
 _UNHURRIED = 1.0  # [s] what lasts for less time may do less
 _STRENGTHS = (0.4, 1.0, 1.6)
+_MANNER = 2.0  # times as fast as the strength, the upper limit rises from a slight word's to a plain one's
 
 Limits = tuple[float, float, float]
 Bands = tuple[Limits, Limits, Limits]
@@ -139,12 +140,24 @@ class Tolerance:
 
 
 def pick_band(bands: Bands, strength: float, unit: str) -> Tolerance:
-    """The range for a strength, between those of the words geometrically."""
+    """The range for a strength, between those of the words geometrically.
+
+    Words between slight and plain ("slowly", "gently") say how it moves rather than how far, so its upper limit soon is
+    that of a plain word.
+    """
+    low, target, high = _pick_limits(bands, strength)
+    if _STRENGTHS[0] < strength < _STRENGTHS[1]:
+        soon = _STRENGTHS[0] + _MANNER * (strength - _STRENGTHS[0])
+        high = max(high, _pick_limits(bands, min(soon, _STRENGTHS[1]))[2])
+    return Tolerance(low, target, high, unit)
+
+
+def _pick_limits(bands: Bands, strength: float) -> Limits:
     s = clamp(strength, _STRENGTHS[0], _STRENGTHS[2])
     k = 0 if s <= _STRENGTHS[1] else 1
     share = (s - _STRENGTHS[k]) / (_STRENGTHS[k + 1] - _STRENGTHS[k])
     low, target, high = (a ** (1 - share) * b**share for a, b in zip(bands[k], bands[k + 1]))
-    return Tolerance(low, target, high, unit)
+    return low, target, high
 
 
 def list_windows(expectations: Sequence[ExpectedMotion], frame_count: int) -> list[tuple[int, int]]:

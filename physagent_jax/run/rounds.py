@@ -159,7 +159,7 @@ class RoundMaker:
         return Attempt(config, Round(force_field, seen.report, key_frames, answer.value))
 
     def _look_at_ending(self, recording: Recording) -> tuple[Moved, MotionReport | None]:
-        """The particles to the clip's true end, and the motion from the last planned frame on; None if it ends there."""
+        """The particles to the true end, and the motion from the last planned frame on; None if it ends there."""
         with self._watch("simulate"):
             moved = go_on(recording)
         if len(moved[0]) == len(recording.x):

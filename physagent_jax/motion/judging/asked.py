@@ -22,6 +22,7 @@ _BOTH = 0.5  # cosine: directions more than 60 degrees apart can be told apart
 _COUNTS = re.compile(
     r"\b(\d+|once|twice|thrice|two|three|four|five|six|seven|eight|nine|ten|dozen|couple|few|several)\b"
 )
+_OPENS = re.compile(r"^(?!.*\b(drawer|curtain|slid)).*\b(open|clos|shut)")
 _WOBBLES = re.compile(r"wobbl|jiggl|quiver|trembl|shiver|shudder|vibrat|judder|jitter")
 _FIGURES = {
     MotionKind.STRETCH: ("stretch", tolerances.VISIBLE_STRAIN),
@@ -145,6 +146,12 @@ class Asked:
         """Return whether the sentence says how often, as far as its words are known."""
         sentence = self.view.sentence
         return not sentence or _COUNTS.search(sentence.lower()) is not None
+
+    @property
+    def opens(self) -> bool:
+        """Return whether a part opens or closes about a hinge, as a lid, a door or a jaw does and a drawer does not."""
+        part = self.motion.part is not None or self.motion.limb is not None
+        return part and _OPENS.search(self.motion.words.lower()) is not None
 
     @property
     def wobbles(self) -> bool:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import re
 from collections.abc import Callable
 
 from physagent_jax.core.turning import find_turning_points
@@ -31,6 +30,7 @@ _STAYED = 0.65  # of the largest excursion that has to be left where it should s
 _UNEVEN = 0.2  # of its way that it may be ahead of, or behind, what goes at one speed
 _SUDDEN = 0.3  # [s] in which a blow has brought most of the speed that it brings
 _PULSE = 0.35  # of the hardest: what counts as another blow
+_HOP = 0.18  # of the highest: what counts as another leap
 _LEAKS = 0.5  # of a motion that may be seen before its time
 _UNSEEN = 0.5  # share of its frames in which a part may be lost from sight
 _REST = 0.25  # share of what follows that is looked at for where it comes to rest
@@ -40,7 +40,6 @@ _REST_SHARE = {False: 0.75, True: 0.4}
 moves."""
 _PRESSED_REST = 0.15  # the same of an end that is pressed or drawn along itself
 _TO_ITS_BACK = 210.0  # [degrees] short of a whole turn, what rolls over has come to lie on its back
-_OPENS = re.compile(r"^(?!.*\b(drawer|curtain|slid)).*\b(open|clos|shut)")
 _OPENED = 12.0  # [degrees] that what opens or closes is turned by at least
 _ASKEW = 15.0  # [degrees] off an angle that is only told from what is foreshortened, and half of a small one
 _WORDS = read_words()
@@ -204,7 +203,7 @@ def _check_blows(asked: Asked) -> list[Check]:
 
     if asked.hops:
         counter, most, noise, span = count_excursions, count, math.sqrt(2.0), max(values) - min(values)
-        threshold = max(_PULSE * span, tolerances.VISIBLE / 2)
+        threshold = max(_HOP * span, tolerances.VISIBLE / 2)
     elif asked.view.anchored:
         counter, most, noise, span = count_excursions, 2 * count, math.sqrt(2.0), max(values) - min(values)
         threshold = max(0.4 * span, tolerances.VISIBLE / 2)
@@ -281,8 +280,7 @@ def _check_reach(asked: Asked) -> list[Check]:
 
 def _check_opening(asked: Asked) -> list[Check]:
     """A lid, a door or a jaw that opens or closes turns about its hinge; lifted off level, it does not open."""
-    motion, hinged = asked.motion, _OPENS.search(asked.motion.words.lower())
-    if not hinged or asked.end is None or motion.kind is not MotionKind.MOVE:
+    if not asked.opens or asked.end is None or asked.kind is not MotionKind.MOVE:
         return []
     turned = max((norm(v) for _, v in asked.view.turns(*asked.span, asked.end)), default=None)
     return (

@@ -215,7 +215,9 @@ def check_fall(asked: Asked) -> list[Check]:
         sinks = _SINKS * find_sinking(view, view.find_topples())
         if sinks < tolerances.LEAST:
             return []  # it is broader than high, and hardly gets lower
-        tolerance = replace(tolerance, low=min(tolerance.low, sinks))
+        tolerance = replace(
+            tolerance, low=min(tolerance.low, sinks, tolerances.LEAST)
+        )  # its lean tells the rest
         sunk = _MIDDLE * find_sunk_top(view, first, last)  # its middle may be low at first
         way, fallen = add([way, scale(down, max(sunk - dot(way, down), 0.0))]), max(fallen, sunk)
         for across in (cross(each, down) for each in view.find_topples()):

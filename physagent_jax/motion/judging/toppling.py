@@ -37,7 +37,8 @@ def check_topple(asked: Asked, turns: Course) -> list[Check]:
     """
     view, axis, up = asked.view, asked.direction, asked.view.brief.directions.up
     leans = [(t, find_lean(v, up)) for t, v in turns]
-    farthest = norm(find_farthest(leans)[1])
+    over_all = asked.until == view.last
+    farthest = max(norm(find_farthest(leans)[1]), find_last_lean(view) if over_all else 0.0)
     checks: list[Check] = []
     over = find_first_response(leans, max(_OVER * farthest, tolerances.VISIBLE_DEGREES))
     if axis is not None and over is not None:
@@ -60,7 +61,7 @@ def check_topple(asked: Asked, turns: Course) -> list[Check]:
     if height > _SLIM * max(width, depth) and asked.motion.strength < _VIOLENT:
         tolerance = dataclasses.replace(tolerance, high=min(tolerance.high, _ON_ITS_HEAD))
     checks.append(compare_amount(asked, "how far does it tip over?", tolerance, angle, words))
-    lean = find_last_lean(view) if asked.until == view.last else norm(leans[-1][1])
+    lean = find_last_lean(view) if over_all else norm(leans[-1][1])
     return [*checks, check_limit(asked, "lies", lean, _LIES, asked.sigma)]
 
 
