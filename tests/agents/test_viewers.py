@@ -12,6 +12,7 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.judging.posing import find_last_lean, tells_pose
 from physagent_jax.motion.judging.seen import View
 from physagent_jax.motion.schema import MotionKind, Verdict
+from physagent_jax.perception.schema import Extent
 from tests.agents.scenes import asked, brief, judge, ramp, read
 from tests.agents.test_planner import along, ends, expected, show
 
@@ -190,3 +191,60 @@ def test_a_way_without_room_is_cut_and_judged_so(metres, cut):
 def test_room_is_less_along_a_longer_side():
     scene = brief(extents=(1.0, 0.4, 0.4), reach=1.9)
     assert scene.find_room(RIGHT) == pytest.approx(1.4) and scene.find_room(UP) == pytest.approx(1.7)
+
+
+def arcs(*heights, each=12):
+    """Leaps of these heights, one after another."""
+
+    def place(t):
+        k, phase = divmod(t / each, 1.0)
+        return 0, 0, 4 * heights[int(k)] * phase * (1 - phase) if k < len(heights) else 0.0
+
+    return show(place)
+
+
+@pytest.mark.parametrize(
+    ("heights", "right"),
+    [
+        ((0.4, 0.12, 0.4, 0.12), True),
+        ((0.3, 0.15, 0.15, 0.08), True),
+        ((0.4, 0.4, 0.4, 0.4), False),
+        ((0.4, 0.02), False),
+    ],
+)
+def test_rebounds_are_counted_as_leaps_only_where_leaps_lack(heights, right):
+    leaps = (
+        expected(direction=UP, sudden=True, repeats=2, words="hop"),
+        expected(KINDS.FALL, None, window=(24, LAST), words="hop"),
+    )
+    assert verdict("it hops twice", leaps, arcs(*heights)) is right
+
+
+def test_what_springs_back_on_the_ground_may_leap_up():
+    """Its shape is lost from sight as it does; its outline tells that it came back."""
+    press = expected(KINDS.SQUEEZE, UP, window=(0, 24), released=True)
+    depth = lambda t: 0.3 * ramp(t, 0, 20) * (1 - ramp(t, 24, 26))  # noqa: E731
+    known = [(0.3 * depth(t), 0.3 * depth(t), -depth(t)) for t in range(LAST + 1)]
+    seen = show(lambda t: (0, 0, 0.8 * ramp(t, 26, 36) if t < 36 else 0.8), strain=lambda t: known[t])
+    outline = Extent(
+        direction=UP,
+        ratio=tuple(1.0 - depth(t) for t in range(LAST + 1)),
+        half_width=(0.02,) * 25 + (None,) * (LAST - 24),
+    )
+    lost = tuple(each if t < 25 else None for t, each in enumerate(seen.stretch))
+    seen = seen.model_copy(update=dict(stretch=lost, extents=(outline,)))
+    assert verdict("squash it flat and let it spring back", [press], seen)
+    flat = seen.model_copy(
+        update=dict(extents=(outline.model_copy(update=dict(ratio=outline.ratio[:21] + (0.7,) * 28)),))
+    )
+    assert not verdict("squash it flat and let it spring back", [press], flat)
+
+
+@pytest.mark.parametrize(
+    ("strength", "degrees", "right"), [(0.6, 60, True), (0.4, 60, False), (0.6, 4, False)]
+)
+def test_what_opens_slowly_may_open_wide(strength, degrees, right):
+    held = brief(world="ground", anchored="base")
+    opens = [expected(KINDS.ROTATE, RIGHT, part=UP, words="lid opens", strength=strength)]
+    seen = show(parts=ends((0, 0, 0.05), (0, 0, 0), turn_top=(degrees, 0, 0)))
+    assert verdict("", opens, seen, held) is right

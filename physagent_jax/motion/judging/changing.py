@@ -36,7 +36,11 @@ from physagent_jax.perception.schema import PartMotion
 _FIRST = 0.2  # of the largest turn or strain: what is seen of it first
 _OWN_AXIS = 0.6  # of the asked strain that other directions may show the same way
 _UPRIGHT = 0.7  # cosine
-_SLIGHT, _AJAR, _OPEN = 0.45, 45.0, 180.0  # strength of "slightly" at most; [degrees] that a part is then open, or else
+_SLIGHT, _AJAR, _OPEN = (
+    0.45,
+    45.0,
+    180.0,
+)  # strength of "slightly" at most; [degrees] that a part is then open, or else
 _FITTED, _OUTLINE, _OWN = "from the affine fit", "from the outline", "of the part"
 _BETWEEN = 2 / 3  # of its length, between the middles of its ends, each a third of it
 _KEPT = 0.4  # of the largest turn that a free thing has left where it ends

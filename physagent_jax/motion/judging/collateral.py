@@ -130,6 +130,10 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         limit += max([0.3 * e.strength for e in strained] + [0.5 * abs(each - 1.0) for each in told])
     if view.grounded and any(e.kind is MotionKind.ROTATE for e in asked):
         limit += 0.35  # it rolls on what it touches
+    if strained and view.grounded and not view.anchored and any(e.released for e in strained):
+        course = [
+            (t, reject(p, up, low=0.0)) for t, p in course
+        ]  # what springs back on the ground may leap up
     for way in view.find_topples():  # the centre goes along with the top
         course = [(t, reject(p, way, 0.0, _TOPPLED)) for t, p in course]
     if view.force_field.default_drop or any(e.kind is MotionKind.FALL for e in asked):

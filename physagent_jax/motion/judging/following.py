@@ -31,6 +31,7 @@ _UNEVEN = 0.2  # of its way that it may be ahead of, or behind, what goes at one
 _SUDDEN = 0.3  # [s] in which a blow has brought most of the speed that it brings
 _PULSE = 0.35  # of the hardest: what counts as another blow
 _HOP = 0.18  # of the highest: what counts as another leap
+_FULL = 3.5  # times as high: what is a leap, and no rebound
 _LEAKS = 0.5  # of a motion that may be seen before its time
 _UNSEEN = 0.5  # share of its frames in which a part may be lost from sight
 _REST = 0.25  # share of what follows that is looked at for where it comes to rest
@@ -198,11 +199,16 @@ def _check_blows(asked: Asked) -> list[Check]:
     def count_excursions(limit: float) -> int:
         return (len(find_turning_points(values, limit)) + 1) // 2
 
+    def count_leaps(limit: float) -> int:
+        """Rises, the last one that has begun included; lower ones, as of a rebound, as far as the count needs them."""
+        some, high = ((len(find_turning_points(values, each)) + 2) // 2 for each in (limit, _FULL * limit))
+        return min(max(count, high), some)
+
     def count_pulses(limit: float) -> int:
         return _count_pulses(gains, limit)
 
     if asked.hops:
-        counter, most, noise, span = count_excursions, count, math.sqrt(2.0), max(values) - min(values)
+        counter, most, noise, span = count_leaps, count, math.sqrt(2.0), max(values) - min(values)
         threshold = max(_HOP * span, tolerances.VISIBLE / 2)
     elif asked.view.anchored:
         counter, most, noise, span = count_excursions, 2 * count, math.sqrt(2.0), max(values) - min(values)
@@ -251,6 +257,11 @@ def _check_return(asked: Asked) -> list[Check]:
             return []
         raise _Unseen("the clip ends before it can come back")
     signal = _observe(asked, first, until, 4)
+    if (
+        motion.kind in AXIAL and asked.end is None and motion.direction is not None
+    ):  # its outline is seen for longer
+        lengths, known = view.lengths(motion.direction, first, until), signal[-1][0]
+        signal = [*signal, *((t, asked.sign * v) for t, v in lengths if t > known)]
     if not (view.report.stretch if motion.kind in AXIAL else view.get_places(asked.end)):
         raise _Unseen("its course is not known")
     largest = max(abs(v) for _, v in signal)

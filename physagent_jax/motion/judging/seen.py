@@ -266,6 +266,11 @@ class View:
         found = [(t, v / start - 1.0, w / start) for t, v, w in points if v is not None and w is not None]
         return found if len(found) > 1 else []
 
+    def lengths(self, direction: Vector, first: int, last: int) -> Signal:
+        """The same of the whole in all frames in which it is seen, however well its length is known in them."""
+        along = (e.ratio for e in self.report.extents if abs(cosine(e.direction, direction)) > SAME_LINE)
+        return _compare(next(along, (None,)), first, last, lambda value, start: value / start - 1.0)
+
     def hides(self, direction: Vector) -> bool:
         """Return whether a stretch along a direction cannot be seen, because it is along the line of sight."""
         shown = any(w.stretch_view_axis_observable for w in self.report.windows)
