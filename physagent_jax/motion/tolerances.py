@@ -46,6 +46,7 @@ _PART = 0.3  # how much less the whole shows if only a part is acted on
 REACHED = 0.8  # of the way to an obstacle, from where on it counts as met
 _TOLD_STRAIN = 0.04  # [1] within which perception tells nine strains of ten
 _TOLD_TURN = 60.0  # [degrees] off an angle that the sentence names, however large
+_LOST_TURN = 0.12  # of a turn that is lost in following it all around, again and again
 _FALLEN = 0.4  # of a height that the sentence names, that a fall may differ by: nothing beside it shows where it was
 _WRUNG = 0.85  # of the largest angle of its word that a free end turns by: it lessens towards the held one
 _SPUN_LEAST = 60.0  # [degrees] less is a turn, and no spin
@@ -269,7 +270,8 @@ def expect_quantity(amount: Amount, kind: MotionKind, brief: SceneBrief) -> Tole
         case "seconds":
             name, width, least = "seconds", max(0.4 * value, 0.2), 0.0
         case "degrees":
-            name, width = "degrees", max(min(0.2 * value, _TOLD_TURN), STILL_DEGREES)
+            width = max(min(0.2 * value, _TOLD_TURN), _LOST_TURN * value, STILL_DEGREES)
+            name = "degrees"
         case "factor" if not axial:
             return None
         case unit:
