@@ -248,3 +248,15 @@ def test_what_opens_slowly_may_open_wide(strength, degrees, right):
     opens = [expected(KINDS.ROTATE, RIGHT, part=UP, words="lid opens", strength=strength)]
     seen = show(parts=ends((0, 0, 0.05), (0, 0, 0), turn_top=(degrees, 0, 0)))
     assert verdict("", opens, seen, held) is right
+
+
+@pytest.mark.parametrize(("change", "right"), [(0.01, True), (0.4, False)])
+def test_a_shape_that_no_outline_shows_is_not_out_of_shape(change, right):
+    """Of a flat thing that is seen aslant the points do not tell the thickness."""
+    lines = [
+        Extent(direction=axis, ratio=(1.0, *(1.0 + change,) * LAST), half_width=(0.02,) * (LAST + 1))
+        for axis in (UP, RIGHT)
+    ]
+    leap = expected(KINDS.SWAY, UP, repeats=3)
+    seen = show(hop, strain=along((0, -0.9, 0), 1.0), extents=tuple(lines))
+    assert verdict("it bounces three times", [leap], seen) is right

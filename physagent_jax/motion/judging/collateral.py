@@ -59,6 +59,9 @@ _STRAIN_HIT = 0.6  # [1] the same when it turns, or bends while it is held
 _ANOTHER_SIDE = (
     45.0  # [degrees] from which on another side is seen, so that the shape is told from fewer points
 )
+_SHEARED, _PER_OUTLINE = 0.3, 4.0
+"""[1] that a thing may be strained without a change of its outline, and more for each such change: of a flat side that
+is seen aslant, no point tells how thick it is."""
 _STRAIN_TUMBLING = 1.0
 """[1] of what tumbles, whose far side nobody sees from the start."""
 _STRAIN_TWISTED = (
@@ -247,6 +250,8 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         (t, _find_largest_strain(S, hidden) * (_STRAIN_HIT / _STRAIN_TUMBLING if t in unseen else 1.0))
         for t, S in tensors
     ]
+    shown = _list_shown_changes(view)
+    strains = [(t, min(v, _SHEARED + _PER_OUTLINE * shown[t]) if t in shown else v) for t, v in strains]
     left = (
         _find_left(view, strains)
         if (swings or tumbles) and not view.anchored and not _is_partial(asked) and not view.keeps_dents
@@ -272,6 +277,14 @@ def _list_unseen_sides(view: View) -> set[int]:
     """Frames in which it has turned so far out of the picture plane that the shape is told from another side."""
     toward = view.brief.directions.toward
     return {t for t, v in view.turns(0, view.last) if norm(reject(v, toward)) > _ANOTHER_SIDE}
+
+
+def _list_shown_changes(view: View) -> dict[int, float]:
+    """The largest change of the outline's lengths [1], by frame, while it has hardly turned."""
+    up, right = view.brief.directions.up, view.brief.directions.right
+    lines = [dict(view.lengths(axis, 0, view.last)) for axis in (up, right)]
+    upright = [t for t, v in view.turns(0, view.last) if norm(v) < _ANOTHER_SIDE]
+    return {t: max(abs(each[t]) for each in lines) for t in upright if all(t in each for each in lines)}
 
 
 def _find_left(view: View, strains: Signal) -> Signal:
