@@ -17,7 +17,7 @@ from physagent_jax.forces.part import is_plural, split_name
 from physagent_jax.forces.slabs import make_end_region, make_middle_region
 from physagent_jax.motion.attitudes import has_back_on_top
 from physagent_jax.motion.axes import find_lean_axis
-from physagent_jax.motion.efforts import find_lengths
+from physagent_jax.motion.efforts import keep_in_space
 from physagent_jax.motion.hinges import find_hinge, find_hinged
 from physagent_jax.motion.joints import Turning
 from physagent_jax.motion.limbs import stands_on_legs, sum_directions
@@ -28,7 +28,6 @@ from physagent_jax.motion.vectors import clamp, dot, normalise, scale
 
 # What each kind of way means nothing for; nor does a part for what all of the object does.
 _NO_WAYS = (Effect.SWELL, Effect.BURST, Effect.STILL)
-_ROOM = 0.95  # of the way to the wall of the space, so that the wall is not felt
 _NO_LINES = (*_NO_WAYS, Effect.RELEASE)
 _NO_SIDES = (Effect.LEAN, Effect.TURN, Effect.ROLL, Effect.FALL, Effect.TOPPLE, Effect.JUMP, *_NO_LINES[2:])
 _USELESS = {
@@ -250,24 +249,17 @@ def _find_quantities(event: Event, before: Event | None, brief: SceneBrief) -> N
             words = quantity.text or f"{quantity.value:g} {quantity.unit}"
             event.doubts.append(f"'{words}' is a quantity that nothing here is measured in.")
             continue
-        event.amount = _keep_in_space(found.amount, event, brief)
+        falls = event.effect is Effect.FALL  # from as high as there is room (`blows`)
+        event.amount = amount = found.amount if falls else keep_in_space(found.amount, event.direction, brief)
+        if amount is not found.amount:
+            event.notes.append(
+                f"'{event.text}': there is room for {amount.value:.2g} {amount.unit} that way."
+            )
         if found.everywhere:
             event.motion, event.direction = replace(motion, effect=Effect.SWELL), None
         elif found.names and not event.pick(*WAYS):  # "to twice its height"
             event.motion = replace(motion, effect=Effect.SCALE)
             event.direction = normalise(sum_directions(found.names, brief))
-
-
-def _keep_in_space(amount: Amount, event: Event, brief: SceneBrief) -> Amount:
-    """The amount, or of a way that is too far for the space that is simulated what there is room for."""
-    lengths, way = find_lengths(amount, brief), event.direction
-    if lengths is None or way is None or event.effect is Effect.FALL:
-        return amount
-    most = _ROOM * brief.find_room(way)
-    if lengths <= most or most <= 0.0:
-        return amount
-    event.notes.append(f"'{event.text}': there is room for a way of {most:.2g} body lengths.")
-    return amount.model_copy(update={"value": round(amount.value * most / lengths, 6)})
 
 
 def _count_turns(event: Event, brief: SceneBrief) -> None:

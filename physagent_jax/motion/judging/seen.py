@@ -282,6 +282,16 @@ class View:
         return _compare(ratios, first, last, lambda value, start: value / start) if ratios[first] else []
 
 
+def has_gravity(
+    told: str | None, brief: SceneBrief, expectations: Sequence[ExpectedMotion], field: ForceField
+) -> bool:
+    """Return whether what is let go falls: a fact about the world, from the sentence (``told``) or the scene."""
+    if told is not None:
+        return told == "down"
+    falls = any(e.kind is MotionKind.FALL for e in expectations)
+    return brief.world == "ground" or falls or field.default_drop
+
+
 def find_farthest(course: Course) -> tuple[int, Vector]:
     """The frame and place farthest from the start, in whatever direction."""
     return max(course, key=lambda point: norm(point[1]))
