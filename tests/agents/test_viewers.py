@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.schema import SemanticReply
@@ -12,7 +13,7 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.judging.posing import find_last_lean, tells_pose
 from physagent_jax.motion.judging.seen import View
 from physagent_jax.motion.schema import MotionKind, Verdict
-from physagent_jax.perception.schema import Extent
+from physagent_jax.perception.schema import Box, Extent
 from tests.agents.scenes import asked, brief, judge, ramp, read
 from tests.agents.test_planner import along, ends, expected, show
 
@@ -260,3 +261,22 @@ def test_a_shape_that_no_outline_shows_is_not_out_of_shape(change, right):
     leap = expected(KINDS.SWAY, UP, repeats=3)
     seen = show(hop, strain=along((0, -0.9, 0), 1.0), extents=tuple(lines))
     assert verdict("it bounces three times", [leap], seen) is right
+
+
+@pytest.mark.parametrize(("size", "right"), [(1.0, True), (1.6, False)])
+def test_the_box_around_what_turns_grows_without_a_burst(size, right):
+    """Of a cube that is turned about two axes it grows by a half."""
+    corners = np.array(np.meshgrid(*[(-0.3, 0.3)] * 3)).reshape(3, -1).T
+
+    def turn(t):
+        return np.multiply((0.5, 0.7, 0.0), 90 * ramp(t, 0, 30))
+
+    seen = show(along(RIGHT, 0.5), turn)
+    boxes = []
+    for t in range(LAST + 1):
+        there = Rotation.from_rotvec(np.radians(turn(t))).apply(corners) * (size if t > 20 else 1.0)
+        boxes.append(Box(low=tuple(there.min(0).tolist()), high=tuple(there.max(0).tolist())))
+    assert boxes[24].high[0] > 1.5 * boxes[0].high[0] or size > 1.0
+    tumbles = (expected(direction=RIGHT, words="roll"), expected(KINDS.ROTATE, None, words="roll"))
+    seen = seen.model_copy(update=dict(box=tuple(boxes)))
+    assert verdict("it rolls to the right", tumbles, seen) is right

@@ -23,7 +23,7 @@ from physagent_jax.motion.judging.stages import group_stages
 from physagent_jax.motion.judging.toppling import find_lean
 from physagent_jax.motion.matching import AXIAL
 from physagent_jax.motion.schema import Check, ExpectedMotion, MotionKind
-from physagent_jax.motion.vectors import cross, dot, norm, normalise, reject, scale, subtract
+from physagent_jax.motion.vectors import cross, dot, norm, normalise, reject, rotate, scale, subtract
 from physagent_jax.perception.schema import Matrix
 
 _LASTING = 3  # frames: what is seen for less is noise or a flash
@@ -385,10 +385,18 @@ def _list_taken_off(view: View) -> set[int]:
 
 
 def _list_growths(view: View) -> Signal:
-    """Diagonal of the box over that of the first box, which a rigid turn hardly changes, frame by frame."""
-    boxes = [(t, box) for t, box in enumerate(view.report.box) if box is not None]
-    diagonals = [(t, norm(subtract(box.high, box.low))) for t, box in boxes]
-    return [(t, diagonal / max(diagonals[0][1], 1e-6)) for t, diagonal in diagonals]
+    """Diagonal of the box over that of the first box, or of the same box turned as it is seen to, frame by frame."""
+    boxes = [(t, subtract(box.high, box.low)) for t, box in enumerate(view.report.box) if box is not None]
+    if not boxes:
+        return []
+    first, turns = boxes[0][1], dict(view.turns(boxes[0][0], view.last))
+    growths, turn = [], _ZERO
+    for t, sides in boxes:
+        turn = turns.get(t, turn)  # as it was last seen
+        axes = [rotate(axis, turn) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
+        turned = [sum(abs(axis[k]) * side for axis, side in zip(axes, first)) for k in range(3)]
+        growths.append((t, norm(sides) / max(math.hypot(*turned), norm(first), 1e-6)))
+    return growths
 
 
 def _check_picture(view: View, asked: list[ExpectedMotion]) -> list[Check]:
