@@ -14,6 +14,7 @@ from benchmarks.harness import Page
 from benchmarks.headtohead import markdown as headtohead
 from benchmarks.inverse import markdown as inverse
 from benchmarks.language import markdown as language
+from benchmarks.parts import markdown as parts
 from benchmarks.perception import markdown as perception
 from benchmarks.skipping import markdown as skipping
 from benchmarks.stability import markdown as stability
@@ -34,6 +35,7 @@ _MODULES = (
     inverse,
     language,
     limits,
+    parts,
     perception,
     rendering,
     skipping,

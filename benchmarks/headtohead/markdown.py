@@ -41,6 +41,7 @@ from benchmarks.headtohead.comparison import (
     name_row,
     tell_published,
     tell_splits,
+    write_families,
     write_marks,
 )
 from benchmarks.headtohead.entrants import ABLATION_ROWS, LOCAL, list_distillers, rename
@@ -48,8 +49,11 @@ from benchmarks.headtohead.fidelity import count_clean, write_terms
 from benchmarks.headtohead.leaderboard import PARTS as FITS
 from physagent_jax.metrics.statistics import draw_again, find_interquartile_mean
 
+SUITE = "suite"
+"""Part of the tasks that are drawn (`benchmarks.headtohead.reproduce`)."""
 PARTS = (
     "methods",
+    SUITE,
     "ablation",
     "iterations",
     "distillation",
@@ -80,6 +84,9 @@ def _list_tables(part: str, result: Result) -> Tables:
     rows = result[part]["rows"]
     if part == "methods":
         return list_comparison(result[part], count_clean(result.get("fidelity", {}).get("rows", [])))
+    if part == SUITE:
+        found = f"{write_families(rows, {})}\n{claims.answer(claims.COMPARISON, group(rows))}"
+        return {part: found, "suite marks": write_marks(rows)}
     if part == "ablation":
         chosen = choose_ablation(result)
         found = claims.answer(claims.ABLATION, group(chosen))

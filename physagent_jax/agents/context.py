@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple, Protocol
 
 from physagent_jax.agents.schema import SemanticReply
@@ -40,11 +40,13 @@ class Observation:
         force_field: What was simulated.
         report: What perception measured; ``report.text`` tells it in words.
         key_frames: The clip's pictures.
+        ending: What perception measured from the last planned frame to the true end; None = it was not looked at.
     """
 
     force_field: ForceField
     report: MotionReport
     key_frames: KeyFrames
+    ending: MotionReport | None = field(default=None, kw_only=True)
 
 
 @dataclass(frozen=True)

@@ -49,6 +49,10 @@ class PlannerAgent(Agent, Protocol):
         """
         return ()
 
+    def watches_ending(self, context: AgentContext) -> bool:
+        """Return whether the frames after the planned ones are to be looked at too; not by default."""
+        return False
+
     def judge(self, context: AgentContext, seen: Observation) -> Reply[Judgement]:
         """Compare what was ``seen`` with what ``context.prompt`` asked for.
 

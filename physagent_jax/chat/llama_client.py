@@ -26,10 +26,13 @@ class LlamaOptions(FileOptions):
     Attributes:
         threads: Threads that compute; None = one for each core that nothing else uses now.
         context: Longest prompt and answer together [tokens].
+        prompt_cache: Memory for prompts that were read before [MiB]. Agents ask in turn, each with a long prompt of its
+            own: what a prompt has in common with an earlier one is not read again.
     """
 
     threads: int | None = Field(default=None, ge=1, le=1024)
     context: int = Field(default=8192, ge=128, le=2**20)
+    prompt_cache: int = Field(default=1024, ge=0, le=2**20)
 
 
 class LlamaModel(FileModel):
@@ -49,7 +52,7 @@ class LlamaModel(FileModel):
         params.n_ctx, params.n_parallel, params.api_keys = chosen.context, 1, [self.key]
         threads = chosen.threads or count_free_cores()
         params.cpuparams.n_threads = params.cpuparams_batch.n_threads = threads
-        params.verbosity, params.warmup, params.cache_ram_mib = 0, False, 0
+        params.verbosity, params.warmup, params.cache_ram_mib = 0, False, chosen.prompt_cache
         try:
             self._server: Any = xllamacpp.Server(params)
         except RuntimeError as error:

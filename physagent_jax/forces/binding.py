@@ -30,7 +30,7 @@ from physagent_jax.forces.schema import (
     VelocityConstraint,
 )
 from physagent_jax.forces.sections import find_stress_concentration
-from physagent_jax.forces.terms import Balance, PushCompensation, TurnCompensation
+from physagent_jax.forces.terms import Balance, Landing, PushCompensation, TurnCompensation
 from physagent_jax.forces.twisting import Twist, find_twist
 from physagent_jax.mpm.boundaries import HalfSpace
 from physagent_jax.mpm.constraints import GradedRotation, GradedTranslation, MovingPlate, PrescribedMotion
@@ -53,6 +53,8 @@ RUBS = 0.9  # of friction's deceleration, at most: it is help against friction, 
 BALANCING = 3.0  # times what its weight turns it by when it lies, up to which it is kept upright
 ROCKS = math.radians(2)  # by which what slides may rock
 TILTED = math.radians(20)  # at which what is led over its foot stands on its edge
+FALLING = math.radians(40)  # from which on what is led over it and let go falls over
+_EDGE = 0.02  # [L] around that point, in which particles tell where the edge is
 HELD_END = 0.25  # of the length, whose middle is where what is held turns about when it is wrung
 PAST = math.radians(5)  # beyond the balance up to which what tips over is driven
 _LEVEL = 0.7  # vertical component of an axis below which a turn tips
@@ -86,6 +88,7 @@ class Circumstances:
         turned: Whether something turns the object at the same time.
         until: Frame at which the next entry begins.
         tilted: Axis about which what stands is first tilted by a constraint, unit vector, shape (3,); None = it is not.
+        moved: Whether it has gone elsewhere before that.
     """
 
     scaling: SkillScaling
@@ -95,6 +98,7 @@ class Circumstances:
     turned: bool = False
     until: float = math.inf
     tilted: np.ndarray | None = None
+    moved: bool = False
 
 
 @dataclasses.dataclass(frozen=True)
@@ -188,7 +192,7 @@ class Binding:
         self._until = min(about.until * frame_dt, FOREVER)
         pivot = getattr(timed, "pivot", None)
         self._pivot = None if pivot is None else rest.min(0) + np.asarray(pivot) * np.ptp(rest, axis=0)
-        self._led, self._share, wrung = np.flatnonzero(self._mask), None, False
+        self._led, self._share, self._about, wrung = np.flatnonzero(self._mask), None, None, False
         if (bend := getattr(timed, "bend", None)) is not None:
             part, share, middle = grade_part(bend, rest)
             self._led, self._share = np.flatnonzero(part), self.leaf(share)
@@ -197,8 +201,14 @@ class Binding:
             if twist is not None:
                 self._led, self._pivot, wrung = twist.led, twist.pivot, twist.share is None
                 self._share = None if twist.share is None else self.leaf(twist.share)
+        self._tilt = 0.0  # [rad] by which it is led over the edge of its foot
         if about.tilted is not None and self._pivot is None and self._stands:
+            begin, end = timed.active_time or (0.0, about.frame_count - 1)
+            self._tilt = self.scaling.rotation * abs(timed.magnitude) * timed.gain * (end - begin) * frame_dt
             self._pivot = self._find_foot_edge(about.tilted)
+            if about.moved:  # the edge is where its particles have gone
+                near = np.linalg.norm(rest - self._pivot, axis=1) < _EDGE * np.ptp(rest, axis=0).max()
+                self._about, self._pivot = self.leaf(near), None
         hold_end = getattr(timed, "held_until", None)
         self._held_until = None if hold_end is None else self.leaf(hold_end * frame_dt)
         self._rigid = wrung or (isinstance(timed.region, CellsRegion) and timed.region.rigid)
@@ -312,18 +322,32 @@ class Binding:
         Args:
             released: Whether it is only kept upright once the entry lets it go: what was out of shape until then.
         """
-        opposition = self._opposition_of_the_whole
-        if opposition is None or not opposition.lever or self._turned:
+        opposition, most = self._opposition_of_the_whole, self._find_most_balance()
+        if opposition is None or most is None or self._turned:
             return []
-        x, volume = self._rest.astype(float), self._volume.astype(float)
-        arm = x - np.average(x, axis=0, weights=volume)
-        spread = max(float(np.average((arm**2).sum(1), weights=volume)), _TINY)
-        most = BALANCING * opposition.weight * opposition.lever / spread
         swings = self.stroke is not None and self.stroke.swings
         slack = 0.0 if self.upwards >= RISES else ROCKS
         start, end = self.window[1 if swings or released else 0], self.leaf(self._until)
         start = start if self._held_until is None else self._held_until
         return [Balance(self.leaf(self._rest), self.leaf(most), self.leaf(slack), start, end)]
+
+    def let_land(self) -> list:
+        """The force that lets what is led over the edge of its foot, and then let go, lie where it falls."""
+        most = self._find_most_balance()
+        if self._tilt < FALLING or most is None or self._held_until is not None:
+            return []
+        rest, way, most = map(self.leaf, (self._rest, self._way, most))
+        return [Landing(rest, way, most, self.window[1], self.leaf(self._until))]
+
+    def _find_most_balance(self) -> float | None:
+        """The largest angular acceleration that keeps or brings it where it is to be [rad/s^2]; None = none does."""
+        opposition = self._opposition_of_the_whole
+        if opposition is None or not opposition.lever:
+            return None
+        x, volume = self._rest.astype(float), self._volume.astype(float)
+        arm = x - np.average(x, axis=0, weights=volume)
+        spread = max(float(np.average((arm**2).sum(1), weights=volume)), _TINY)
+        return BALANCING * opposition.weight * opposition.lever / spread
 
     def _find_foot_edge(self, axis: np.ndarray) -> np.ndarray:
         """The point on which it stands when it is tilted about a level axis by `TILTED` [m], shape (3,)."""
@@ -443,7 +467,9 @@ class Binding:
             windows.append((self.window[1], self._held_until))
             fields.append((still, still, still))
         motions = [
-            PrescribedMotion(particles, *field, *window, share=self._share, rigid=self._rigid)
+            PrescribedMotion(
+                particles, *field, *window, share=self._share, rigid=self._rigid, about=self._about
+            )
             for field, window in zip(fields, windows)
         ]
         return motions

@@ -15,6 +15,7 @@ from physagent_jax.forces.responses import scale_entry
 from physagent_jax.forces.schema import Action, ForceField, SkillScaling, VelocityConstraint
 from physagent_jax.forces.skills import get_skill
 from physagent_jax.forces.swinging import find_strokes
+from physagent_jax.forces.upright import begin_of, end_of, leave_upright
 from physagent_jax.mpm.protocols import Constraint
 
 _LEVEL, _PARALLEL = 0.3, 0.99  # vertical component of an axis; cosine of two
@@ -61,8 +62,8 @@ def compile_force_field(
         turned = isinstance(entry, Action) and _is_turned_meanwhile(entry, field)
         stroke = strokes.get(index) if group == "actions" else None
         scale, until = scale_entry(scaling, entry), _find_next_begin(entry, field)
-        tilted = _find_tilt_axis(entry, field, scaling.rotation * frame_dt)
-        about = Circumstances(scale, frame_dt, frame_count, stroke, turned, until, tilted)
+        tilted, moved = _find_tilt(entry, field, scaling.rotation * frame_dt)
+        about = Circumstances(scale, frame_dt, frame_count, stroke, turned, until, tilted, moved)
         return Binding(entry, values, f"force_field.{group}[{index}]", rest, volume, about)
 
     pairs = {pair.first: pair for pair in find_pairs(field, scaling, rest)}
@@ -88,31 +89,40 @@ def _find_next_begin(entry: Action | VelocityConstraint, field: ForceField) -> f
     return min((other for other in others if other > begin), default=np.inf)
 
 
-def _find_tilt_axis(entry: Action | VelocityConstraint, field: ForceField, rate: float) -> np.ndarray | None:
-    """Axis about which an entry finds the whole tilted, or tilts it, where nothing else was done till then; or None.
+def _find_tilt(
+    entry: Action | VelocityConstraint, field: ForceField, rate: float
+) -> tuple[np.ndarray | None, bool]:
+    """Axis about which an entry finds the whole tilted, or tilts it, and whether it has gone elsewhere before.
+
+    The axis is None where something else was done since it stood upright.
 
     Args:
         entry: The entry.
         field: All of them.
         rate: Turn per frame of a constraint with M = 1 [rad].
     """
-    turns = [each for each in field.constraints if get_skill(each).is_axis and each.region is None]
-    end = (entry.active_time or (0.0, np.inf))[1]
-    earlier = [e for e in (*field.constraints, *field.actions) if (e.active_time or (0.0,))[0] < end - 0.5]
-    if entry not in turns or any(each not in turns for each in earlier):
-        return None
-    turns.sort(key=lambda each: (each.active_time or (0.0,))[0])
+    entries = [e for e in (*field.constraints, *field.actions) if begin_of(e) < end_of(entry) - 0.5]
+    entries.sort(key=begin_of)
+    starts = [index for index, each in enumerate(entries) if leave_upright(entries[:index], begin_of(each))]
+    before, turns = entries[: starts[-1]], entries[starts[-1] :]
+    moved = not all(get_skill(each).is_axis for each in before)
+    if entry not in turns or not all(_turns_whole(each) for each in turns):
+        return None, moved
     axes = [np.copysign(1.0, each.magnitude) * np.asarray(each.vector) for each in turns]
     level = all(abs(each[2]) < _LEVEL and abs(axes[0] @ each) > _PARALLEL for each in axes)
-    windows = [each.active_time or (0.0, np.inf) for each in turns]
     steps = [
-        rate * abs(each.magnitude) * each.gain * (end - begin) * np.sign(axes[0] @ axis)
-        for each, (begin, end), axis in zip(turns, windows, axes)
+        rate * abs(each.magnitude) * each.gain * (end_of(each) - begin_of(each)) * np.sign(axes[0] @ axis)
+        for each, axis in zip(turns, axes)
     ]
     tilts = np.cumsum([0.0, *steps])
     at = turns.index(entry)
     side = 1.0 if tilts[at] + tilts[at + 1] >= 0 else -1.0
-    return side * axes[0] if level and np.abs(tilts).max() <= _MOST_TILT else None
+    return side * axes[0] if level and np.abs(tilts).max() <= _MOST_TILT else None, moved
+
+
+def _turns_whole(entry: Action | VelocityConstraint) -> bool:
+    skill = get_skill(entry)
+    return skill.is_axis and skill.prescribes and entry.region is None
 
 
 def _is_turned_meanwhile(action: Action, field: ForceField) -> bool:

@@ -16,6 +16,7 @@ _STRAIN_PER_M = 0.2
 
 
 _UPRIGHT = 0.7  # cosine
+_ROOM = 0.95  # of the way to the wall of the space, so that the wall is not felt
 _SPIN_TIME = 1.5  # [s] of a whole turn with a strength of 1
 _FAR = 120.0  # [degrees] from which on a turn takes more than the strongest force does in a step
 
@@ -57,6 +58,21 @@ def find_lengths(amount: Amount | None, brief: SceneBrief) -> float | None:
     if amount is None or amount.unit not in ("lengths", "metres"):
         return None
     return amount.value / (brief.size if amount.unit == "metres" else 1.0)
+
+
+def keep_in_space(amount: Amount, way: Vector | None, brief: SceneBrief) -> Amount:
+    """The amount, or of a distance that is too long for the space that is simulated what there is room for.
+
+    Args:
+        amount: Quantity that the sentence tells.
+        way: Unit world vector; None = it is not known yet.
+        brief: The scene.
+    """
+    lengths = find_lengths(amount, brief)
+    most = 0.0 if way is None else _ROOM * brief.find_room(way)
+    if lengths is None or most <= 0.0 or lengths <= most:
+        return amount
+    return amount.model_copy(update={"value": round(amount.value * most / lengths, 6)})
 
 
 def find_spin(

@@ -1,18 +1,20 @@
 """Hinges: the edge at which a piece that opens and closes is joined to the rest, as a laptop's screen is.
 
-Where it touches the rest tells it. What touches along a line at one end of itself turns about that line; what sits on
-the rest all around, as a pot's lid does, has no hinge.
+Where it touches the rest tells it. What touches along a line at one end of itself turns about that line. What touches
+it all around tells no line: a thin upright piece is a door and has its hinge at one side, a lid with corners has it at
+the back. A round one, as a pot's lid is, has none.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.part import Part
+from physagent_jax.forces.part import Part, split_name
+from physagent_jax.motion.doors import find_edge
 from physagent_jax.motion.schema import SceneBrief
-from physagent_jax.motion.vectors import add, cross, dot, norm, normalise, scale, subtract
+from physagent_jax.motion.vectors import add, clamp, cross, dot, norm, normalise, scale, subtract
 
 _NEAR = 0.06  # [body lengths] beyond the least distance, within which a piece touches the rest
 _OFF = 0.25  # of its reach across the hinge, by which its middle is away from it at least
@@ -21,6 +23,8 @@ _STEPS = 20  # of the search for the direction of a hinge
 _GAP = 4.0  # [degrees] that are left where it is closed
 _OPENED, _FURTHER = 100.0, 30.0  # [degrees] by which it opens, and what stands open already
 _OPEN = 45.0  # [degrees] to the rest from which on it stands open
+_LEAST_OPENED = 0.35  # of that angle, at most so little where it opens slightly
+_UNHINGED = frozenset("drawer drawers jaw mouth beak eye eyes".split())  # what opens in another way
 
 
 @dataclass(frozen=True)
@@ -37,23 +41,57 @@ class Hinge:
     axis: Vector
     angle: float
 
-    def find_angle(self, axis: Vector | None) -> float:
-        """The angle by which it opens or closes about an axis [degrees]."""
+    def follow(self, lead: Hinge | None, axis: Vector | None) -> Vector:
+        """The axis about which it opens where another hinge opens about an axis, or closes likewise."""
+        opens = lead is not None and axis is not None and dot(axis, lead.axis) < 0
+        return scale(self.axis, -1.0 if opens else 1.0)
+
+    def find_angle(self, axis: Vector | None, strength: float = 1.0) -> float:
+        """The angle by which it opens or closes about an axis, opens less with less strength [degrees]."""
         if axis is not None and dot(axis, self.axis) < 0:
-            return _FURTHER if self.angle > _OPEN else _OPENED
+            return (_FURTHER if self.angle > _OPEN else _OPENED) * clamp(strength, _LEAST_OPENED, 1.0)
         return max(self.angle - _GAP, _GAP)
 
 
 def find_hinge(part: Part, brief: SceneBrief) -> Hinge | None:
-    """The hinge of a rigid piece of the object; None if it touches the rest in no line at one of its ends."""
-    if not part.moved.rigid:
+    """The hinge of a rigid piece of the object; None if nothing tells one."""
+    if not part.moved.rigid or not _UNHINGED.isdisjoint(split_name(part.name)):
         return None
-    box = _find_box(brief)
+    box = find_box(brief)
+    inside, outside, gaps = _find_gaps(part, box)
+    found = _find_line_hinge(inside, outside, [a for a, _ in gaps])
+    if found is None and (edge := find_edge(part, brief, inside, gaps, box)):
+        found = Hinge(edge[0], scale(edge[1], -1.0), 0.0)
+    if found is None:
+        return None
+    x, y, z = (a / b for a, b in zip(found.joint, box))
+    return replace(found, joint=(x, y, z))
+
+
+def stand_up(part: Part, brief: SceneBrief) -> Part:
+    """A part that sits on the rest, as what sways on it: its joint is where it touches that."""
+    box = find_box(brief)
+    inside, _, gaps = _find_gaps(part, box)
+    base = _average([here for here, _ in gaps])
+    arm = scale(subtract(_find_middle(inside), base), 2.0)
+    if norm(arm) < _OFF * max(math.dist(base, each) for each in inside):
+        return part
+    x, y, z = (a / b for a, b in zip(base, box))
+    return part.model_copy(update=dict(joint=(x, y, z), arm=arm, seated=False))
+
+
+def _find_gaps(part: Part, box: Vector) -> tuple[list[Vector], list[Vector], list[tuple[Vector, Vector]]]:
+    """Places in a part, in the rest, and those of the part that touch the rest with what they touch [body lengths]."""
     inside, outside = (
         [_stretch(seed, box) for seed in seeds] for seeds in (part.moved.inside, part.moved.outside)
     )
-    near = [min(math.dist(a, b) for b in outside) for a in inside]
-    touching = [a for a, distance in zip(inside, near) if distance < min(near) + _NEAR]
+    near = [(here, min(outside, key=lambda there: math.dist(here, there))) for here in inside]
+    least = min(math.dist(here, there) for here, there in near) + _NEAR
+    return inside, outside, [each for each in near if math.dist(*each) < least]
+
+
+def _find_line_hinge(inside: list[Vector], outside: list[Vector], touching: list[Vector]) -> Hinge | None:
+    """The hinge where a piece touches the rest in a line at one of its ends; its joint in body lengths."""
     place, middle, rest = _average(touching), _find_middle(inside), _find_middle(outside)
     line = _find_line(touching, place)
     if line is None:
@@ -64,8 +102,7 @@ def find_hinge(part: Part, brief: SceneBrief) -> Hinge | None:
     if norm(arm) < _OFF * reach or axis is None:
         return None
     angle = math.degrees(math.atan2(norm(cross(arm, other)), dot(arm, other)))
-    x, y, z = (a / b for a, b in zip(place, box))
-    return Hinge((x, y, z), scale(line, 1.0 if dot(line, axis) > 0 else -1.0), angle)
+    return Hinge(place, scale(line, 1.0 if dot(line, axis) > 0 else -1.0), angle)
 
 
 def find_hinged(brief: SceneBrief) -> tuple[int, ...]:
@@ -74,8 +111,8 @@ def find_hinged(brief: SceneBrief) -> tuple[int, ...]:
     return tuple(sorted(hinged, key=lambda index: -brief.parts[index].side[2])[:1])
 
 
-def _find_box(brief: SceneBrief) -> Vector:
-    """Extents along the world's axes [body lengths], from those along the viewer's."""
+def find_box(brief: SceneBrief) -> Vector:
+    """The object's extents along the world's axes [body lengths], from those along the viewer's."""
     (width, height, depth), (x, y, _) = brief.extents, brief.directions.right
     c, s = abs(x), abs(y)
     if abs(c - s) < 0.1:

@@ -18,7 +18,8 @@ from physagent_jax.forces.calibration import BLOW
 from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.schema import Bend, VelocityConstraint
-from physagent_jax.motion.limbs import SEATED, find_facing, find_front
+from physagent_jax.motion.hinges import find_box, stand_up
+from physagent_jax.motion.limbs import SEATED, find_facing
 from physagent_jax.motion.schema import Amount, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import (
     add,
@@ -58,20 +59,28 @@ _INWARD = -0.3  # cosine to the way out below which a level way leads into the b
 _SUPPLE = frozenset(
     ("tail", "wing", "ear", "horn", "nose")
 )  # roles of what bends everywhere, and not at its joint alone
+_CURLED = 140.0  # [degrees] that a plain word curls a limb by
+_REACHED, _STEP = (
+    0.06,
+    5.0,
+)  # [body lengths] over the ground, where it has come down; [degrees] of the search for that
+_NEARLY = 0.1  # of its length, over where a limb is lowest: farther on, it would only be tucked in
 _CURLS = 1.4  # times the angle that a supple limb turns by: its tip goes less far
 _WIDE = 4.0  # standard deviations of a disc in its diameter
 _ZONE = 1.25  # widths of the limb, over which it bends beside its joint
 _SHORT = 0.6  # of its length, at most
 _STRAIN = 0.85  # [1] of the skin on the outside of a bend, at most
+_WRUNG = 40.0  # [degrees] that what is twisted is turned by, as the rest below it is twisted as well
 _STEEPEST = 1.5  # slope of u^2 (3 - 2 u) in its middle
 _BORDER = 3.0  # standard deviations of the neck, within which the rest borders on the part
 _SPUN = 180.0  # [degrees] that a plain word turns what stands on the rest about the upright
-_WHEELED = 360.0  # [degrees] that it turns a wheel
+_WHEELED, _FAST = 360.0, 2.0  # [degrees] that it turns a wheel; times that, of a strong word
 _NECKED = frozenset(("head", "face", "neck"))  # words for what does not turn so far
+_CURLING = frozenset(("curl", "coil"))  # begins of words for what bends over all of its length
 _JAWS = frozenset(("jaw", "mouth"))  # words for what opens downwards
 _OWN_WAYS = dict(forward=1.0, forwards=1.0, backward=-1.0, backwards=-1.0)  # as it looks, and the other way
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them
-_TIME = 1.0  # [s] in which a limb gets where it goes, at most
+_TIME = 1.0  # [s] in which a limb gets where it goes, at most; less strongly is slower
 Window = tuple[float, float]
 
 
@@ -84,12 +93,14 @@ class Turning:
         brief: The scene.
         frame_count: Length of the clip [frames].
         slides: Whether it sits loose on the rest, as a lid does, and is moved rather than turned.
+        curls: Whether it bends over all of its length.
     """
 
     part: Part
     brief: SceneBrief
     frame_count: int
     slides: bool = False
+    curls: bool = False
 
     @functools.cached_property
     def arm(self) -> Vector:
@@ -99,7 +110,7 @@ class Turning:
     @functools.cached_property
     def out(self) -> Vector:
         """The level way that leads away from the body: from its mirror image to it, else to where it is."""
-        front = find_front(self.brief.parts)
+        front = find_facing(self.brief.parts)
         if front is not None and "leg" in self.part.roles[:1]:
             return front
         side = self.part.side
@@ -120,6 +131,11 @@ class Turning:
     def hangs(self) -> bool:
         """Return whether it hangs down."""
         return dot(self.arm, self.brief.directions.up) < -_HANGS
+
+    @property
+    def is_head(self) -> bool:
+        """Return whether it is a head, by its shape or its name."""
+        return "head" in (*self.part.roles, *split_name(self.part.name))
 
     @property
     def swing(self) -> Vector:
@@ -150,8 +166,11 @@ class Turning:
             until: Frame at which the limb's next one begins, or the clip's last.
         """
         motion = self._face(motion)
+        if not self.curls and not _CURLING.isdisjoint(each[:4] for each in split_name(motion.words)):
+            return dataclasses.replace(self, slides=False, curls=True).drive(motion, until)
         if motion.kind is MotionKind.SWAY:
-            return self._drive_swings(motion)
+            standing = stand_up(self.part, self.brief) if self.part.seated else self.part
+            return dataclasses.replace(self, part=standing, slides=False)._drive_swings(motion)
         axis = motion.direction
         if motion.kind is MotionKind.ROTATE and axis is not None and (spun := self._find_spun(motion, axis)):
             if spun < _WHEELED:  # pictures do not tell one turn of alike blades from a part of it
@@ -163,6 +182,8 @@ class Turning:
         if motion.kind is MotionKind.ROTATE and axis is not None:
             return [self.turn(axis, self.find_angle(motion, axis), window, stop)], motion
         way = self._gape(motion) or motion.direction or self.swing
+        if self.curls and abs(dot(way, self.arm)) > _ALONG:  # it cannot curl along itself
+            way = self.swing if self.hangs else self.brief.directions.toward
         place = self.part.origin == "place"  # it has no joint
         angle = self.find_angle(motion, None if place else self.find_axis(way, sudden=motion.sudden), way)
         course = motion.direction and self.find_course(way, angle, sudden=motion.sudden)
@@ -176,7 +197,8 @@ class Turning:
         upright = abs(dot(axis, self.brief.directions.up)) > _ALONG
         seated = upright and not SEATED.isdisjoint(self.part.roles[:1])
         wheel = self.part.axle is not None and abs(dot(axis, self.part.axle)) > _ALONG
-        return (_WHEELED if wheel else _SPUN) if plain and (wheel or seated) else 0.0
+        turns = _WHEELED * (_FAST if motion.strength > 1.0 else 1.0)
+        return (turns if wheel else _SPUN) if plain and (wheel or seated) else 0.0
 
     def _drive_swings(self, motion: ExpectedMotion) -> tuple[list[VelocityConstraint], ExpectedMotion]:
         """As `drive`, to and fro: each stroke takes as long as its angle needs."""
@@ -184,13 +206,23 @@ class Turning:
         way, angles = self.list_swings(motion, count)
         done = list(itertools.accumulate([0.0, *map(abs, angles)]))
         edges = [first + (last - first) * each / done[-1] for each in done]
+        if self._shakes(motion):
+            way = self.brief.directions.right  # so the face goes
         made = [
-            self.bring(way, motion, angle, window, None)
+            self.turn(self.brief.directions.up, angle, window, None)
+            if self._shakes(motion)
+            else self.bring(way, motion, angle, window, None)
             for angle, window in zip(angles, itertools.pairwise(edges))
             if window[1] - window[0] >= 1.0
         ]
-        course = self.find_course(way, angles[0])
+        course = way if self._shakes(motion) else self.find_course(way, angles[0])
         return made, motion.model_copy(update=dict(direction=course, repeats=count))
+
+    def _shakes(self, motion: ExpectedMotion) -> bool:
+        """Return whether it is an upright head that is shaken, which turns to either side."""
+        shaken = any(each.startswith("shak") for each in split_name(motion.words))
+        upright = dot(self.arm, self.brief.directions.up) > _HANGS
+        return shaken and upright and self.is_head
 
     def find_axis(self, way: Vector, *, sudden: bool = False) -> Vector | None:
         """The axis about which a limb turns so that its tip goes a way; None where the way leads along it.
@@ -227,18 +259,37 @@ class Turning:
         """
         if motion.amount is not None and motion.amount.unit == "degrees":
             return motion.amount.value
-        angle = clamp(_PLAIN * motion.strength, _LEAST, _MOST)
+        angle = clamp(
+            (_CURLED if self.curls else _PLAIN) * motion.strength, _LEAST, _CURLED if self.curls else _MOST
+        )
         rise = 0.0 if way is None else dot(way, self.brief.directions.up)
         if axis is None:
             return angle
         if abs(rise) > _ALONG and not motion.sudden and "leg" not in self.part.roles[:1]:
             wanted = _RAISED - self.height if rise > 0 else self.height - _LOWERED
             angle = clamp(wanted * min(motion.strength, 1.0), angle, _FARTHEST)
-        return min(angle * (_CURLS if self.supple else 1.0), self._find_zone(axis)[1])
+        if motion.to_ground and rise < -_ALONG:
+            return min(self._find_way_down(axis), self._find_zone(axis)[1])
+        curls = _CURLS if self.supple and not self.curls else 1.0
+        return min(angle * curls, self._find_zone(axis)[1])
+
+    def _find_way_down(self, axis: Vector) -> float:
+        """The angle about an axis at which it meets the ground, or is nearly as low as it can be [degrees]."""
+        box, up = find_box(self.brief), self.brief.directions.up
+        joint = (self.part.joint[0] * box[0], self.part.joint[1] * box[1], self.part.joint[2] * box[2])
+        arms = [subtract((x * box[0], y * box[1], z * box[2]), joint) for x, y, z in self.part.moved.inside]
+        angles = [_STEP * each for each in range(1, round(_FARTHEST / _STEP))]
+        lowest = [
+            dot(joint, up) + min(dot(rotate(arm, scale(axis, angle)), up) for arm in arms) for angle in angles
+        ]
+        enough = max(_REACHED, min(lowest) + _NEARLY * norm(self.part.arm))
+        return next(angle for angle, z in zip(angles, lowest) if z <= enough)
 
     @property
     def supple(self) -> bool:
         """Return whether it bends everywhere."""
+        if self.curls and norm(self.part.neck) > 0:
+            return True
         return not _SUPPLE.isdisjoint(self.part.roles[:1]) and norm(self.part.neck) > 0
 
     def turn(self, axis: Vector, angle: float, window: Window, stop: float | None) -> VelocityConstraint:
@@ -255,7 +306,8 @@ class Turning:
     def _find_zone(self, axis: Vector) -> tuple[float, float]:
         """The way over which it bends [body lengths], and the largest angle that leaves no crease [degrees]."""
         length = norm(self.part.arm)
-        across = normalise(cross(axis, self.arm))  # None of a twist
+        twisted = abs(dot(axis, self.arm)) > _ALONG
+        across = None if twisted else normalise(cross(axis, self.arm))
         spread = (
             max(self.part.neck) if across is None else math.hypot(*map(operator.mul, across, self.part.neck))
         )
@@ -263,7 +315,8 @@ class Turning:
         if not width:
             return 0.0, math.inf
         depth = length if self.supple else min(_ZONE * width, _SHORT * length)
-        return depth, max(math.degrees(2 * _STRAIN * depth / (_STEEPEST * width)), _LEAST)
+        least = _WRUNG if across is None else _LEAST
+        return depth, max(math.degrees(2 * _STRAIN * depth / (_STEEPEST * width)), least)
 
     def _bend(self, made: VelocityConstraint, depth: float) -> VelocityConstraint:
         reach, part = _BORDER * max(self.part.neck), self.part
@@ -291,13 +344,12 @@ class Turning:
         return up, [most, *[-angle, angle] * count]
 
     def _nod(self, motion: ExpectedMotion) -> Vector | None:
-        """The way of a head that nods: down where it looks aside, forward where it is upright and that is known."""
-        if "head" not in self.part.roles or not any(
-            each.startswith("nod") for each in split_name(motion.words)
-        ):
+        """The way of a head that nods: down where it looks aside, forward where it is upright."""
+        if not self.is_head or not any(each.startswith("nod") for each in split_name(motion.words)):
             return None
         level = abs(dot(self.arm, self.brief.directions.up)) < _HANGS
-        return self.brief.directions.down if level else find_front(self.brief.parts)
+        table = self.brief.directions
+        return table.down if level else find_facing(self.brief.parts) or table.toward
 
     def _face(self, motion: ExpectedMotion) -> ExpectedMotion:
         """The motion as the object has it: what is bent "backwards" goes to its own back, where its front is known."""
@@ -366,7 +418,7 @@ class Turning:
     def _find_window(self, motion: ExpectedMotion, until: float) -> Window:
         """The frames in which it goes where it is to go, before ``until``; a blow is short."""
         first, end = motion.window
-        frames = self.brief.count_frames(BLOW if motion.sudden else _TIME)
+        frames = self.brief.count_frames(BLOW if motion.sudden else _TIME / min(motion.strength, 1.0))
         return (first, min(end, first + max(frames, 2.0), until))
 
     @property

@@ -83,9 +83,13 @@ def _find_nearness(part: Part, side: Vector | None) -> float:
 
 
 def find_front(parts: Sequence[Part]) -> Vector | None:
-    """The level way in which an animal looks: where its head is, seen from its middle; None if that is not known."""
+    """The level way in which an animal looks: where its head is, seen from its middle; None if that is not known.
+
+    What has arms stands upright, however many pieces its legs are made of.
+    """
     heads = [each for each in parts if "head" in each.roles[:1]]
-    if len(heads) != 1 or sum("leg" in each.roles[:1] for each in parts) < 3:
+    upright = any("arm" in each.roles[:1] for each in parts)
+    if len(heads) != 1 or upright or sum("leg" in each.roles[:1] for each in parts) < 3:
         return None
     return normalise((heads[0].side[0], heads[0].side[1], 0.0))
 

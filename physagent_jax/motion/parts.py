@@ -20,6 +20,7 @@ _PLAIN = {place: f"part at the {place}" for place in PLACES} | {
     "ringfinger": "ring finger",
     "littlefinger": "little finger",
 }
+_INNER = 0.8  # share of a part's places that lie in another one
 _SINGLE = ("head", "tail", "lid", "knob", "spout", "back")  # roles that an object has but one part of
 _MOST_SEEDS = 256  # of a region
 _RANK = {"option": 0, "file": 1, "shape": 2, "place": 3}
@@ -77,9 +78,17 @@ def find_named(parts: Sequence[Part], phrase: str, *, plural: bool = False) -> t
                 for index, part in enumerate(parts)
                 if part.name and _RANK[part.origin] == rank and match(split_name(part.name))
             ]
+            found = [k for k in found if not any(_is_within(parts[k], parts[j]) for j in found if j != k)]
             if len(found) == 1 or found and plural:
                 return tuple(found)
     return ()
+
+
+def _is_within(inner: Part, outer: Part) -> bool:
+    """Return whether a part is a smaller piece of another one, which takes it along: the arm without what it holds."""
+    own = inner.moved.inside
+    held = sum(not _is_in_rest(seed, outer) for seed in own)
+    return inner.share < outer.share and held > _INNER * len(own)
 
 
 def explain_missing(text: str, parts: Sequence[Part]) -> str:

@@ -63,6 +63,18 @@ class DirectionTable(Strict):
     away: Numbers
 
 
+class FootEdge(Strict):
+    """A straight edge of what an object stands on.
+
+    Attributes:
+        way: The level way across it, outwards (unit world vector).
+        reach: Its distance from the middle of the object [body lengths].
+    """
+
+    way: Numbers
+    reach: float = Field(ge=0, le=10)
+
+
 class SceneBrief(Strict):
     """The facts about a scene that an agent may use.
 
@@ -79,8 +91,10 @@ class SceneBrief(Strict):
         size: The object's longest side [m].
         long_axis: World axis along which the object is clearly longest; None if it has none.
         extents: Its width, height and depth as the viewer sees it [body lengths].
+        edges: The straight edges of its foot; none where that is round.
         world: "ground": gravity acts and the object stands on the ground, unless the sentence says otherwise; "free":
             it floats at rest in empty space.
+        reach: Distance from its middle to the nearest wall of the space that is simulated [body lengths].
         directions: The direction table.
     """
 
@@ -95,9 +109,18 @@ class SceneBrief(Strict):
     size: float = Field(default=1.0, ge=1e-6, le=1e6)
     long_axis: Numbers | None = None
     extents: Numbers = (1.0, 1.0, 1.0)
+    edges: tuple[FootEdge, ...] = ()
     world: Literal["ground", "free"] = "free"
+    reach: float = Field(default=1e5, ge=0, le=1e6)
     directions: DirectionTable
     parts: tuple[Part, ...] = ()
+
+    def find_room(self, way: Numbers) -> float:
+        """The distance that it can go a way (unit world vector) before it meets a wall of that space [body lengths]."""
+        table = self.directions
+        lines = zip((table.right, table.up, table.toward), self.extents)
+        half = sum(abs(sum(a * b for a, b in zip(way, line))) * extent / 2 for line, extent in lines)
+        return max(self.reach - half, 0.0)
 
     @property
     def last(self) -> float:

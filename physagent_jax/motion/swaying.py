@@ -32,6 +32,7 @@ _SHAKEN = 0.12  # [body lengths] that it is shaken by to either side with a stre
 _MILD = 0.5  # power of a strength that an angle to either side grows with: what is gentle is seen as well
 _WALKED, _STEP = 0.9, 0.04  # [body lengths] that it walks, and rises at each step, with a strength of 1
 _SETTLED = 0.2  # [s] for which it is kept upright where it has stopped rocking
+_NEAR = 0.7  # cosine to a way, from which on an edge of the foot is tipped over instead
 _REACH = 2.0  # [body lengths]: all of its foot borders on the rest
 _LEVEL = 0.7  # cosine to the vertical below which a way leads aside
 _FOLDED, _UPRIGHT_FOLD = (
@@ -175,12 +176,21 @@ def find_bend(way: Vector, brief: SceneBrief, rooted: bool) -> Vector | None:
     return way if rooted and abs(up) < _LEVEL else None
 
 
+def find_tipping_way(way: Vector, brief: SceneBrief) -> Vector:
+    """The way in which it tips when its top is to go a way: over the nearest edge of its foot, and over no corner.
+
+    Over a corner, it would go on over the next edge. A way far from all edges stays as it is.
+    """
+    nearest = max((edge.way for edge in brief.edges), key=lambda each: dot(each, way), default=way)
+    return nearest if dot(nearest, way) >= _NEAR else way
+
+
 def rock(
     brief: SceneBrief, way: Vector, strength: float, count: int, window: Window
 ) -> list[VelocityConstraint]:
     """The tilts of what stands over the edges of its foot, to either side and back to where it was; as `sway`."""
     strokes = [1.0, -1.0, -1.0, 1.0] * count
-    axis, last = normalise(cross(brief.directions.up, way)), float(brief.last)
+    axis, last = normalise(cross(brief.directions.up, find_tipping_way(way, brief))), float(brief.last)
     assert axis is not None  # the way is level
     driver = PartDriver(make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
     spans = _divide(window, strokes)
@@ -205,7 +215,7 @@ def shake(
     """
     strokes = [1.0, *[-2.0, 2.0] * (count - 1), -2.0, 1.0]
     driver = PartDriver(make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
-    reach, last, rest = _SHAKEN * strength**1.5, float(brief.last), brief.count_frames(_SETTLED)
+    reach, last, rest = _SHAKEN * strength, float(brief.last), brief.count_frames(_SETTLED)
     end = max(window[1] - rest, 0.5 * (window[0] + window[1]))  # it rests before the next motion
     spans = _divide((window[0], end), strokes)
     made = [driver.shift(way, reach * s, span, None) for s, span in zip(strokes, spans)]

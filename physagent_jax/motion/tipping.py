@@ -1,35 +1,38 @@
-"""Slow tipping of what stands: it is turned over an edge of its foot as by a hand, and its weight does the rest.
+"""Tipping over of what stands: it is turned over an edge of its foot as by a hand, and its weight does the rest.
 
-A torque that only takes it past its balance leaves nothing slow to be seen of what is slim: from there it lies within
-half a second. So it is led farther, at an even rate, and let go where it cannot be taken for anything but falling.
+A torque acts on after it has passed its balance, and what is broad or round then goes over its next edge as well. It is
+led at an even rate instead, and let go where it cannot be taken for anything but falling. What is to tip slowly is led
+so slowly that it is seen: from its balance on, what is slim lies within half a second.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.driving import PartDriver
-from physagent_jax.forces.schema import VelocityConstraint
+from physagent_jax.forces.schema import Action, VelocityConstraint
+from physagent_jax.forces.upright import leave_upright
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.schema import SceneBrief
-from physagent_jax.motion.swaying import lies, make_upper
+from physagent_jax.motion.swaying import find_tipping_way, lies, make_upper
 from physagent_jax.motion.vectors import dot
 from physagent_jax.motion.windows import Window
 
 SLOW = 0.75  # strength below which tipping over is to be seen to be slow
 _LED, _MOST = (
     45.0,
-    65.0,
+    69.0,
 )  # [degrees] that it is led by at least, and at most: beyond, another edge may be in the way
 _PAST = 8.0  # [degrees] beyond the balance of a box of its extents
-_RATE = 40.0  # [degrees/s] for a strength of 1
+_SLOW_RATE, _RATE = 40.0, 80.0  # [degrees/s] for a strength of 1, of what is to tip slowly and of all else
 _FALLS = 1.5  # [s] in which it then falls, and is seen to lie
 _SHARE = 0.6  # of a window that is too short for both, in which it is led
 
 
 def find_tipping_time(way: Vector, strength: float, brief: SceneBrief) -> float:
-    """The time that slow tipping takes, with the fall and some rest [s]; 0 = it is not slow, or nothing is led.
+    """The time that tipping takes, with the fall and some rest [s]; 0 = nothing is led.
 
     Args:
         way: Where its top goes (unit world vector).
@@ -37,31 +40,43 @@ def find_tipping_time(way: Vector, strength: float, brief: SceneBrief) -> float:
         brief: The scene.
     """
     angle = _find_angle(way, brief)
-    return angle / (_RATE * strength) + _FALLS if angle and strength < SLOW else 0.0
+    return angle / ((_SLOW_RATE if strength < SLOW else _RATE) * strength) + _FALLS if angle else 0.0
 
 
-def tip(brief: SceneBrief, way: Vector, strength: float, window: Window) -> list[VelocityConstraint]:
-    """The turn that leads what stands over its edge; none if it is not to be slow, or cannot be led.
+def tip(
+    brief: SceneBrief,
+    way: Vector,
+    strength: float,
+    window: Window,
+    before: Sequence[Action | VelocityConstraint] = (),
+) -> list[VelocityConstraint]:
+    """The turn that leads what stands over its edge; none if it cannot be led.
 
     Args:
         brief: The scene.
         way: Where its top goes (unit world vector).
         strength: 1 is plain.
         window: First and last frame of turn and fall.
+        before: What moves it till then.
     """
     seconds, (first, last) = find_tipping_time(way, strength, brief) - _FALLS, window
-    if seconds <= 0 or last - first < 2:
+    if seconds <= 0 or last - first < 2 or not leave_upright(before, first):
         return []
     end = first + max(float(round(min(brief.count_frames(seconds), _SHARE * (last - first)))), 1.0)
     driver = PartDriver(make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
-    turn = driver.turn(find_lean_axis(way, brief), _find_angle(way, brief), (first, end), None)
+    turn = driver.turn(
+        find_lean_axis(find_tipping_way(way, brief), brief), _find_angle(way, brief), (first, end), None
+    )
     return [turn.model_copy(update=dict(region=None, pivot=None))]
 
 
 def _find_angle(way: Vector, brief: SceneBrief) -> float:
-    """The angle that it is led by [degrees]; 0 if it lies, or is so broad that it would go over another edge first."""
+    """The angle that it is led by [degrees]; 0 if it is so broad that it would go over another edge first, or rolls."""
     width, height, depth = brief.extents
-    table = brief.directions
-    across = width * abs(dot(way, table.right)) + depth * abs(dot(way, table.toward))
+    table, over = brief.directions, find_tipping_way(way, brief)
+    reach = next((edge.reach for edge in brief.edges if edge.way == over), None)
+    across = width * abs(dot(over, table.right)) + depth * abs(dot(over, table.toward))
+    across = across if reach is None else 2 * reach
     angle = max(_LED, math.degrees(math.atan2(across, height)) + _PAST)
-    return 0.0 if lies(brief) or angle > _MOST else angle
+    rolls = lies(brief) and reach is None  # a log; a car tips over its wheels
+    return 0.0 if rolls or angle > _MOST else angle

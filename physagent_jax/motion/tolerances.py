@@ -46,13 +46,16 @@ _PART = 0.3  # how much less the whole shows if only a part is acted on
 REACHED = 0.8  # of the way to an obstacle, from where on it counts as met
 _TOLD_STRAIN = 0.04  # [1] within which perception tells nine strains of ten
 _TOLD_TURN = 60.0  # [degrees] off an angle that the sentence names, however large
+_LOST_TURN = 0.12  # of a turn that is lost in following it all around, again and again
 _FALLEN = 0.4  # of a height that the sentence names, that a fall may differ by: nothing beside it shows where it was
 _WRUNG = 0.85  # of the largest angle of its word that a free end turns by: it lessens towards the held one
 _SPUN_LEAST = 60.0  # [degrees] less is a turn, and no spin
 SPIN = 360.0  # [degrees] that what spins turns by, unless the sentence says
 _GENTLE = 0.27  # [body lengths / s] at which what goes on and on is still slow, however far it comes
+_SLOW_TURN = 30.0  # [degrees / s] the same of a turn
 _UNHURRIED = 1.0  # [s] what lasts for less time may do less
 _STRENGTHS = (0.4, 1.0, 1.6)
+_MANNER = 2.0  # times as fast as the strength, the upper limit rises from a slight word's to a plain one's
 
 Limits = tuple[float, float, float]
 Bands = tuple[Limits, Limits, Limits]
@@ -138,12 +141,24 @@ class Tolerance:
 
 
 def pick_band(bands: Bands, strength: float, unit: str) -> Tolerance:
-    """The range for a strength, between those of the words geometrically."""
+    """The range for a strength, between those of the words geometrically.
+
+    Words between slight and plain ("slowly", "gently") say how it moves rather than how far, so its upper limit soon is
+    that of a plain word.
+    """
+    low, target, high = _pick_limits(bands, strength)
+    if _STRENGTHS[0] < strength < _STRENGTHS[1]:
+        soon = _STRENGTHS[0] + _MANNER * (strength - _STRENGTHS[0])
+        high = max(high, _pick_limits(bands, min(soon, _STRENGTHS[1]))[2])
+    return Tolerance(low, target, high, unit)
+
+
+def _pick_limits(bands: Bands, strength: float) -> Limits:
     s = clamp(strength, _STRENGTHS[0], _STRENGTHS[2])
     k = 0 if s <= _STRENGTHS[1] else 1
     share = (s - _STRENGTHS[k]) / (_STRENGTHS[k + 1] - _STRENGTHS[k])
     low, target, high = (a ** (1 - share) * b**share for a, b in zip(bands[k], bands[k + 1]))
-    return Tolerance(low, target, high, unit)
+    return low, target, high
 
 
 def list_windows(expectations: Sequence[ExpectedMotion], frame_count: int) -> list[tuple[int, int]]:
@@ -199,7 +214,9 @@ def expect_rotation(expectation: ExpectedMotion, anchored: bool, *, seconds: flo
         return Tolerance(_SPUN_LEAST, SPIN, 4.0 * SPIN, "degrees")
     band = pick_band(TURN_HELD if anchored else TURN, expectation.strength, "degrees")
     share = _PART if expectation.partial and expectation.part is None else 1.0
-    return band.scaled(share * clamp(seconds / _UNHURRIED, 0.3, 1.0), least=VISIBLE_DEGREES)
+    band = band.scaled(share * clamp(seconds / _UNHURRIED, 0.3, 1.0), least=VISIBLE_DEGREES)
+    slow = 0.0 if anchored or expectation.partial or expectation.sudden else _SLOW_TURN * seconds
+    return dataclasses.replace(band, high=max(band.high, slow))
 
 
 def expect_wrung(expectation: ExpectedMotion, brief: SceneBrief) -> float:
@@ -253,7 +270,8 @@ def expect_quantity(amount: Amount, kind: MotionKind, brief: SceneBrief) -> Tole
         case "seconds":
             name, width, least = "seconds", max(0.4 * value, 0.2), 0.0
         case "degrees":
-            name, width = "degrees", max(min(0.2 * value, _TOLD_TURN), STILL_DEGREES)
+            width = max(min(0.2 * value, _TOLD_TURN), _LOST_TURN * value, STILL_DEGREES)
+            name = "degrees"
         case "factor" if not axial:
             return None
         case unit:

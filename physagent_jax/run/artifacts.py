@@ -20,7 +20,7 @@ from physagent_jax.run.store import PLAIN_VIDEO, VIDEO, RunStore
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.compile import CompiledScene
 from physagent_jax.scene.config import SceneConfig, dump_scene
-from physagent_jax.simulation.ending import simulate_ending
+from physagent_jax.simulation.ending import Moved, simulate_ending
 from physagent_jax.simulation.notes import Notes
 from physagent_jax.simulation.presentation import PLAIN, draw_presentation
 from physagent_jax.simulation.recording import Recording
@@ -103,13 +103,16 @@ def write_clip(
     recording: Recording,
     size: tuple[int, int],
     notes: Notes = PLAIN,
+    moved: Moved | None = None,
 ) -> Path:
     """Leave the video for people of round ``index``; the first round's is at the top of the folder at once, too.
+
+    ``moved`` are the model's particles to its end, if that has been simulated.
 
     Returns:
         The video's path in the round's folder.
     """
-    x, F = simulate_ending(recording)
+    x, F = simulate_ending(recording, moved)
     path = write_presentation(
         store, scene.config, scene.body, x, F, size, notes=notes, folder=f"iterations/{index}"
     )

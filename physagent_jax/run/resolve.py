@@ -105,9 +105,11 @@ class ResolvedRun:
             word for part in known if part.stands_for and " " in part.name for word in split_name(part.name)
         }
         words = [word for word in split_name(prompt) if word not in named]
-        known = (*known, *guess_parts(body.shape, known, words, viewer))
-        places = find_places(body.shape, known, words, name, viewer)
-        return (*known, *places, *find_aliases(body.shape, places, prompt, name, viewer.toward))
+        guessed = guess_parts(body.shape, known, words, viewer, body.shells, name)
+        known = (*known, *guessed)
+        places = find_places(body.shape, known, words, name, viewer, body.shells)
+        told = (*guessed, *places)
+        return (*known, *places, *find_aliases(body.shape, told, prompt, name, viewer.toward))
 
     def turn(self, body: Body, reply: SemanticReply) -> Body:
         """The object in the attitude in which the sentence has it begin: ``body`` itself where it tells none."""

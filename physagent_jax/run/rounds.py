@@ -33,10 +33,11 @@ from physagent_jax.scene.compile import CompiledScene, compile_scene
 from physagent_jax.scene.config import CameraConfig, SceneConfig
 from physagent_jax.scene.fuse import SceneTemplate, fuse
 from physagent_jax.scene.world import find_ground_height
+from physagent_jax.simulation.ending import Moved, go_on
 from physagent_jax.simulation.recording import Recording, RestartCache
 from physagent_jax.simulation.simulate import simulate_scene
 from physagent_jax.simulation.stopwatch import stay_aside
-from physagent_jax.simulation.views import reframe
+from physagent_jax.simulation.views import draw_ending, reframe
 
 
 @dataclasses.dataclass(frozen=True)
@@ -124,8 +125,11 @@ class RoundMaker:
             scene = compile_scene(config, series.body, self._run.base_dir)
         recording = self._simulate(series, index, scene)
         scene, config = recording.scene, recording.scene.config
+        moved, ending = None, None
+        if self._planner.watches_ending(context) and self._run.spec.perception.prompt is None:
+            moved, ending = self._look_at_ending(recording)
         with ThreadPoolExecutor(1) as pool:
-            writing = pool.submit(self._write_recording, series, index, scene, recording)
+            writing = pool.submit(self._write_recording, series, index, scene, recording, moved)
             self._teller.observer.stage(f"{series.name} {index + 1}: measuring the motion")
             windows = self._planner.windows(context)
             with self._watch("perceive"):
@@ -144,7 +148,7 @@ class RoundMaker:
             with self._watch("write"):
                 writing.result()
         key_frames = VideoKeyFrames(store.round_folder(index) / PLAIN_VIDEO)
-        observation = Observation(force_field, seen.report, key_frames)
+        observation = Observation(force_field, seen.report, key_frames, ending=ending)
         answer = self._account.ask("planner", "judge", context, observation, store=store, folder=folder)
         with self._watch("write"):
             store.write(f"{folder}planner_trace.json", answer.trace)
@@ -153,6 +157,20 @@ class RoundMaker:
             series.forecast.end_round()
         self._account.save()
         return Attempt(config, Round(force_field, seen.report, key_frames, answer.value))
+
+    def _look_at_ending(self, recording: Recording) -> tuple[Moved, MotionReport | None]:
+        """The particles to the true end, and the motion from the last planned frame on; None if it ends there."""
+        with self._watch("simulate"):
+            moved = go_on(recording)
+        if len(moved[0]) == len(recording.x):
+            return moved, None
+        with self._watch("render"):
+            pictures = draw_ending(recording, *moved)
+        scene, dt = recording.scene, recording.scene.config.timing.frame_dt
+        length, backends = scene.body.extent, self._backends
+        with self._watch("perceive"):
+            seen = perceive(*pictures, scene.camera, frame_dt=dt, backends=backends, length=length)
+        return moved, seen.report
 
     def _simulate(self, series: Series, index: int, scene: CompiledScene) -> Recording:
         """The recording of a round, with what can be kept of the one before."""
@@ -200,14 +218,14 @@ class RoundMaker:
                 rehearse_clip(scene, size)
 
     def _write_recording(
-        self, series: Series, index: int, scene: CompiledScene, recording: Recording
+        self, series: Series, index: int, scene: CompiledScene, recording: Recording, moved: Moved | None
     ) -> None:
         """Leave what was simulated, the clip for people first; meanwhile another thread measures the motion."""
         forecast, store, save = series.forecast, series.store, self._run.spec.save
         with stay_aside():
             if forecast is not None and save.video_size is not None:
                 begun, stages = time.perf_counter(), self._watch.seconds()
-                clip = write_clip(store, index, scene, recording, save.video_size, save.notes)
+                clip = write_clip(store, index, scene, recording, save.video_size, save.notes, moved)
                 if index == 0:
                     self._account.note_first_clip(begun, stages)
                 forecast.show_clip()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import functools
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,14 +16,16 @@ from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.gaussians.diagnosis import check_cloud, diagnose_cloud
 from physagent_jax.scene.config import Domain, Filling, SceneConfig, Source
 from physagent_jax.scene.filling import Particles, fill
-from physagent_jax.scene.load import is_photo, load_named_parts, load_object
+from physagent_jax.scene.load import is_photo, load_named_parts, load_object, load_shells
 from physagent_jax.scene.mesh_formats import MeshPart
 from physagent_jax.scene.parts import (
+    Shells,
     branch_numbered,
     choose_parts,
     find_groups,
     find_parts,
     find_pieces,
+    find_shells,
     join_chains,
     join_parts,
     make_parts,
@@ -53,6 +56,7 @@ class Body:
         named: Parts that the object's file names.
         choices: Parts that a person names.
         photo: The view of the photo that it was lifted from; None = it was not.
+        surfaces: Shells of its surface in the world: surfaces that share no edge; none = there is but one.
     """
 
     cloud: GaussianCloud
@@ -65,6 +69,7 @@ class Body:
     named: tuple[Part, ...] = ()
     choices: tuple[PartChoice, ...] = ()
     photo: PhotoView | None = None
+    surfaces: tuple[MeshPart, ...] = ()
 
     @property
     def low(self) -> np.ndarray:
@@ -89,8 +94,14 @@ class Body:
             UserError: What a person names is no part of it.
         """
         points = np.asarray(self.particles.x, np.float64)
-        found = join_parts(points, self.named, find_parts(self.shape))
+        shown = [self.shells.snap_part(part) for part in find_parts(self.shape)]
+        found = join_parts(points, self.named, shown)
         return choose_parts(points, found, self.choices, self.placement)
+
+    @functools.cached_property
+    def shells(self) -> Shells:
+        """The shells of its surface among the points of its shape."""
+        return find_shells(self.shape, self.surfaces)
 
     @functools.cached_property
     def shape(self) -> np.ndarray:
@@ -132,7 +143,10 @@ def make_body(source: Source, filling: Filling, domain: Domain, base_dir: str | 
     surfaces = load_named_parts(source, base_dir)
     named, binding = _find_named(cloud, placement, particles, surfaces, source.name)
     photo = find_view(source, placement, base_dir) if is_photo(Path(base_dir) / source.path) else None
-    return Body(cloud, placement, particles, binding, reading, loose, plain, named, source.parts, photo)
+    shells = _place(load_shells(source, base_dir), placement)
+    return Body(
+        cloud, placement, particles, binding, reading, loose, plain, named, source.parts, photo, shells
+    )
 
 
 def _find_named(
@@ -142,7 +156,7 @@ def _find_named(
     means, points = np.asarray(cloud.means, np.float64), np.asarray(particles.x, np.float64)
     if not surfaces:
         return (), bind(cloud.means, particles.x)
-    placed = [dataclasses.replace(each, vertices=placement.to_world(each.vertices)) for each in surfaces]
+    placed = _place(surfaces, placement)
     w, x, y, z = np.asarray(cloud.quats, np.float64).T
     discs = np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=1)
     index = np.asarray(particles.gaussian_index)
@@ -155,6 +169,11 @@ def _find_named(
     pieces = find_pieces(points, named, [each.mask[count:] for each in groups])
     named = join_chains(points, branch_numbered(points, named, name))
     return named, bind_pieces(means, points, pieces[1], pieces[0])
+
+
+def _place(surfaces: Sequence[MeshPart], placement: Placement) -> tuple[MeshPart, ...]:
+    """Surfaces in the world."""
+    return tuple(dataclasses.replace(each, vertices=placement.to_world(each.vertices)) for each in surfaces)
 
 
 def _warn_if_sparse(particles: Particles, dx: float) -> None:

@@ -13,6 +13,7 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.forces.part import split_name
 from physagent_jax.scene.camera import UP
 from physagent_jax.scene.config import Domain, Source
+from physagent_jax.scene.foot import find_foot_edges
 from physagent_jax.scene.load import load_named_parts, load_object
 from physagent_jax.scene.mesh_formats import MeshPart
 from physagent_jax.scene.placement import find_up_rotation, place
@@ -57,6 +58,11 @@ def find_extents(source: Source, domain: Domain, ways: Sequence[Vector]) -> tupl
     Other arguments and errors as of `find_broad_side`.
     """
     return measure_extents(_measure_cached(source.model_dump_json(), domain.model_dump_json())[2], ways)
+
+
+def find_edges(source: Source, domain: Domain) -> list[tuple[Vector, float]]:
+    """The straight edges of its foot, as `find_foot_edges` tells them; arguments and errors as of `find_broad_side`."""
+    return find_foot_edges(_measure_cached(source.model_dump_json(), domain.model_dump_json())[2])
 
 
 def measure_extents(points: np.ndarray, ways: Sequence[Vector]) -> tuple[float, float, float]:

@@ -71,6 +71,20 @@ def load_named_parts(source: Source, base_dir: str | Path) -> list[MeshPart]:
     return read_named_parts(path)
 
 
+def load_shells(source: Source, base_dir: str | Path) -> list[MeshPart]:
+    """The shells of the object's surface, in its own frame and units; none for what is no mesh, or one shell alone.
+
+    Raises:
+        UserError: The file cannot be read.
+    """
+    path = Path(base_dir) / source.path
+    if is_photo(path) or holds_splats(path):
+        return []
+    from physagent_jax.scene.mesh_files import read_shells  # trimesh takes long to import
+
+    return read_shells(path)
+
+
 def is_photo(path: Path) -> bool:
     """Return whether a file holds a picture, by its content.
 

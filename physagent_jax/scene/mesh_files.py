@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.names import explain_unknown_name
@@ -19,6 +21,9 @@ from physagent_jax.scene.mesh_formats.obj import OBJ, read_groups
 # Its loaders log tracebacks of what they survive, which would reach the terminal.
 logging.getLogger("trimesh").addHandler(logging.NullHandler())
 
+_WELDED = 1e-5  # of the longest side, within which vertices are one
+_MOST_SHELLS, _MOST_OF_ALL = 500, 0.4  # shells; share of the area from which on one is looked at again
+_FEWEST_FACES, _MOST_FACES = 4, 500_000  # of a shell; of a mesh whose shells are looked for
 _FARTHEST = 1e12  # in the file's units; float32 holds its square
 
 
@@ -89,6 +94,44 @@ def read_named_parts(path: str | Path) -> list[MeshPart]:
             warnings.simplefilter("ignore", UserWarning)  # of colours, which are not asked for
             parts = [limb for part in read_parts(path) for limb in part.split()]
     return parts if any(part.names for part in parts) else []
+
+
+def read_shells(path: str | Path) -> list[MeshPart]:
+    """Read the shells of a file: surfaces that touch each other nowhere, whatever the file calls them.
+
+    Vertices at one place are one. A large shell is looked at again: what meets along an edge of more than
+    two faces is two then, as a door in its frame. None for what is a single shell, for so many that they are crumbs,
+    and for what is as finely meshed as a scan.
+
+    Raises:
+        UserError: As `read_parts`.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of colours, which are not asked for
+        vertices, faces = join_parts(read_parts(path))
+    if len(faces) > _MOST_FACES:
+        return []
+    step = _WELDED * max(float(np.ptp(vertices, axis=0).max()), 1e-30)
+    places = np.unique(np.round(vertices / step).astype(np.int64), axis=0, return_inverse=True)[1].ravel()
+    edges = np.sort(places[faces][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    key, counts = np.unique(edges @ (len(vertices), 1), return_inverse=True, return_counts=True)[1:]
+    key = key.ravel()
+    order = np.argsort(key, kind="stable")
+    pairs = order[counts[key[order]] == 2].reshape(-1, 2) // 3
+    links = coo_matrix((np.ones(len(pairs)), pairs.T), 2 * (len(faces),))
+    owner = connected_components(coo_matrix((np.ones(len(edges)), edges.T), 2 * (len(vertices),)))[1][
+        edges[::3, 0]
+    ]
+    inner, area = connected_components(links, directed=False)[1], trimesh.triangles.area(vertices[faces])
+    inner = np.where(np.bincount(inner)[inner] < _FEWEST_FACES, inner.max() + 1, inner)  # crumbs
+    most = np.bincount(owner, area)
+    split = (most > _MOST_OF_ALL * area.sum())[owner]
+    if len(np.unique(inner[split])) <= _MOST_SHELLS:
+        owner = np.where(split, owner.max() + 1 + inner, owner)
+    owner = np.unique(owner, return_inverse=True)[1].ravel()
+    count = int(owner.max()) + 1
+    groups = np.split(faces[np.argsort(owner, kind="stable")], np.cumsum(np.bincount(owner))[:-1])
+    return [MeshPart(vertices, group) for group in groups] if 1 < count <= _MOST_SHELLS else []
 
 
 def join_parts(parts: list[MeshPart]) -> tuple[np.ndarray, np.ndarray]:

@@ -1,6 +1,7 @@
 """The ending of a clip for people: what the object does after the last planned frame, until it rests.
 
-Agents plan, and perception measures, the planned frames alone. A clip that stops in mid-motion looks broken, so the
+Agents plan the planned frames alone, and the motion report is of those; where a sentence tells how the object is left,
+perception looks at the ending by itself. A clip that stops in mid-motion looks broken, so the
 simulation goes on a little. Actions end with the planned frames, and what moves comes to rest or is seen to go.
 """
 
@@ -29,16 +30,25 @@ NEAR = 2.0  # cells from the domain's wall at which it is felt
 STEADY = 0.5  # [s] for which what was swung on the ground stands by itself at most
 RESTING = 0.2  # [s] for which it must look still: at the turning point of a swing it does for a moment
 
+Moved = tuple[np.ndarray, np.ndarray]
+"""Positions [m], shape (T, n, 3), and deformation gradients, shape (T, n, 3, 3), of particles in a clip's frames."""
 
-def simulate_ending(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
-    """Positions [m], shape (T, n, 3), and deformation gradients of a clip's particles, its ending included.
 
-    The particles are the body's. What is held, carried or steadied up to the last planned frames is seen so at the end:
+def simulate_ending(recording: Recording, moved: Moved | None = None) -> Moved:
+    """The same as `go_on`, which ``moved`` is the result of if it is given, of the body's particles."""
+    x, F = moved or go_on(recording)
+    return x[:, recording.scene.back], F[:, recording.scene.back]
+
+
+def go_on(recording: Recording) -> Moved:
+    """Positions and deformation gradients of the model's particles, the ending included.
+
+    What is held, carried or steadied up to the last planned frames is seen so at the end:
     letting it go would undo what was asked. An ending that cannot be simulated is cut short, with a warning: the
     planned frames are what counts.
     """
     scene, dt = recording.scene, recording.scene.config.timing.frame_dt
-    x, F = recording.x[:, scene.back], recording.F[:, scene.back]
+    x, F = recording.x, recording.F
     speeds = np.linalg.norm(np.diff(x[-2:], axis=0), axis=2) / dt
     wanted = max(int(np.ceil(RESTING / dt)), 1)
     still = wanted if _is_still(speeds[0], scene) else 0  # planned frames are there for long enough
@@ -52,9 +62,7 @@ def simulate_ending(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
     if not more:
         return x, F
     return tuple(  # type: ignore[return-value]
-        np.concatenate(
-            [each, np.stack([np.asarray(getattr(frame.state, name))[scene.back] for frame in more])]
-        )
+        np.concatenate([each, np.stack([np.asarray(getattr(frame.state, name)) for frame in more])])
         for each, name in ((x, "x"), (F, "F"))
     )
 

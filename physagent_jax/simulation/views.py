@@ -73,6 +73,17 @@ def reframe(recording: Recording) -> Recording:
     return dataclasses.replace(recording, scene=scene, rgb=rgb, depth=depth, restart_cache=cache)
 
 
+def draw_ending(recording: Recording, x: np.ndarray, F: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Pictures, uint8, and z-depths [m] from the last planned frame to the end of ``x`` and ``F`` (`ending.go_on`).
+
+    Those of the recording's camera, as perception gets them.
+    """
+    frames, colour = range(len(recording.x) - 1, len(x)), recording.scene.config.rendering.background
+    images = list(_draw(dataclasses.replace(recording, x=x, F=F), recording.scene.camera, frames, colour))
+    rgb = np.stack([to_uint8(image.rgb) for image in images])
+    return rgb, np.stack([np.asarray(image.depth, np.float32) for image in images])
+
+
 def _draw(
     recording: Recording, camera: Camera, frames: Sequence[int], background: tuple[float, float, float]
 ) -> Iterator[RenderedImage]:

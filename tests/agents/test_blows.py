@@ -121,8 +121,8 @@ def test_what_is_raised_at_one_side_is_tilted_over_its_foot_and_let_go_to_drop()
 def test_what_stands_and_falls_aside_tips_over(prompt, axis):
     """It was raised into the air, dropped and pushed."""
     field = compile_whole(prompt).force_field
-    assert not field.default_drop
-    assert [(each.action_type, each.vector) for each in field.actions] == [(ActionType.TORQUE, axis)]
+    assert not field.default_drop and not field.actions
+    assert [(each.constraint_type, each.vector) for each in field.constraints] == [(TURN, axis)]
 
 
 def test_what_was_lifted_still_falls():

@@ -484,3 +484,75 @@ def test_backwards_is_where_the_back_is_if_that_is_known(sentence, front, way):
     upright = make_part("head", (0, 0, 0.3), (0, 0, 1)).model_copy(update=dict(front=front))
     (constraint,) = read(sentence, upright).force_field.constraints
     assert np.allclose(np.cross(constraint.vector, (0, 0, 1)), way, atol=0.2)
+
+
+def test_what_wags_on_a_free_object_does_not_rock_all_of_it():
+    reply = read("it wags its tail", TAIL, HEAD, world="ground", may_be_held=True)
+    assert reply.force_field.constraints and all(each.region for each in reply.force_field.constraints)
+
+
+def test_a_limb_curls_farther_than_it_bends_and_over_all_of_its_length():
+    tail = TAIL.model_copy(update=dict(neck=(0.01, 0.0, 0.01)))
+    (bend, *_), (curl, *_) = (
+        read(f"it {verb}s its tail", tail).force_field.constraints for verb in ("lift", "curl")
+    )
+    assert find_way(curl, tail)[2] > 0 and curl.bend.depth == pytest.approx(0.2)
+    assert abs(curl.magnitude) * curl.gain > 1.3 * abs(bend.magnitude) * bend.gain
+
+
+def test_a_head_that_is_bent_to_the_ground_turns_until_it_is_there():
+    head = make_part("head", (-0.4, 0, 0.1), (-1, 0, 0.2))
+    to_ground, down = (
+        read(f"bend its head down{more}", head, TAIL, world="ground").force_field.constraints[0]
+        for more in (" to the ground", "")
+    )
+    assert to_ground.magnitude * to_ground.gain != pytest.approx(down.magnitude * down.gain)
+    assert find_way(to_ground, head)[2] < 0
+
+
+def test_what_sits_on_the_rest_sways_about_its_foot():
+    rows = [0.3 + 0.1 * k for k in range(5)]
+    sign = tuple((x, y, z) for x in rows for y in rows for z in (0.8, 0.9, 1.0))
+    roof = tuple((x, y, z) for x in rows for y in rows for z in (0.0, 0.4, 0.75))
+    part = make_part("top", (0, 0, 0.2), (0, 0, 1)).model_copy(
+        update=dict(
+            name="sign",
+            origin="option",
+            seated=True,
+            moved=CellsRegion(inside=sign, outside=roof),
+            rest=CellsRegion(inside=roof, outside=sign),
+            joint=(0.5, 0.5, 0.9),
+        )
+    )
+    made = read("the sign sways", part, extents=(1.0, 1.0, 1.0)).force_field.constraints
+    assert made and all(each.constraint_type is ConstraintType.PARTICLE_ROTATION for each in made)
+    assert all(each.pivot[2] < 0.88 for each in made)
+
+
+def test_a_wheel_goes_around_twice_where_it_spins_fast():
+    wheel = make_part("side", (0, 0.1, 0), (0, -1, 0)).model_copy(update=dict(name="wheel", axle=(0, 1, 0)))
+    plain, fast = (
+        abs(made.magnitude) * made.gain
+        for text in ("the wheel spins", "the wheel spins fast")
+        for made in read(text, wheel).force_field.constraints
+    )
+    assert fast == pytest.approx(2 * plain, rel=0.01)
+
+
+def test_an_upright_head_that_shakes_turns_to_either_side():
+    made = read("the robot shakes its head").force_field.constraints
+    assert len(made) > 2 and all(abs(each.vector[2]) > 0.99 for each in made)
+    assert {each.vector[2] > 0 for each in made} == {True, False}
+
+
+def test_an_upright_head_nods_to_where_we_stand():
+    (nod, *_) = read("the robot nods its head").force_field.constraints
+    assert find_way(nod, HEAD)[1] < -0.1
+
+
+def test_a_head_that_is_turned_is_twisted_visibly():
+    head = HEAD.model_copy(update=dict(neck=(0.08, 0.08, 0.0)))
+    (turn, *_) = read("turn the head to the left", head).force_field.constraints
+    first, last = turn.active_time
+    angle = 90 * abs(turn.magnitude) * turn.gain * (last - first) * brief().frame_dt / HELD_TIME
+    assert angle >= 38

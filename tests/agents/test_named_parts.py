@@ -164,3 +164,14 @@ def test_a_wheel_turns_about_its_axle_once():
     assert turn.vector == pytest.approx((0, 1, 0)) and turn.pivot == wheel.joint
     (expected,) = read("the wheel turns", wheel).expectations
     assert expected.amount is None  # its blades are alike
+
+
+def test_a_piece_of_a_part_goes_with_it_and_is_not_moved_twice():
+    arms = []
+    for side, x in (("left", -1.0), ("right", 1.0)):
+        near, far = (0.5 + 0.2 * x, 0.5, 0.5), (0.5 + 0.4 * x, 0.5, 0.5)
+        whole = make_part(f"{side} arm", (x, 0, 0))
+        regions = dict(moved=CellsRegion(inside=(near, far), outside=MIDDLE), share=0.2)
+        arms += [whole.model_copy(update=regions), make_part(f"{side} viking arm", (x, 0, 0))]
+    reply = read("the viking raises both arms", *arms)
+    assert {each.limb for each in reply.expectations} == {0, 2}

@@ -51,15 +51,61 @@ def test_what_tips_over_slowly_is_led_over_its_edge(prompt, axis):
     assert {each.kind for each in reply.expectations} == {MotionKind.ROTATE, MotionKind.FALL}
 
 
-@pytest.mark.parametrize("extents", [SLIM, BROAD])
-def test_what_tips_over_at_once_or_is_broad_is_turned_by_a_torque(extents):
-    scene = ON_THE_GROUND.model_copy(update=dict(extents=extents))
-    way, window = scene.directions.left, (0.0, 80.0)
-    assert bool(tip(scene, way, 0.6, window)) == (extents == SLIM)
-    assert not tip(scene, way, 1.0, window)
-    prompt = "knock the statue over" if extents == SLIM else "slowly tip the statue over"
-    (action,) = compile_whole(prompt, extents=extents).force_field.actions
+def test_what_is_broad_is_turned_by_a_torque_however_slowly():
+    scene = ON_THE_GROUND.model_copy(update=dict(extents=BROAD))
+    assert not tip(scene, scene.directions.left, 0.6, (0.0, 80.0))
+    (action,) = compile_whole("slowly tip the statue over", extents=BROAD).force_field.actions
     assert action.action_type is ActionType.TORQUE
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "knock the statue over",
+        "a ball hits the statue and knocks it over",
+        "a strong wind hits the statue and knocks it over",
+        "kick the statue and it falls on its side",
+        "the statue slides to the left and then tips over",
+        "the statue jumps up and then falls over",
+        "the statue rocks to and fro and then falls over",
+        "the statue rocks to and fro three times and tips over",
+        "the statue shakes a little and then tips over backwards",
+    ],
+)
+def test_no_push_goes_on_after_its_balance(prompt):
+    """A torque took what was broad or round over the next edge as well, onto its head."""
+    reply = compile_whole(prompt)
+    turns = [
+        c for c in reply.force_field.constraints if c.constraint_type is ConstraintType.PARTICLE_ROTATION
+    ]
+    degrees, seconds = find_degrees(turns[-1], reply)
+    assert 40 < degrees < 70 and seconds < 1.0 and turns[-1].held_until is None
+    assert all(each.action_type is not ActionType.TORQUE for each in reply.force_field.actions)
+    struck = [each for each in reply.expectations if each.sudden and "jumps" not in prompt]
+    assert not (struck and reply.force_field.actions) and all(each.strength <= 1 for each in struck)
+
+
+def test_what_lies_on_wheels_is_led_over_these_and_what_is_round_or_long_that_way_is_not():
+    car = dict(extents=(1.0, 0.4, 0.45), long_axis=(1.0, 0.0, 0.0), world="ground")
+    edges = [dict(way=way, reach=reach) for way, reach in [((1.0, 0, 0), 0.45), ((0, 1.0, 0), 0.2)]]
+    scenes = [brief(object_name="car", **car), brief(object_name="car", edges=edges, **car)]
+    assert [bool(tip(each, (0.0, 1.0, 0.0), 1.0, (0.0, 60.0))) for each in scenes] == [False, True]
+    assert not tip(scenes[1], (1.0, 0.0, 0.0), 1.0, (0.0, 60.0))
+
+
+def test_what_tips_goes_over_an_edge_of_its_foot_and_over_no_corner():
+    box = brief(
+        object_name="box",
+        extents=(1.2, 0.8, 1.1),
+        world="ground",
+        edges=[
+            dict(way=(c * x, s, 0.0), reach=0.4) for c, s in [(0.8, 0.6), (0.8, -0.6)] for x in (1.0, -1.0)
+        ],
+    )
+    (turn,) = tip(box, (-1.0, 0.0, 0.0), 1.0, (0.0, 60.0))
+    assert abs(turn.vector[0]) == pytest.approx(0.6) and turn.vector[1] == pytest.approx(-0.8)
+    (turn,) = tip(box, (0.0, 1.0, 0.0), 1.0, (0.0, 60.0))
+    assert turn.vector == pytest.approx((-1.0, 0.0, 0.0))
 
 
 @pytest.mark.parametrize("prompt", ["gently tip it over", "knock it over", "a violent storm blows it over"])

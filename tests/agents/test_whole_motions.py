@@ -5,9 +5,11 @@ import pytest
 from physagent_jax.agents.compiler import compile_intent
 from physagent_jax.agents.grammar.semantic import read_intent
 from physagent_jax.core.errors import UserError
+from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import ActionType, CellsRegion
 from physagent_jax.motion.hinges import find_hinge
+from physagent_jax.motion.limbs import find_front
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import dot
 from physagent_jax.scene.priors import list_nouns
@@ -27,6 +29,53 @@ def compile_sentence(prompt, scene):
 )
 def test_an_unknown_noun_is_the_only_object_there_is(prompt):
     assert not read(prompt, CHESS).unsure
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "the knight flops onto its belly",
+        "push the knight off balance",
+        "throw the knight off balance",
+        "it flops down",
+    ],
+)
+def test_everyday_words_for_falling_over_are_known(prompt):
+    reply = read(prompt, CHESS)
+    assert not reply.unsure and [each.kind for each in reply.expectations] == [
+        MotionKind.ROTATE,
+        MotionKind.FALL,
+    ]
+
+
+def test_what_shakes_a_little_can_be_seen_to():
+    """It went by four hundredths of its length."""
+    reply = read("the knight shakes a little", CHESS)
+    first = reply.force_field.constraints[0]
+    frames = first.active_time[1] - first.active_time[0]
+    reach = (
+        first.magnitude * first.gain * frames * PRESCRIBED_TRAVEL * CHESS.frame_dt / CHESS.reference_seconds
+    )
+    assert 0.05 < reach < 0.07
+
+
+@pytest.mark.parametrize("arms", [0, 2])
+def test_what_has_arms_looks_along_no_back_however_many_pieces_its_legs_have(arms):
+    roles = ["head", *["leg"] * 4, *["arm"] * arms]
+    box = CellsRegion(inside=((0.5, 0.5, 0.2),), outside=((0.5, 0.5, 0.8),))
+    parts = [
+        Part(
+            moved=box,
+            rest=box,
+            joint=(0.5, 0.5, 0.5),
+            arm=(0, 0, 1),
+            side=(1, 0, 0),
+            share=0.1,
+            roles=(role,),
+        )
+        for role in roles
+    ]
+    assert (find_front(parts) is None) == bool(arms)
 
 
 @pytest.mark.parametrize(

@@ -78,6 +78,16 @@ def test_a_real_server_is_asked_by_http(model, monkeypatch):
 
 
 @needs_model
+def test_prompts_that_take_turns_are_read_once(model):
+    """Two agents with long prompts of their own, asked in turn: the second time, only what is new is read."""
+    read = []
+    for word in ("dog ", "sea ") * 2:
+        usage = model._complete([ChatMessage("user", word * 80)], None)["usage"]
+        read.append(usage["prompt_tokens"] - usage["prompt_tokens_details"]["cached_tokens"])
+    assert min(read[:2]) > 60 and max(read[2:]) < 5
+
+
+@needs_model
 def test_requests_that_cannot_be_answered_are_errors(model):
     for messages, schema, words in (
         ([ChatMessage("user", "left " * 1000)], None, "exceeds the available context size"),

@@ -11,7 +11,7 @@ from physagent_jax.forces import calibration
 from physagent_jax.forces.compilation import compile_force_field
 from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ForceField, Opposition, Response
-from physagent_jax.forces.terms import Balance, PushCompensation
+from physagent_jax.forces.terms import Balance, Landing, PushCompensation
 
 G, FRICTION, WIDTH, HEIGHT = calibration.GRAVITY, 0.4 * calibration.GRAVITY, 0.2, 1.0
 TOWER = np.array(list(itertools.product(*[np.linspace(-0.5, 0.5, 5)] * 3))) * [WIDTH, 0.3, HEIGHT]
@@ -130,6 +130,53 @@ def test_what_rocks_turns_about_the_edge_that_it_stands_on(more):
     edges = [np.asarray(each.center)[[0, 2]] for each in motions]
     half = 0.5 * WIDTH
     np.testing.assert_allclose(edges, [[half, 0], [half, 0], [-half, 0], [-half, 0]], atol=1e-6)
+
+
+def test_what_is_led_over_and_let_go_lies_where_it_falls():
+    """A chest that fell on its back went on until it lay on its lid."""
+    tilt = dict(
+        constraint_type="enforce_particle_rotation", magnitude=1.0, vector=(1, 0, 0), active_time=(0, 25)
+    )
+    (landing,) = [each for each in compile_entries(constraints=[tilt])[0] if isinstance(each, Landing)]
+    assert float(landing.start) == pytest.approx(1.0)
+    for degrees in (30, 60):  # it falls freely
+        assert abs(evaluate([landing], turned(degrees), turned(degrees), 1.5)).max() < 1e-3
+
+    def find_spin_up(degrees, spin):
+        r = turned(degrees) - turned(degrees).mean(0)
+        field = evaluate([landing], turned(degrees), np.cross([spin, 0, 0], r), 1.5)
+        return np.cross(r, field).mean(0)[0]
+
+    assert find_spin_up(90, 2.0) < 0 < find_spin_up(90, -2.0) and abs(find_spin_up(95, 0.0)) < 1e-3
+    assert find_spin_up(130, 0.0) < 0  # it rolls back
+    held = compile_entries(constraints=[tilt | dict(held_until=40)])[0]
+    small = compile_entries(constraints=[tilt | dict(magnitude=0.5)])[0]
+    assert not any(isinstance(each, Landing) for each in (*held, *small))
+
+
+@pytest.mark.parametrize(
+    "before",
+    [
+        act("translation", (-1, 0, 0), 0, 20),
+        act("impulse", (0, 0, 1), 0, 1),
+        *(
+            dict(constraint_type="enforce_particle_rotation", vector=way, magnitude=0.8, active_time=(0, 9))
+            for way in ((1, 0, 0), (0, 0, 1))
+        ),
+    ],
+    ids=["slid", "leapt", "tilted", "spun"],
+)
+def test_what_stands_elsewhere_is_tilted_over_its_foot_there(before):
+    """A turn about its middle is left to what lies or looks another way by then."""
+    tilt = dict(
+        constraint_type="enforce_particle_rotation", magnitude=0.42, vector=(0, 1, 0), active_time=(25, 50)
+    )
+    actions, constraints = ([before], []) if "action_type" in before else ([], [before])
+    motion = compile_entries(*actions, constraints=[*constraints, tilt])[1][-1]
+    assert motion.center is None and (motion.about is None) == (not actions)
+    if actions:
+        edge = TOWER[np.asarray(motion.about) > 0]
+        assert len(edge) and (edge[:, 0] == TOWER[:, 0].max()).all() and (edge[:, 2] == 0).all()
 
 
 def test_gradients_of_the_balance_are_finite_also_where_nothing_is_off():

@@ -53,6 +53,19 @@ def test_translation_is_exact_and_ends_with_its_window(x64):
     np.testing.assert_allclose(moved.F, np.broadcast_to(np.eye(3), moved.F.shape), atol=1e-12)
 
 
+def test_a_turn_about_some_of_the_particles_leaves_these_where_they_are(x64):
+    model, state = block(dtype=np.float64, dt=1e-3)
+    edge = np.asarray(state.x[:, 2] == state.x[:, 2].min())
+    turn = dataclasses.replace(
+        motion(np.arange(len(edge)), angular=(1.0, 0, 0)), center=None, about=jnp.asarray(edge, jnp.float64)
+    )
+    turned = run(model.replace(constraints=(turn,)), state, 100)
+    stayed, moved = ((turned.x - state.x)[each].mean(0) for each in (edge, ~edge))
+    np.testing.assert_allclose(stayed, 0, atol=1e-12)
+    height = float(state.x[~edge, 2].mean() - state.x[edge, 2].mean())
+    np.testing.assert_allclose(moved, [0, -height * np.sin(0.1), height * (np.cos(0.1) - 1)], atol=1e-12)
+
+
 @pytest.mark.parametrize("kind", [motion, RigidBody])
 def test_an_index_beyond_the_last_particle_stands_for_none(kind, x64):
     """Right beside the last particle, whose mass and motion a careless lookup would take for that of none."""

@@ -232,6 +232,31 @@ def test_the_best_round_is_kept(tmp_path, robot_path):
     assert cameras[2] == cameras[1]  # which shows the weaker lift too
 
 
+@pytest.mark.parametrize("watches", [True, False])
+def test_a_planner_that_asks_for_it_is_told_of_the_frames_after_the_planned_ones(
+    tmp_path, robot_path, watches
+):
+    """They begin with the last planned one, and are simulated once, for the video too."""
+
+    class Watcher(ScriptedPlanner):
+        def watches_ending(self, context):
+            return watches
+
+        def judge(self, context, seen):
+            self.ending = seen.ending
+            return super().judge(context, seen)
+
+    planner = Watcher([1.0])
+    spec = small(robot_path, "drop the robot", frames=5, rounds=1, save=dict(video_size=(160, 90)))
+    store = made(spec, tmp_path / "run", with_rules(planner))
+    film = read_video(store.path / "video.mp4")
+    if not watches:
+        assert planner.ending is None
+        return
+    assert planner.ending.frame_count == len(film) - 4 > 2
+    assert planner.ending.centroid[0] == (0.0, 0.0, 0.0), "it tells what comes after"
+
+
 def test_success_stops_the_loop(tmp_path, robot_path):
     store = made(small(robot_path), tmp_path / "run", scripted([0.2, 1.0, 0.4]))
     assert (store.manifest.iterations, store.manifest.best_iteration, store.manifest.verdict) == (

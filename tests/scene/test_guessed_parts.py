@@ -20,6 +20,7 @@ from physagent_jax.scene.parts.cells import fit_part
 from physagent_jax.scene.parts.figures import add_figure, is_figure_on_base
 from physagent_jax.scene.parts.guesses import read_guesses
 from physagent_jax.scene.parts.heading import find_overhang
+from physagent_jax.scene.parts.looks import Looks
 from physagent_jax.scene.parts.roles import Roles
 from tests.scene.test_part_roles import make
 
@@ -70,9 +71,12 @@ def test_the_other_one_of_a_pair_is_the_image_of_the_one_that_is_found():
 
 
 def test_every_row_of_guesses_has_measures_that_are_known():
-    known = {"high", "low", "away", "centred", "ahead", "behind", "slim", "flat", "large", "small", "long"}
+    points = make(WINGED, count=600)
+    known = set(
+        Looks(points, np.ones(len(points), bool), VIEWER.toward, VIEWER.toward).measure(points[:, 0] > 0.12)
+    )
     assert all(
-        set(row) <= known | {"words", "role", "pair", "spins"} and set(row) & known
+        set(row) <= known | {"words", "role", "pair", "many", "limb", "spins", "rolls"} and set(row) & known
         for row in read_guesses().values()
     )
 

@@ -11,7 +11,7 @@ from physagent_jax.gaussians.cloud import Splats
 from physagent_jax.gaussians.covariance import quats_scales_to_covariances
 from physagent_jax.render import look_at, render
 from physagent_jax.scene.mesh import GRAIN, TONE, gaussians_from_mesh
-from physagent_jax.scene.mesh_files import read_mesh, read_parts
+from physagent_jax.scene.mesh_files import read_mesh, read_named_parts, read_parts
 from physagent_jax.scene.mesh_formats import FORMATS, find_mesh_format
 from physagent_jax.scene.mesh_formats.look import as_rgba, decode_srgb, encode_srgb
 from physagent_jax.scene.surfels import SH_DC, bake_light
@@ -284,6 +284,24 @@ def test_a_skinned_mesh_stands_in_the_pose_of_its_joints(tmp_path):
     builder.tree["skins"] = [{"joints": [1, 2], "inverseBindMatrices": len(builder.tree["accessors"]) - 1}]
     mesh = read_mesh(write(tmp_path, "a.glb", builder.glb()))
     np.testing.assert_allclose(mesh.bounds, [[0, 0, 1], [1, 5, 1]], atol=1e-6)
+
+
+def test_what_hangs_on_a_joint_belongs_to_its_limbs(tmp_path):
+    builder = GltfBuilder()
+    joints, weights = np.zeros((4, 4), np.uint8), np.float32([[1, 0, 0, 0]] * 4)
+    skin = builder.add_primitive(JOINTS_0=joints, WEIGHTS_0=weights)
+    builder.tree["accessors"][skin["attributes"]["JOINTS_0"]]["normalized"] = False
+    builder.add_node(skin, skin=0)
+    builder.add_node(builder.add_primitive(), name="axe")
+    builder.tree["nodes"] += [
+        {"name": "chest", "children": [3]},
+        {"name": "upperarm.l", "children": [4]},
+        {"name": "hand.l", "children": [1]},
+    ]
+    builder.tree["skins"] = [{"joints": [2, 3, 4]}]
+    builder.tree["scenes"] = [{"nodes": [0, 2]}]
+    axe = read_named_parts(write(tmp_path, "a.glb", builder.glb()))[-1]
+    assert axe.names == ("axe", "left hand", "left arm")
 
 
 def test_sparse_accessors_move_the_vertices_that_they_name(tmp_path):

@@ -278,3 +278,21 @@ def test_parts_do_not_depend_on_how_many_particles_a_run_has(tmp_path):
     few, many = (find(path, up="+z", max_particles=n, cells=c)[0] for n, c in ((1000, 24), (4000, 96)))
     assert few.particles.count < 1100 < many.particles.count
     assert few.parts == many.parts != ()
+
+
+def test_a_short_limb_of_its_own_turns_about_its_shoulder():
+    steps = np.linspace(-1, 1, 11)
+    cloud = np.array([(x, y, z) for x in steps for y in steps for z in steps])
+    body, arm = 0.5 * cloud, cloud * (0.3, 0.2, 0.2) + (0.75, 0, 0)
+    points, mask = np.concatenate([body, arm]), np.arange(2 * len(cloud)) >= len(cloud)
+    seated, limb = (fit_part(points, mask, joined=False, limb=each) for each in (False, True))
+    assert seated.seated and not limb.seated and limb.joint[0] < seated.joint[0] and limb.arm[0] > 0.2
+
+
+def test_a_limb_that_is_sunk_in_the_rest_turns_about_the_end_inside():
+    steps = np.linspace(-1, 1, 11)
+    cloud = np.array([(x, y, z) for x in steps for y in steps for z in steps])
+    skirt, leg = cloud * (0.5, 0.5, 0.5), cloud * (0.1, 0.1, 0.3) + (0.2, 0, -0.45)
+    points, mask = np.concatenate([skirt, leg]), np.arange(2 * len(cloud)) >= len(cloud)
+    part = fit_part(points, mask, joined=False, limb=True)
+    assert not part.seated and part.arm[2] < -0.3 and abs(part.arm[0]) < 0.1

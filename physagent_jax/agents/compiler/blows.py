@@ -21,7 +21,7 @@ from physagent_jax.forces.calibration import (
     find_spin_aloft,
     find_tipping,
 )
-from physagent_jax.forces.schema import ActionType
+from physagent_jax.forces.schema import Action, ActionType
 from physagent_jax.motion.attitudes import find_attitude
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_held_magnitude, find_lengths
@@ -191,12 +191,34 @@ def compile_topple(task: Task) -> None:
         task.builder.drop_height = task.builder.drop_height or 0.0  # it stands on what it falls onto
     axis, (first, last), dt = find_lean_axis(task.direction, task.brief), task.window, task.brief.frame_dt
     magnitude, seconds = find_tipping(task.event.strength, (last - first) * dt, task.brief.seconds)
-    untouched = task.builder.grounded and not (task.builder.actions or task.builder.constraints)
-    led = tip(task.brief, task.direction, task.event.strength, task.window) if untouched else []
-    task.builder.constraints += led
-    if not led:
+    builder, blows = task.builder, _find_blows(task)
+    before = (*builder.actions[: len(builder.actions) - len(blows)], *builder.constraints)
+    whole = builder.grounded and task.event.region is None
+    led = tip(task.brief, task.direction, task.event.strength, task.window, before) if whole else []
+    builder.constraints += led
+    if led and blows:  # what is knocked over goes as far as it falls
+        places = tuple(f"actions[{builder.actions.index(each)}]" for each in blows)
+        del builder.actions[-len(blows) :]
+        builder.evidence[:] = [each for each in builder.evidence if not each.field.startswith(places)]
+        builder.expectations[-1] = builder.expectations[-1].model_copy(update=dict(strength=1.0))
+    elif not led:
         task.act(ActionType.TORQUE, axis, magnitude, (first, first + seconds / dt))
     told = BY_DEFAULT not in task.event.sources["vector"].why
     # However hard or slowly, it turns until it lies.
     task.expect(MotionKind.ROTATE, axis if told else None, task.window, strength=1.0)
     task.expect(MotionKind.FALL, None, task.window)
+
+
+def _find_blows(task: Task) -> list[Action]:
+    """The level blow by which it is knocked over, as it was planned just before: none if it is another motion."""
+    builder, last = task.builder, task.builder.expectations[-1:]
+    at_once = [each for each in last if each.sudden and abs(each.window[0] - task.window[0]) < 0.5]
+    blow = (
+        builder.actions[-1:]
+        if any(each.kind is MotionKind.MOVE and each.repeats == 1 for each in at_once)
+        else []
+    )
+    level = all(
+        abs(dot(each.vector, task.brief.directions.up)) < _LEVEL and each.region is None for each in blow
+    )
+    return blow if level and all(each.action_type is ActionType.IMPULSE for each in blow) else []

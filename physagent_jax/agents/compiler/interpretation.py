@@ -17,6 +17,7 @@ from physagent_jax.forces.part import is_plural, split_name
 from physagent_jax.forces.slabs import make_end_region, make_middle_region
 from physagent_jax.motion.attitudes import has_back_on_top
 from physagent_jax.motion.axes import find_lean_axis
+from physagent_jax.motion.efforts import keep_in_space
 from physagent_jax.motion.hinges import find_hinge, find_hinged
 from physagent_jax.motion.joints import Turning
 from physagent_jax.motion.limbs import stands_on_legs, sum_directions
@@ -248,7 +249,12 @@ def _find_quantities(event: Event, before: Event | None, brief: SceneBrief) -> N
             words = quantity.text or f"{quantity.value:g} {quantity.unit}"
             event.doubts.append(f"'{words}' is a quantity that nothing here is measured in.")
             continue
-        event.amount = found.amount
+        falls = event.effect is Effect.FALL  # from as high as there is room (`blows`)
+        event.amount = amount = found.amount if falls else keep_in_space(found.amount, event.direction, brief)
+        if amount is not found.amount:
+            event.notes.append(
+                f"'{event.text}': there is room for {amount.value:.2g} {amount.unit} that way."
+            )
         if found.everywhere:
             event.motion, event.direction = replace(motion, effect=Effect.SWELL), None
         elif found.names and not event.pick(*WAYS):  # "to twice its height"

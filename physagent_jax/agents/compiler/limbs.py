@@ -142,12 +142,13 @@ def _drive(
 ) -> tuple[list[VelocityConstraint], ExpectedMotion]:
     """The constraints that bring about a limb's motion, and the motion as it is then expected."""
     assert motion.limb is not None
-    part, told = brief.parts[motion.limb], motion
+    part = brief.parts[motion.limb]
     if motion.manner == "hinge" and (hinge := find_hinge(part, brief)):
         part = part.model_copy(update=dict(joint=hinge.joint))
-        angle = Amount(value=hinge.find_angle(motion.direction), unit="degrees")
-        told = motion if motion.amount else motion.model_copy(update=dict(amount=angle))
+        first = next(e.limb for e in asked if e.words == motion.words and e.limb is not None)
+        way = hinge.follow(find_hinge(brief.parts[first], brief), motion.direction)
+        angle = Amount(value=hinge.find_angle(way, motion.strength), unit="degrees")
+        motion = motion.model_copy(update=dict(direction=way, amount=motion.amount or angle))
     slides = part.seated and (part.origin == "place" or LOOSE.issuperset(find_roles(part.name)))
     later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > motion.window[0] + 0.5]
-    made, seen = Turning(part, brief, frame_count, slides).drive(told, min([frame_count - 1.0, *later]))
-    return made, motion if told is not motion else seen
+    return Turning(part, brief, frame_count, slides).drive(motion, min([frame_count - 1.0, *later]))

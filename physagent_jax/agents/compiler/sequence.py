@@ -103,6 +103,7 @@ def _goes_over(before: Event, event: Event) -> bool:
     timed = before.is_timed or event.is_timed or event.clause.pace == "sudden"
     until = event.clause.order == "together" or "so" in before.clause.strength
     slowly = event.clause.order != "then" or before.strength < SLOW
+    until |= before.is_in_wind and event.clause.order != "then"  # "a strong wind hits it and knocks it over"
     goes = before.motion.manner == "rock" and slowly if before.effect is Effect.LEAN else until
     goes = goes if before.effect in (Effect.LEAN, Effect.PUSH) else before.effect is Effect.TOPPLE
     return event.effect is Effect.TOPPLE and goes and whole and same and not timed

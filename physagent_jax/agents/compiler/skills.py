@@ -108,12 +108,12 @@ def _compile_sway(task: Task) -> None:
     if builder.grounded and not held and abs(dot(task.direction, up)) > _UPRIGHT:
         for part in divide(task.window, [1.0] * count):
             task.act(ActionType.IMPULSE, up, 2 * SWING * magnitude, make_impulse_window(part[0]))
-    elif event.motion.manner in ("rock", brief.may_be_held and "bend") and free:
+    elif event.motion.manner in ("rock", brief.may_be_held and "bend") and free and not event.limbs:
         builder.constraints += rock(brief, task.direction, magnitude, count, task.window)
     elif event.motion.manner == "shake" and free and not (event.amount or event.region):
         raised = task.is_raised
         builder.constraints += shake(brief, task.direction, magnitude, count, task.window, raised)
-    elif leads and lasts and (brief.anchored and count > 3 or bends):
+    elif leads and lasts and (brief.anchored and count > 3 or bends) and not event.limbs:
         builder.constraints += sway(brief, task.direction, magnitude, count, task.window)
     else:
         _alternate(task, ActionType.TRANSLATION, magnitude, divide_swings(task.window, count, held))

@@ -6,9 +6,10 @@ from physagent_jax.agents.context import AgentContext, Observation
 from physagent_jax.agents.materials import DENTED, find_materials, find_meaning
 from physagent_jax.agents.protocols import PlannerAgent
 from physagent_jax.agents.trace import Reply
-from physagent_jax.motion.judging.seen import View
+from physagent_jax.motion.judging.posing import tells_pose
+from physagent_jax.motion.judging.seen import View, has_gravity
 from physagent_jax.motion.judging.verdict import judge
-from physagent_jax.motion.schema import Judgement, MotionKind
+from physagent_jax.motion.schema import Judgement
 from physagent_jax.motion.tolerances import list_windows
 
 
@@ -23,19 +24,13 @@ class RulePlanner(PlannerAgent):
         """Compare the report with what is expected of the sentence; see `protocols.PlannerAgent`."""
         expectations, reading = context.expectations, context.reading
         obstacles, unsure = (reading.world.obstacles, reading.unsure) if reading else ((), ())
-        gravity, field = _has_gravity(context, seen), seen.force_field
+        field, world = seen.force_field, reading.world.gravity if reading else None
+        gravity = has_gravity(world, context.brief, expectations, field)
         told = (find_meaning(each.word) for each in find_materials(context.prompt, context.brief))
         dented = any(each is not None and each.preset in DENTED for each in told)
-        view = View(
-            seen.report, context.brief, expectations, field, gravity, obstacles, context.prompt, dented
-        )
-        return Reply(judge(view, unsure))
+        asked = context.brief, expectations, field, gravity, obstacles, context.prompt, dented
+        return Reply(judge(View(seen.report, *asked, seen.ending), unsure))
 
-
-def _has_gravity(context: AgentContext, seen: Observation) -> bool:
-    """Return whether what is let go falls: a fact about the world, from the sentence or the scene."""
-    told = context.reading.world.gravity if context.reading else None
-    if told is not None:
-        return told == "down"
-    falls = any(e.kind is MotionKind.FALL for e in context.expectations)
-    return context.brief.world == "ground" or falls or seen.force_field.default_drop
+    def watches_ending(self, context: AgentContext) -> bool:
+        """Return whether the sentence is about how it is left."""
+        return tells_pose(context.prompt, context.expectations, context.brief)

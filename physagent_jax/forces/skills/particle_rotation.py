@@ -24,6 +24,10 @@ class ParticleRotation(Skill):
     causes = ("rotate",)
     is_axis = True
 
+    def make_forces(self, bound):
+        """The force that lets what tips over lie where it falls."""
+        return bound.let_land()
+
     def make_constraints(self, bound):
         """The particles' prescribed motion."""
         import numpy as np

@@ -12,6 +12,7 @@ it answers: it damps, and leaves alone what bends. What stands may rock within a
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import jax
 import jax.numpy as jnp
@@ -24,6 +25,8 @@ from physagent_jax.mpm.linalg import cross
 from physagent_jax.mpm.reductions import sum_particles
 
 RATE = 20.0  # [1/s] of the critically damped return: in a sixth of a second
+SETTLING = 8.0  # [1/s] the same of what has fallen over
+NEARLY, SLACK = math.radians(65), math.radians(12)  # turn from which on it lies, and beyond a right angle
 
 
 @register_dataclass
@@ -56,6 +59,49 @@ class Balance:
         beyond = jnp.sqrt((off**2).sum() + tiny) / jnp.maximum(self.slack, tiny) - 1
         share = jnp.where(self.slack > 0, jnp.clip(beyond, 0.0, 1.0), 1.0)
         turn = limit(share * (RATE**2 * off - 2 * RATE * spin), self.most)
+        turn = turn * window_fraction(time, dt, self.start, self.end, self.edge)
+        return cross(jnp.broadcast_to(turn, x.shape), r)
+
+    def gradient(self, x, time, dt):
+        """None, as of `TurnCompensation`."""
+        del x, time, dt
+
+
+@register_dataclass
+@dataclasses.dataclass(frozen=True)
+class Landing:
+    """Lets what was tipped over lie where it falls, and neither bounce nor roll on over its next edge.
+
+    Nothing is done until it is turned by `NEARLY`. At a right angle its spin is damped as critically as the return from
+    what is more than `SLACK` beyond, which is as `Balance`'s.
+
+    Attributes:
+        rest: Positions of what stood [m], shape (n, 3).
+        axis: Unit vector that it is tipped about (right-hand rule), shape (3,).
+        most: Largest angular acceleration [rad/s^2], scalar.
+        start, end: Window [s], scalars.
+        edge: Width of the window's smooth edges [s], scalar; None = hard.
+    """
+
+    rest: jax.Array = dataclasses.field(metadata=PER_PARTICLE)
+    axis: jax.Array
+    most: jax.Array
+    start: jax.Array = dataclasses.field(metadata=START)
+    end: jax.Array = dataclasses.field(metadata=END)
+    edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
+
+    def acceleration(self, x, v, mass, time, dt):
+        """Mean over the substep [m/s^2], shape (n, 3)."""
+        r = x - mass_centre(x, mass)
+        first = cross(jnp.broadcast_to(self.axis, x.shape), self.rest - mass_centre(self.rest, mass))
+        arm = cross(jnp.broadcast_to(self.axis, x.shape), r)
+        turned = jnp.arctan2(*(sum_particles((mass * (first * each).sum(1)).sum()) for each in (r, arm)))
+        turned = jnp.where(turned < -0.5 * jnp.pi, turned + 2 * jnp.pi, turned)
+        moment = sum_particles((mass[:, None] * cross(r, v)).sum(0)) / sum_particles(mass.sum())
+        spin, _ = find_turn(moment, r, mass)
+        share = jnp.clip((turned - NEARLY) / (0.5 * jnp.pi - NEARLY), 0.0, 1.0)
+        beyond = jnp.maximum(turned - 0.5 * jnp.pi - SLACK, 0.0)
+        turn = limit(-2 * SETTLING * share * spin - SETTLING**2 * beyond * self.axis, self.most)
         turn = turn * window_fraction(time, dt, self.start, self.end, self.edge)
         return cross(jnp.broadcast_to(turn, x.shape), r)
 

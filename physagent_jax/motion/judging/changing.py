@@ -36,6 +36,11 @@ from physagent_jax.perception.schema import PartMotion
 _FIRST = 0.2  # of the largest turn or strain: what is seen of it first
 _OWN_AXIS = 0.6  # of the asked strain that other directions may show the same way
 _UPRIGHT = 0.7  # cosine
+_SLIGHT, _AJAR, _OPEN = (
+    0.45,
+    45.0,
+    180.0,
+)  # strength of "slightly" at most; [degrees] that a part is then open, or else
 _FITTED, _OUTLINE, _OWN = "from the affine fit", "from the outline", "of the part"
 _BETWEEN = 2 / 3  # of its length, between the middles of its ends, each a third of it
 _KEPT = 0.4  # of the largest turn that a free thing has left where it ends
@@ -82,6 +87,13 @@ def check_rotation(asked: Asked) -> list[Check]:
     if motion.amount is not None and motion.amount.unit == "degrees":
         return checks
     tolerance = tolerances.expect_rotation(motion, view.anchored, seconds=view.seconds(first, until))
+    if view.grounded and any(e.kind is MotionKind.MOVE and e.words == motion.words for e in asked.together):
+        tolerance = replace(
+            tolerance, high=tolerances.TURN[2][2]
+        )  # how gently it was pushed tells no end of rolling
+    if asked.opens:
+        most = _OPEN if motion.strength > _SLIGHT else _AJAR
+        tolerance = replace(tolerance, high=max(tolerance.high, most))
     moved = view.course(first, last)
     shift = norm(find_farthest(moved)[1]) if moved else 0.0
     words = f"{angle:.0f} degrees about its axis"

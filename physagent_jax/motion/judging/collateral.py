@@ -17,12 +17,13 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.comparing import check_limit, make_unseen_check
-from physagent_jax.motion.judging.seen import Course, Signal, View
+from physagent_jax.motion.judging.posing import UPRIGHT, check_pose
+from physagent_jax.motion.judging.seen import Course, Signal, View, find_landing
 from physagent_jax.motion.judging.stages import group_stages
 from physagent_jax.motion.judging.toppling import find_lean
 from physagent_jax.motion.matching import AXIAL
 from physagent_jax.motion.schema import Check, ExpectedMotion, MotionKind
-from physagent_jax.motion.vectors import cross, dot, norm, normalise, reject, scale, subtract
+from physagent_jax.motion.vectors import cross, dot, norm, normalise, reject, rotate, scale, subtract
 from physagent_jax.perception.schema import Matrix
 
 _LASTING = 3  # frames: what is seen for less is noise or a flash
@@ -40,7 +41,6 @@ _ASIDE = 0.22  # [body lengths] that a thing may wander while it is only turned 
 _BESIDE = 0.9  # of the way along what was asked that it may go across: less than is another direction
 _TOPPLED = 0.7  # [body lengths] that the centre of what tips over goes: half its height and half its breadth
 _HALF = 0.5  # [body lengths] of its way as it tips over beside which it may roll aside
-_LANDED = 0.1  # of its way down that may be left when it has landed
 _TURN_PUSHED = 30.0  # [degrees] that what is deformed, or pushed in empty space, may turn
 _TURN_PRESSED = (
     15.0  # [degrees] the same of what is only pressed as it stands: from more on it is about to fall over
@@ -59,15 +59,14 @@ _STRAIN_HIT = 0.6  # [1] the same when it turns, or bends while it is held
 _ANOTHER_SIDE = (
     45.0  # [degrees] from which on another side is seen, so that the shape is told from fewer points
 )
+_SHEARED, _PER_OUTLINE = 0.3, 4.0
+"""[1] that a thing may be strained without a change of its outline, and more for each such change: of a flat side that
+is seen aslant, no point tells how thick it is."""
 _STRAIN_TUMBLING = 1.0
 """[1] of what tumbles, whose far side nobody sees from the start."""
 _STRAIN_TWISTED = (
     0.75  # [1] of what turns one way at one end and the other way at the other, which no one map fits
 )
-_UPRIGHT = re.compile(
-    r"\bupright\b|\b(without|not|never)\b.{0,20}\b(fall|tip|toppl|roll)|n't (fall|tip|toppl|roll)"
-)
-"""Words of who asks that it does not fall over."""
 _SIZE = 1.35  # times the diagonal of its box: more is breaking up
 _ZERO = (0.0, 0.0, 0.0)
 _EARLY = 0.05  # [body lengths], and the same in degrees / 100 and strain
@@ -76,7 +75,7 @@ _EARLY = 0.05  # [body lengths], and the same in degrees / 100 and strain
 def check_collateral(view: View) -> list[Check]:
     """Check of everything that was not asked for; they name the first expectation, for want of a better one."""
     asked = [e for e in view.expectations if e.kind is not MotionKind.STILL]
-    always = [*_check_whole(view), *_check_picture(view, asked), *_check_observed(view)]
+    always = [*_check_whole(view), *_check_picture(view, asked), *_check_observed(view), *check_pose(view)]
     if not asked:
         return always
     before = [*_check_aside(view, asked), *_check_turning(view, asked), *_check_deformation(view, asked)]
@@ -99,8 +98,16 @@ def _check_lasting(
 
 
 def _is_rough(view: View, asked: list[ExpectedMotion]) -> bool:
-    """Return whether it is hit, dropped, thrown or toppled, after which things tumble."""
-    return any(e.sudden or e.kind is MotionKind.FALL for e in asked) or view.force_field.default_drop
+    """Return whether it is hit, dropped, thrown or toppled, or leaps: things tumble then, and what is loose flaps."""
+    rough = any(e.sudden or e.kind is MotionKind.FALL or _leaps(view, e) for e in asked)
+    return rough or view.force_field.default_drop
+
+
+def _leaps(view: View, motion: ExpectedMotion) -> bool:
+    """Return whether what stands free goes up and down as a whole, and lands each time."""
+    way, whole = motion.direction, motion.part is None and motion.limb is None
+    stands = view.grounded and not view.anchored and whole and motion.kind is MotionKind.SWAY
+    return stands and way is not None and abs(dot(way, view.brief.directions.up)) > _ON_END
 
 
 def _is_partial(asked: list[ExpectedMotion]) -> bool:
@@ -126,10 +133,14 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         limit += max([0.3 * e.strength for e in strained] + [0.5 * abs(each - 1.0) for each in told])
     if view.grounded and any(e.kind is MotionKind.ROTATE for e in asked):
         limit += 0.35  # it rolls on what it touches
+    if strained and view.grounded and not view.anchored and any(e.released for e in strained):
+        course = [
+            (t, reject(p, up, low=0.0)) for t, p in course
+        ]  # what springs back on the ground may leap up
     for way in view.find_topples():  # the centre goes along with the top
         course = [(t, reject(p, way, 0.0, _TOPPLED)) for t, p in course]
     if view.force_field.default_drop or any(e.kind is MotionKind.FALL for e in asked):
-        landed = _find_landing(course, down)
+        landed = find_landing(course, down)
         course = [(t, _shorten(reject(p, up), _HALF if t > landed else 0.0)) for t, p in course]
     elif (
         view.gravity
@@ -142,13 +153,6 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     aside = _measure_distances(course, lines)
     name, sigma = "aside" if moves else "away", view.sigma("displacement")
     return _check_lasting(view, name, aside, limit, sigma, longest=longest)
-
-
-def _find_landing(course: Course, down: Vector) -> int:
-    """The frame in which what falls has come down; it may topple from then on, and roll."""
-    lowest = max(dot(p, down) for _, p in course)
-    highest = min(dot(p, down) for _, p in course)
-    return next(t for t, p in course if dot(p, down) >= lowest - _LANDED * (lowest - highest))
 
 
 def _shorten(vector: Vector, length: float) -> Vector:
@@ -209,7 +213,7 @@ def _check_turning(view: View, asked: list[ExpectedMotion]) -> list[Check]:
 
 def _may_tip(view: View, asked: list[ExpectedMotion]) -> bool:
     """Return whether it stands free and is moved along the ground, so that friction may tip it over."""
-    if view.anchored or not view.grounded or _UPRIGHT.search(view.sentence.lower()):
+    if view.anchored or not view.grounded or UPRIGHT.search(view.sentence.lower()):
         return False
     up = view.brief.directions.up
     return any(
@@ -246,6 +250,8 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         (t, _find_largest_strain(S, hidden) * (_STRAIN_HIT / _STRAIN_TUMBLING if t in unseen else 1.0))
         for t, S in tensors
     ]
+    shown = _list_shown_changes(view)
+    strains = [(t, min(v, _SHEARED + _PER_OUTLINE * shown[t]) if t in shown else v) for t, v in strains]
     left = (
         _find_left(view, strains)
         if (swings or tumbles) and not view.anchored and not _is_partial(asked) and not view.keeps_dents
@@ -271,6 +277,14 @@ def _list_unseen_sides(view: View) -> set[int]:
     """Frames in which it has turned so far out of the picture plane that the shape is told from another side."""
     toward = view.brief.directions.toward
     return {t for t, v in view.turns(0, view.last) if norm(reject(v, toward)) > _ANOTHER_SIDE}
+
+
+def _list_shown_changes(view: View) -> dict[int, float]:
+    """The largest change of the outline's lengths [1], by frame, while it has hardly turned."""
+    up, right = view.brief.directions.up, view.brief.directions.right
+    lines = [dict(view.lengths(axis, 0, view.last)) for axis in (up, right)]
+    upright = [t for t, v in view.turns(0, view.last) if norm(v) < _ANOTHER_SIDE]
+    return {t: max(abs(each[t]) for each in lines) for t in upright if all(t in each for each in lines)}
 
 
 def _find_left(view: View, strains: Signal) -> Signal:
@@ -371,10 +385,18 @@ def _list_taken_off(view: View) -> set[int]:
 
 
 def _list_growths(view: View) -> Signal:
-    """Diagonal of the box over that of the first box, which a rigid turn hardly changes, frame by frame."""
-    boxes = [(t, box) for t, box in enumerate(view.report.box) if box is not None]
-    diagonals = [(t, norm(subtract(box.high, box.low))) for t, box in boxes]
-    return [(t, diagonal / max(diagonals[0][1], 1e-6)) for t, diagonal in diagonals]
+    """Diagonal of the box over that of the first box, or of the same box turned as it is seen to, frame by frame."""
+    boxes = [(t, subtract(box.high, box.low)) for t, box in enumerate(view.report.box) if box is not None]
+    if not boxes:
+        return []
+    first, turns = boxes[0][1], dict(view.turns(boxes[0][0], view.last))
+    growths, turn = [], _ZERO
+    for t, sides in boxes:
+        turn = turns.get(t, turn)  # as it was last seen
+        axes = [rotate(axis, turn) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
+        turned = [sum(abs(axis[k]) * side for axis, side in zip(axes, first)) for k in range(3)]
+        growths.append((t, norm(sides) / max(math.hypot(*turned), norm(first), 1e-6)))
+    return growths
 
 
 def _check_picture(view: View, asked: list[ExpectedMotion]) -> list[Check]:

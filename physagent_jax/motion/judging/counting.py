@@ -17,6 +17,10 @@ _NORMAL = 0.6745  # median of a standard normal variable's size
 _FOURTH = math.sqrt(70.0)  # deviation of the fourth difference of unit noise: 1, 4, 6, 4, 1 squared and added
 _ROUNDED = 1 / math.sqrt(12.0)  # [frames] standard deviation of a time that is read off to whole frames
 _SMALLEST = 1e-9
+_SOME, _MANY = (
+    2,
+    16,
+)  # turns of what goes to and fro again and again: to one side, and to the other; and what is still followed
 
 
 def estimate_jitter(path: Sequence[float]) -> float:
@@ -82,7 +86,7 @@ def check_count(
 def count_turns(asked: Asked, path: list[float], hysteresis: float, rest: float | None = None) -> Check:
     """To and fro ``repeats`` times is ``2 repeats - 1`` turns, and some more while it comes to rest.
 
-    Without a count (once), any number that can be followed is a sway. Ways back shorter than ``hysteresis`` do not
+    Without a count, any number that can be followed is a sway. Ways back shorter than ``hysteresis`` do not
     count, nor do those that end before the place of rest: what is held in place and bent to one side rings there.
 
     Args:
@@ -99,6 +103,8 @@ def count_turns(asked: Asked, path: list[float], hysteresis: float, rest: float 
         return find_returns(path, threshold, rest)
 
     least, most = 2 * count - 1, (2 * count + 2 if count > 1 else 7)
+    if not asked.counted and count > 1:  # a viewer does not count what no number is told of
+        least, most = _SOME, max(most, _MANY)
     return check_count(
         asked,
         "how often does it turn back?",

@@ -30,6 +30,8 @@ _STAYED = 0.65  # of the largest excursion that has to be left where it should s
 _UNEVEN = 0.2  # of its way that it may be ahead of, or behind, what goes at one speed
 _SUDDEN = 0.3  # [s] in which a blow has brought most of the speed that it brings
 _PULSE = 0.35  # of the hardest: what counts as another blow
+_HOP = 0.18  # of the highest: what counts as another leap
+_FULL = 3.5  # times as high: what is a leap, and no rebound
 _LEAKS = 0.5  # of a motion that may be seen before its time
 _UNSEEN = 0.5  # share of its frames in which a part may be lost from sight
 _REST = 0.25  # share of what follows that is looked at for where it comes to rest
@@ -39,6 +41,7 @@ _REST_SHARE = {False: 0.75, True: 0.4}
 moves."""
 _PRESSED_REST = 0.15  # the same of an end that is pressed or drawn along itself
 _TO_ITS_BACK = 210.0  # [degrees] short of a whole turn, what rolls over has come to lie on its back
+_OPENED = 12.0  # [degrees] that what opens or closes is turned by at least
 _ASKEW = 15.0  # [degrees] off an angle that is only told from what is foreshortened, and half of a small one
 _WORDS = read_words()
 _QUANTITY = "is it as much as the sentence says?"
@@ -196,12 +199,17 @@ def _check_blows(asked: Asked) -> list[Check]:
     def count_excursions(limit: float) -> int:
         return (len(find_turning_points(values, limit)) + 1) // 2
 
+    def count_leaps(limit: float) -> int:
+        """Rises, the last one that has begun included; lower ones, as of a rebound, as far as the count needs them."""
+        some, high = ((len(find_turning_points(values, each)) + 2) // 2 for each in (limit, _FULL * limit))
+        return min(max(count, high), some)
+
     def count_pulses(limit: float) -> int:
         return _count_pulses(gains, limit)
 
     if asked.hops:
-        counter, most, noise, span = count_excursions, count, math.sqrt(2.0), max(values) - min(values)
-        threshold = max(_PULSE * span, tolerances.VISIBLE / 2)
+        counter, most, noise, span = count_leaps, count, math.sqrt(2.0), max(values) - min(values)
+        threshold = max(_HOP * span, tolerances.VISIBLE / 2)
     elif asked.view.anchored:
         counter, most, noise, span = count_excursions, 2 * count, math.sqrt(2.0), max(values) - min(values)
         threshold = max(0.4 * span, tolerances.VISIBLE / 2)
@@ -249,6 +257,11 @@ def _check_return(asked: Asked) -> list[Check]:
             return []
         raise _Unseen("the clip ends before it can come back")
     signal = _observe(asked, first, until, 4)
+    if (
+        motion.kind in AXIAL and asked.end is None and motion.direction is not None
+    ):  # its outline is seen for longer
+        lengths, known = view.lengths(motion.direction, first, until), signal[-1][0]
+        signal = [*signal, *((t, asked.sign * v) for t, v in lengths if t > known)]
     if not (view.report.stretch if motion.kind in AXIAL else view.get_places(asked.end)):
         raise _Unseen("its course is not known")
     largest = max(abs(v) for _, v in signal)
@@ -274,6 +287,16 @@ def _check_reach(asked: Asked) -> list[Check]:
     way = max(dot(p, table.down) for _, p in _observe_course(asked))
     least = _REACHES * max(above, tolerances.LEAST)
     return [check_limit(asked, "reaches", way, least, asked.sigma, gain=least / max(way, 0.1 * least))]
+
+
+def _check_opening(asked: Asked) -> list[Check]:
+    """A lid, a door or a jaw that opens or closes turns about its hinge; lifted off level, it does not open."""
+    if not asked.opens or asked.end is None or asked.kind is not MotionKind.MOVE:
+        return []
+    turned = max((norm(v) for _, v in asked.view.turns(*asked.span, asked.end)), default=None)
+    return (
+        [] if turned is None else [check_limit(asked, "opens", turned, _OPENED, asked.view.sigma("rotation"))]
+    )
 
 
 def _observe_course(asked: Asked) -> Course:
@@ -378,5 +401,6 @@ _CHECKS: tuple[tuple[str, Callable[[Asked], list[Check]]], ...] = (
     (_WORDS["stays"]["question"], _check_stay),
     (_WORDS["in_turn"]["question"], _check_order),
     (_WORDS["reaches"]["question"], _check_reach),
+    (_WORDS["opens"]["question"], _check_opening),
     (_WORDS["part"]["question"], _check_part),
 )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 from physagent_jax.core.strict import Vector
@@ -17,7 +19,13 @@ from physagent_jax.motion.judging.comparing import (
     make_unseen_check,
 )
 from physagent_jax.motion.judging.counting import count_turns
-from physagent_jax.motion.judging.seen import Course, View, find_farthest, find_first_response
+from physagent_jax.motion.judging.seen import (
+    Course,
+    View,
+    find_farthest,
+    find_first_response,
+    find_landing,
+)
 from physagent_jax.motion.judging.toppling import find_sinking, find_sunk_top
 from physagent_jax.motion.matching import is_thrown_up, share_time
 from physagent_jax.motion.schema import Check, MotionKind
@@ -26,6 +34,9 @@ from physagent_jax.motion.vectors import add, cosine, cross, dot, norm, normalis
 _DOWN = 0.7  # cosine
 _FIRST = 0.15  # of the farthest excursion: what is seen of a motion first
 _KEPT = 0.4  # of the farthest excursion that a free thing has left where it ends
+_SEEN_OFF = (
+    1.0  # [s] that what was struck stays away at least before it may come back: the blow is seen by then
+)
 _SINKS = 0.4  # share of what its middle sinks by as it tips over that is seen at least
 _ALL_BACK = 1.25  # of the way that it had come: something that is put back where it was may go so far
 _ASIDE = 0.22  # [body lengths] that it may wander to either side as it tips over
@@ -38,6 +49,8 @@ _OVERTURNS, _TIPPED = (
 )  # cosine of a push and where it tips what it pushes; share of its way that is enough
 _ROCKS = 1.5  # of the way of what sways that the middle of what rocks may go: it tilts by as little
 _SWING = 0.35  # of the amplitude: smaller turns are ripples
+_WILD = 0.5  # [body lengths] to either side that is still a wobble
+_RIPPLE = 0.4  # of the amplitude: what is soft rings down, and less is no wobble
 _RESPONDED = 0.25  # share of the window in which an earlier opposite motion may still go on
 
 
@@ -122,7 +135,13 @@ def check_move(asked: Asked) -> list[Check]:
         checks.append(compare_amount(asked, "how far does it move?", tolerance, along, words))
     free = not view.anchored and motion.repeats == 1 and not rises and not at_end
     if free and direction is not None and peak_frame < own[-1][0] and along >= tolerance.low:
-        left = dot(own[-1][1], direction) / along
+        seen_off = own
+        if (
+            view.grounded and motion.sudden and asked.obstacle is None
+        ):  # what was struck may come rolling back
+            gone = next(t for t, p in own if dot(p, direction) >= _KEPT * along)
+            seen_off = [each for each in own if each[0] <= gone + _SEEN_OFF / view.report.frame_dt] or own
+        left = dot(seen_off[-1][1], direction) / along
         checks.append(check_limit(asked, "keeps_way", left, _KEPT, asked.sigma / along))
     return checks
 
@@ -196,7 +215,9 @@ def check_fall(asked: Asked) -> list[Check]:
         sinks = _SINKS * find_sinking(view, view.find_topples())
         if sinks < tolerances.LEAST:
             return []  # it is broader than high, and hardly gets lower
-        tolerance = replace(tolerance, low=min(tolerance.low, sinks))
+        tolerance = replace(
+            tolerance, low=min(tolerance.low, sinks, tolerances.LEAST)
+        )  # its lean tells the rest
         sunk = _MIDDLE * find_sunk_top(view, first, last)  # its middle may be low at first
         way, fallen = add([way, scale(down, max(sunk - dot(way, down), 0.0))]), max(fallen, sunk)
         for across in (cross(each, down) for each in view.find_topples()):
@@ -214,7 +235,45 @@ def check_fall(asked: Asked) -> list[Check]:
 
 
 def check_sway(asked: Asked) -> list[Check]:
-    """Excursion to either side, its line, and how often it goes back to its place."""
+    """Excursion to either side, its line, and how often it goes back; or what else comes and goes as it wobbles."""
+    checks = _check_swing(asked)
+    if not asked.wobbles or all(check.passed for check in checks):
+        return checks
+    return next((own for own in _list_wobbles(asked) if all(check.passed for check in own)), checks)
+
+
+def _list_wobbles(asked: Asked) -> Iterator[list[Check]]:
+    """Checks of each figure of the whole that may come and go: its place, its tilt, its height and its breadth.
+
+    What falls first wobbles from where it lands on.
+    """
+    view, (first, last), table = asked.view, asked.span, asked.view.brief.directions
+    width, height, _ = view.brief.extents
+    falls = [view.span(e) for e in view.expectations if e.kind is MotionKind.FALL and e.window[0] < first]
+    for begin, until in falls[-1:]:
+        fall = view.course(begin, max(until, last))
+        first = min(first, find_landing(fall, table.down)) if fall else first
+    course, turns = view.course(first, last), view.turns(first, last)
+    paths = [[dot(p, axis) for _, p in course] for axis in (table.right, table.up, table.toward)]
+    paths += [
+        [math.radians(dot(v, axis)) * height / 2 for _, v in turns] for axis in (table.right, table.toward)
+    ]
+    for axis, length in ((table.right, width), (table.up, height)):
+        paths.append([strain * length / 2 for _, strain in view.strains(axis, first, last)])
+    tolerance = tolerances.expect_sway(asked.motion, view.anchored)
+    tolerance = replace(
+        tolerance, low=max(tolerance.low, tolerances.VISIBLE), high=max(_WILD, tolerance.high)
+    )
+    for path in paths:
+        amplitude = (max(path) - min(path)) / 2.0 if len(path) > 2 else 0.0
+        if amplitude >= tolerance.low:
+            words = f"{amplitude:.2g} body lengths to either side"
+            count = count_turns(asked, path, max(_RIPPLE * amplitude, tolerances.VISIBLE))
+            yield [compare_amount(asked, "how far does it wobble?", tolerance, amplitude, words), count]
+
+
+def _check_swing(asked: Asked) -> list[Check]:
+    """Excursion of the middle to either side, its line, and how often it goes back to its place."""
     if asked.hidden:
         return [make_unseen_check(asked, asked.hidden)]
     course = asked.clear_of_others(asked.course(*asked.span), (0.0, 0.0, 0.0))

@@ -40,6 +40,7 @@ ALONG_END = 0.65  # cosine: the end nearest to a direction that lies between two
 SAME_LINE = 0.97  # cosine
 _TURNS = 20.0  # [degrees] from which on a limb is seen to turn
 _TOPPLES = 0.5  # sine of an axis to the vertical
+_LANDED = 0.1  # of its way down that may be left when it has landed
 _ZERO = (0.0, 0.0, 0.0)
 
 Value = TypeVar("Value")
@@ -57,6 +58,7 @@ class View:
         obstacles: What the sentence puts in the way.
         sentence: The sentence itself, for what it rules out.
         keeps_dents: Whether it is said to be of matter that keeps the shape which a blow gives it.
+        ending: What was seen of the frames after the planned ones, from the last of those on; None = nothing.
     """
 
     report: MotionReport
@@ -67,6 +69,7 @@ class View:
     obstacles: tuple[ObstacleRequest, ...] = ()
     sentence: str = ""
     keeps_dents: bool = False
+    ending: MotionReport | None = None
 
     @property
     def anchored(self) -> bool:
@@ -263,6 +266,11 @@ class View:
         found = [(t, v / start - 1.0, w / start) for t, v, w in points if v is not None and w is not None]
         return found if len(found) > 1 else []
 
+    def lengths(self, direction: Vector, first: int, last: int) -> Signal:
+        """The same of the whole in all frames in which it is seen, however well its length is known in them."""
+        along = (e.ratio for e in self.report.extents if abs(cosine(e.direction, direction)) > SAME_LINE)
+        return _compare(next(along, (None,)), first, last, lambda value, start: value / start - 1.0)
+
     def hides(self, direction: Vector) -> bool:
         """Return whether a stretch along a direction cannot be seen, because it is along the line of sight."""
         shown = any(w.stretch_view_axis_observable for w in self.report.windows)
@@ -274,9 +282,26 @@ class View:
         return _compare(ratios, first, last, lambda value, start: value / start) if ratios[first] else []
 
 
+def has_gravity(
+    told: str | None, brief: SceneBrief, expectations: Sequence[ExpectedMotion], field: ForceField
+) -> bool:
+    """Return whether what is let go falls: a fact about the world, from the sentence (``told``) or the scene."""
+    if told is not None:
+        return told == "down"
+    falls = any(e.kind is MotionKind.FALL for e in expectations)
+    return brief.world == "ground" or falls or field.default_drop
+
+
 def find_farthest(course: Course) -> tuple[int, Vector]:
     """The frame and place farthest from the start, in whatever direction."""
     return max(course, key=lambda point: norm(point[1]))
+
+
+def find_landing(course: Course, down: Vector) -> int:
+    """The frame in which what falls has come down; it may topple from then on, and roll."""
+    lowest = max(dot(p, down) for _, p in course)
+    highest = min(dot(p, down) for _, p in course)
+    return next(t for t, p in course if dot(p, down) >= lowest - _LANDED * (lowest - highest))
 
 
 def find_first_response(course: Course, threshold: float) -> tuple[int, Vector] | None:

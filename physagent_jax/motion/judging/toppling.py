@@ -16,6 +16,7 @@ from physagent_jax.motion.judging.comparing import (
     compare_amount,
     compare_direction,
 )
+from physagent_jax.motion.judging.posing import find_last_lean
 from physagent_jax.motion.judging.seen import Course, View, find_farthest, find_first_response
 from physagent_jax.motion.schema import Check
 from physagent_jax.motion.vectors import clamp, cosine, cross, dot, norm, normalise, rotate, scale
@@ -36,7 +37,8 @@ def check_topple(asked: Asked, turns: Course) -> list[Check]:
     """
     view, axis, up = asked.view, asked.direction, asked.view.brief.directions.up
     leans = [(t, find_lean(v, up)) for t, v in turns]
-    farthest = norm(find_farthest(leans)[1])
+    over_all = asked.until == view.last
+    farthest = max(norm(find_farthest(leans)[1]), find_last_lean(view) if over_all else 0.0)
     checks: list[Check] = []
     over = find_first_response(leans, max(_OVER * farthest, tolerances.VISIBLE_DEGREES))
     if axis is not None and over is not None:
@@ -59,7 +61,8 @@ def check_topple(asked: Asked, turns: Course) -> list[Check]:
     if height > _SLIM * max(width, depth) and asked.motion.strength < _VIOLENT:
         tolerance = dataclasses.replace(tolerance, high=min(tolerance.high, _ON_ITS_HEAD))
     checks.append(compare_amount(asked, "how far does it tip over?", tolerance, angle, words))
-    return [*checks, check_limit(asked, "lies", norm(leans[-1][1]), _LIES, asked.sigma)]
+    lean = find_last_lean(view) if over_all else norm(leans[-1][1])
+    return [*checks, check_limit(asked, "lies", lean, _LIES, asked.sigma)]
 
 
 def find_sinking(view: View, ways: Sequence[Vector]) -> float:

@@ -35,6 +35,7 @@ class PrescribedMotion(Constraint):
         velocity: [m/s], shape (3,).
         angular_velocity: [rad/s], shape (3,).
         center: A point of the axis [m], shape (3,); None = the present mean of the particles, which then stays.
+        about: Weights of the particles in that mean, shape (k,); None = all count alike, by their mass.
         start, end: Active for start <= time < end [s], scalars or one per particle, shape (k,).
         edge: Width of the window's smooth edges [s], scalar: within them each substep goes a share of the way from the
             free motion to the prescribed one; None = hard.
@@ -51,6 +52,7 @@ class PrescribedMotion(Constraint):
     end: jax.Array = dataclasses.field(metadata={**PER_HELD, **END})
     edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
     share: jax.Array | None = dataclasses.field(default=None, metadata=PER_HELD)
+    about: jax.Array | None = dataclasses.field(default=None, metadata=PER_HELD)
     rigid: bool = dataclasses.field(default=False, metadata=dict(static=True))
 
     @staticmethod
@@ -73,6 +75,7 @@ class PrescribedMotion(Constraint):
         if self.center is not None:
             return self
         mass = model.mass.at[self.particles].get(mode="fill", fill_value=0)
+        mass = mass if self.about is None else self.about * mass
         return dataclasses.replace(self, center=find_mass_centre(x, mass, model.axis))
 
     def field(self, x: jax.Array) -> jax.Array:

@@ -145,8 +145,12 @@ def _place_nodes(tree: Any, place: str) -> dict[int, np.ndarray]:
 
 
 def _name_nodes(tree: Any) -> list[list[str]]:
-    """Names of each node: its own, its mesh's, and those of the nodes above it."""
+    """Names of each node: its own, its mesh's, and those of the nodes above it; of a skin's joint, its limb's.
+
+    What hangs on a joint, as a tool in a hand, belongs to the same limbs as the skin there.
+    """
     nodes = tree.get("nodes", [])
+    joints = {joint for skin in tree.get("skins", []) for joint in skin["joints"]}
     above = {child: index for index, node in enumerate(nodes) for child in node.get("children", [])}
     found = []
     for index, node in enumerate(nodes):
@@ -154,7 +158,8 @@ def _name_nodes(tree: Any) -> list[list[str]]:
         if "mesh" in node:
             names.append(tree["meshes"][node["mesh"]].get("name", ""))
         while (index := above.get(index, -1)) >= 0:
-            names.append(nodes[index].get("name", ""))
+            name = nodes[index].get("name", "")
+            names += list_limbs([name]) if index in joints and isinstance(name, str) else [name]
         found.append([each for each in names if isinstance(each, str)])
     return found
 

@@ -6,7 +6,8 @@ fingers; `evidence` weighs that. `ends` finds toes, tips, handles and stems, whi
 data of all of them. `named` finds the particles of what is named, `places` those of a region that has a word for its
 place, and `cells` makes a part of them. `branches` joins pieces that are numbered, or sections of a limb. `figures`
 looks at what stands on a base by itself. `guesses` takes the likeliest limb for a word that is none of these for
-certain. `aliases` gives parts the names that a sentence has for them.
+certain, or the likeliest of the surfaces that a mesh is built of (`shells`), by their `looks`. `aliases` gives parts
+the names that a sentence has for them.
 """
 
 from physagent_jax.scene.parts.aliases import find_aliases as find_aliases
@@ -21,3 +22,5 @@ from physagent_jax.scene.parts.named import join_parts as join_parts
 from physagent_jax.scene.parts.named import make_parts as make_parts
 from physagent_jax.scene.parts.places import find_places as find_places
 from physagent_jax.scene.parts.regions import Frame as Frame
+from physagent_jax.scene.parts.shells import Shells as Shells
+from physagent_jax.scene.parts.shells import find_shells as find_shells

@@ -16,6 +16,7 @@ _AROUND = 24  # points on either side that tell where the border runs
 _TOUCH = 2.0  # spacings between particles that touch
 _SLIM = 3.5  # length over the radius of gyration of where it joins, from which on a piece turns about its joint: a
 # cube on a cube has 2.4, an arm 5
+_OUTER = 0.1  # share of a part that is either end of it
 _OFF = 0.2  # of its length, by which the middle of what turns about its joint lies off it
 _FLAT, _THICK = 0.6, 0.92  # spread of a disc along its axle over that across, and of what is called a wheel
 _ROUND = 0.85  # the lesser spread across the axle over the larger
@@ -23,7 +24,9 @@ _RIM = 1.15  # farthest from the axle over that of an even disc of the same spre
 _JOINT = 0.3  # of the way from joint to tip that bends, of what is one skin with the rest
 
 
-def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool, wheel: bool = False) -> Part:
+def fit_part(
+    points: np.ndarray, mask: np.ndarray, *, joined: bool, wheel: bool = False, limb: bool = False
+) -> Part:
     """The part that some of the particles are.
 
     A piece of its own, whose surface is closed, moves with all its particles; what is of one skin with the rest bends
@@ -35,6 +38,7 @@ def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool, wheel: bool 
         mask: Those of the part, shape (n,); neither none nor all.
         joined: Whether it is of one skin with the rest.
         wheel: Whether it is called a wheel: then it may be nearly as thick as it is broad.
+        limb: Whether it is called as what has a joint, however short it is.
     """
     low, high = points.min(0), points.max(0)
     box, size = np.maximum(high - low, 1e-12), float((high - low).max())
@@ -48,7 +52,13 @@ def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool, wheel: bool 
     off = float(np.linalg.norm(centre - joint))
     axle = _find_axle(own, _THICK if wheel else _FLAT)
     rolls = axle is not None and not joined
-    seated = rolls or length < _SLIM * max(width, 1e-9) or off < _OFF * length
+    if (
+        limb and not joined and off < _OFF * length
+    ):  # it is sunk in the rest: the end at the middle of that is its joint
+        joint, tip = _find_ends(own, rest.mean(0))
+        length, off = float(np.linalg.norm(tip - joint)), float(np.linalg.norm(centre - joint))
+    slim = limb or length >= _SLIM * max(width, 1e-9)
+    seated = rolls or not slim or off < _OFF * length
     arm = tip - joint
     if seated:  # it goes up or out as far as it is long
         out = centre - joint
@@ -87,6 +97,16 @@ def fit_part(points: np.ndarray, mask: np.ndarray, *, joined: bool, wheel: bool 
         axle=axle,
         neck=tuple(np.round(contact.std(0) / size, 4).tolist()) if joined else (0, 0, 0),
     )
+
+
+def _find_ends(own: np.ndarray, middle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The ends of a long part, the one nearer to a place first, shape (3,) each."""
+    centre = own.mean(0)
+    along = (own - centre) @ np.linalg.eigh(np.cov(own.T))[1][:, -1]
+    low, high = np.quantile(along, [_OUTER, 1 - _OUTER])
+    ends = own[along <= low].mean(0), own[along >= high].mean(0)
+    near, far = sorted(ends, key=lambda end: float(np.linalg.norm(end - middle)))
+    return near, far
 
 
 def _find_axle(own: np.ndarray, flat: float) -> tuple[float, float, float] | None:

@@ -1,13 +1,15 @@
-"""The likeliest limb for a word, where shape and file tell none for certain: a tail is behind, slim and far out.
+"""The likeliest limb or shell for a word, where nothing tells it for certain: a tail is behind, slim and far out.
 
-`guesses.yaml` says how the limb of each word looks. The best one is taken, and said to be unsure, so that a person can
-name another one. Where none looks so, nothing is guessed.
+`guesses.yaml` says how the part of each word looks. The best one is taken, and said to be unsure, so that a person can
+name another one. Where none looks so, nothing is guessed. Shells of a mesh (`shells.py`) are looked through before
+limbs: their borders are those of what was modelled.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import functools
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from importlib import resources
 from typing import Any
 
@@ -15,23 +17,30 @@ import numpy as np
 import yaml
 from scipy.spatial import KDTree
 
-from physagent_jax.forces.part import Part, split_name
+from physagent_jax.forces.part import SIDES, Part, split_name
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.scene.parts.cells import fit_part
 from physagent_jax.scene.parts.figures import is_figure_on_base
-from physagent_jax.scene.parts.heading import find_overhang
+from physagent_jax.scene.parts.heading import find_heading, find_overhang
 from physagent_jax.scene.parts.lattice import make_lattice
-from physagent_jax.scene.parts.mirror import find_mirrors
+from physagent_jax.scene.parts.looks import Looks
+from physagent_jax.scene.parts.mirror import Mirror, find_mirrors
 from physagent_jax.scene.parts.regions import Frame
+from physagent_jax.scene.parts.shells import Shells, find_shells
 
-_LEAST = 0.5  # mean of the measures of what is taken
+_LEAST, _LEAST_SHELL = 0.5, 0.62  # mean of the measures of what is taken, of a limb and of shells
 _CHANCE = 0.5  # that it is meant
-_LARGEST, _LARGE = 0.4, 0.08  # share of the figure that a limb has at most, and from which on it is large
+_LARGEST = 0.4  # share of the figure that a limb has at most
 _LOOSE = frozenset(("side", "top", "bottom"))  # roles of limbs of which only the place is known
 _ON_TOP = 0.6  # of the height, above which the axle of what turns is upright
 _NEAR = 0.06  # of the length, within which the image of a particle meets the object
 _MET = 0.6  # share of a limb's image that does, where it has one
 _FEWEST = 8  # particles
+_LIKE, _AS_LIKELY = 1.5, 0.85  # ratio of what is alike, at most; of the best score, that it has at least
+_NEARLY = 0.9  # of the best score, that what holds the best one has at least
+_NAMED = 0.5  # overlap (intersection over union) from which on a shell is a part that has a name
+_APART_BY = 0.15  # of the length, by which places are on different sides
+_APART = 0.1  # share of the smaller one in the larger, up to which two are apart
 
 
 @functools.cache
@@ -42,7 +51,12 @@ def read_guesses() -> dict[str, dict[str, Any]]:
 
 
 def guess_parts(
-    points: np.ndarray, parts: Sequence[Part], words: Collection[str], viewer: Frame
+    points: np.ndarray,
+    parts: Sequence[Part],
+    words: Collection[str],
+    viewer: Frame,
+    shells: Shells | None = None,
+    name: str = "",
 ) -> tuple[Part, ...]:
     """The parts that some words are taken to mean, for want of surer ones, so named.
 
@@ -51,120 +65,201 @@ def guess_parts(
         parts: Parts that are known.
         words: Words of a sentence, in lower case.
         viewer: The viewer's directions.
+        shells: Its shells; None = it has one alone.
+        name: What the object is called; its words are no part's.
     """
     named = {word.removesuffix("s") for part in parts if part.name for word in split_name(part.name)}
-    roles = {role for part in parts for role in part.roles[:1]}
-    found: list[Part] = []
+    own, found = {*split_name(name)}, []
+    search = _Search(points, parts, viewer, shells or find_shells(points))
     for word in dict.fromkeys(words):
         noun = next((each for each in (word, word.removesuffix("s")) if each in read_guesses()), None)
         row = read_guesses().get(noun or "", {})
-        if noun is None or noun in named or roles & {*row.get("role", "").split()}:
+        if noun is None or noun in named or noun in own or search.knows(row):
             continue
-        found += _Looks(points, parts).guess(noun, row, viewer)
+        found += search.guess(noun, row, several=word != noun or not SIDES.isdisjoint(words))
     return tuple(found)
 
 
-class _Looks:
-    """The loose limbs of an object, and how they look.
+@dataclasses.dataclass(frozen=True)
+class _Candidate:
+    """A limb or some shells that a word may mean.
 
     Attributes:
-        points: Particles [m], shape (n, 3).
-        parts: All parts.
-        whole: The particles among which limbs are compared, those of a figure without its base, shape (n,).
-        masks: The particles of each loose limb by its place in ``parts``.
+        mask: Its particles, shape (n,).
+        part: The limb; None = shells.
+        label: What it is told to be.
     """
 
-    def __init__(self, points: np.ndarray, parts: Sequence[Part]):
-        self.points, self.parts = points, parts
-        figures = [part for part in parts if is_figure_on_base(part)]
-        self.whole = (
-            ~make_region_mask(figures[0].rest, points) if len(figures) == 1 else np.ones(len(points), bool)
-        )
-        self.masks = {}
-        for index, part in enumerate(parts):
-            if part.name or part in figures or _LOOSE.isdisjoint(part.roles[:1]):
+    mask: np.ndarray
+    part: Part | None
+    label: str
+
+
+@dataclasses.dataclass(frozen=True)
+class _Search:
+    """The candidates of an object for words."""
+
+    points: np.ndarray
+    parts: Sequence[Part]
+    viewer: Frame
+    shells: Shells
+
+    def knows(self, row: dict[str, Any]) -> bool:
+        """Return whether there are parts of a row's roles whose borders are not across shells."""
+        roles = {*row.get("role", "").split()}
+        told = [part for part in self.parts if roles & {*part.roles[:1]} and not part.unsure]
+        return any(not self.shells.are_cut(~make_region_mask(each.rest, self.points)) for each in told)
+
+    def guess(self, noun: str, row: dict[str, Any], *, several: bool) -> list[Part]:
+        """The parts that a noun is likeliest to mean, all that are alike if ``several``; none if none looks so."""
+        for least, candidates in ((_LEAST_SHELL, self._shells), (_LEAST, self._limbs)):
+            scores = [self._looks.score(each.mask, row) for each in candidates]
+            best = int(np.argmax(scores)) if scores else -1
+            fits = row.get("limb") if candidates is self._limbs else self._looks.knows(row)
+            if best < 0 or scores[best] < least or not fits:
                 continue
-            mask = ~make_region_mask(part.rest, points)
-            inside = (mask & self.whole).sum() > 0.5 * mask.sum()
-            if inside and _FEWEST <= mask.sum() < _LARGEST * self.whole.sum():
-                self.masks[index] = mask
+            chosen = [self._widen(candidates[best], candidates, scores, scores[best])]
+            if row.get("pair") or row.get("many"):
+                chosen += self._list_alike(chosen[0], list(zip(scores, candidates)), scores[best])
+                if len(chosen) == 1 and row.get("pair"):
+                    chosen += self._find_image(chosen[0])
+            if row.get("many") and not several:
+                chosen = [
+                    max(chosen, key=lambda each: float((self.points[each.mask] @ self.viewer.toward).mean()))
+                ]
+            return list(self._name(noun, row, chosen))
+        return []
 
-    def guess(self, noun: str, row: dict[str, Any], viewer: Frame) -> list[Part]:
-        """The limb that a noun is likeliest to mean, with its image if there are two; none if none looks so."""
-        scores = {index: self._score(mask, row) for index, mask in self.masks.items()}
-        best = max(scores, key=lambda index: scores[index], default=None)
-        if best is None or scores[best] < _LEAST:
-            return []
-        chosen = [(self.parts[best], f"{self.parts[best].roles[0]} (part {best + 1})")]
-        if row.get("pair"):
-            chosen += self._find_image(best)
-        places = [float(np.asarray(part.side) @ viewer.right) for part, _ in chosen]
-        names = (
-            [noun] if len(chosen) == 1 else [f"{('left', 'right')[p == max(places)]} {noun}" for p in places]
-        )
-        told = dict(roles=tuple(row.get("role", "").split()[:1]), confidence=_CHANCE, origin="shape")
-        if row.get("spins"):
-            part = chosen[0][0]
-            level = np.array([*part.side[:2], 0.0]) / max(float(np.hypot(*part.side[:2])), 1e-9)
-            told |= dict(axle=(0.0, 0.0, 1.0) if part.joint[2] > _ON_TOP else tuple(level.tolist()))
-        return [
-            part.model_copy(update=told | dict(name=name, stands_for=label))
-            for (part, label), name in zip(chosen, names)
+    def _widen(
+        self, best: _Candidate, candidates: list[_Candidate], scores: list[float], score: float
+    ) -> _Candidate:
+        """The largest candidate that holds the best one and looks nearly as likely: a fan of several blades."""
+        holding = [
+            each
+            for each, own in zip(candidates, scores)
+            if own > _NEARLY * score and (each.mask & best.mask).sum() > 0.9 * best.mask.sum()
         ]
+        return max(holding, key=lambda each: int(each.mask.sum()))
 
-    def _score(self, mask: np.ndarray, row: dict[str, Any]) -> float:
-        """The mean of the measures of a limb by their weights, 0 .. 1; those that are not known do not count."""
-        known = self._measure(mask)
-        weights = {key: row[key] for key in known if key in row}
-        return sum(weights[key] * known[key] for key in weights) / max(sum(weights.values()), 1e-9)
+    def _name(self, noun: str, row: dict[str, Any], chosen: list[_Candidate]) -> Iterable[Part]:
+        """The candidates as parts, with their sides in their names where these tell them apart, else with numbers."""
+        sides = self._list_sides([self.points[each.mask].mean(0) for each in chosen], row)
+        told: dict[str, Any] = dict(
+            roles=tuple(row.get("role", "").split()[:1]), confidence=_CHANCE, origin="shape"
+        )
+        for number, (each, side) in enumerate(zip(chosen, sides), 1):
+            wheel = bool(row.get("spins") or row.get("rolls"))
+            part = each.part or fit_part(self.points, each.mask, joined=False, wheel=wheel)
+            if row.get("spins") and part.axle is None:
+                level = np.array([*part.side[:2], 0.0]) / max(float(np.hypot(*part.side[:2])), 1e-9)
+                told |= dict(axle=(0.0, 0.0, 1.0) if part.joint[2] > _ON_TOP else tuple(level.tolist()))
+            name = f"{side} {noun}" if len({*sides}) == len(sides) else f"{noun} {number}"
+            yield part.model_copy(update=told | dict(name=name.strip(), stands_for=each.label))
 
-    def _measure(self, mask: np.ndarray) -> dict[str, float]:
-        own, whole = self.points[mask], self.points[self.whole]
-        middle, centre, low = whole.mean(0), own.mean(0), whole[:, 2].min()
-        reach = np.linalg.norm((whole - middle)[:, :2], axis=1).max()
-        spread = np.sqrt(np.linalg.eigvalsh(np.cov(own.T)).clip(1e-18))
-        high = float((own[:, 2].max() - low) / np.ptp(whole[:, 2]))
-        away = float(np.linalg.norm((own - middle)[:, :2], axis=1).max() / reach)
-        large = min(float(mask.sum() / self.whole.sum()) / _LARGE, 1.0)
-        told = dict(high=high, low=1 - float((centre[2] - low) / np.ptp(whole[:, 2])), away=away)
-        told |= dict(centred=1 - float(np.linalg.norm((centre - middle)[:2]) / reach))
-        told |= dict(slim=1 - spread[1] / spread[2], flat=1 - spread[0] / spread[1], large=large)
-        told |= dict(small=1 - large, long=float(np.ptp(own, axis=0).max() / np.ptp(whole, axis=0).max()))
-        if self._front is not None:
-            along = float((centre - middle) @ self._front / np.abs((whole - middle) @ self._front).max())
-            told |= dict(ahead=max(along, 0.0), behind=max(-along, 0.0))
-        return {key: float(np.clip(value, 0.0, 1.0)) for key, value in told.items()}
+    def _list_sides(self, places: list[np.ndarray], row: dict[str, Any]) -> list[str]:
+        """The words for where each of some places is among them: "front left"; empty for one alone."""
+        ways = [(np.array([0.0, 0.0, 1.0]), ("upper", "lower")), (self.viewer.right, ("right", "left"))]
+        if self._front is not None and row.get("many"):
+            ways.insert(0, (self._front, ("front", "rear")))
+        size = float(np.ptp(self.points, axis=0).max())
+        words: list[list[str]] = [[] for _ in places]
+        for way, names in ways:
+            along = np.array([place @ way for place in places])
+            if np.ptp(along) > _APART_BY * size:
+                for told, here in zip(words, along > 0.5 * (along.min() + along.max())):
+                    told.append(names[0] if here else names[1])
+        return [" ".join(told) for told in words]
 
-    def _find_image(self, index: int) -> list[tuple[Part, str]]:
+    def _list_alike(
+        self, first: _Candidate, others: list[tuple[float, _Candidate]], best: float
+    ) -> list[_Candidate]:
+        """The candidates that are as large as one, look about as likely, and are apart from it and each other."""
+        found = [first]
+        size = np.sort(np.ptp(self.points[first.mask], axis=0))
+        slack = 0.02 * float(np.ptp(self.points, axis=0).max())
+        for score, each in sorted(others, key=lambda other: -other[0]):
+            ratio = each.mask.sum() / first.mask.sum()
+            sides = np.sort(np.ptp(self.points[each.mask], axis=0))
+            alike = 1 / _LIKE < ratio < _LIKE and bool(
+                (np.abs(sides - size) < 0.25 * size.max() + slack).all()
+            )
+            apart = all((each.mask & one.mask).sum() < _APART * each.mask.sum() for one in found)
+            if alike and apart and score > _AS_LIKELY * best:
+                found.append(each)
+        return found[1:]
+
+    @functools.cached_property
+    def _whole(self) -> np.ndarray:
+        """The particles among which limbs are compared, those of a figure without its base, shape (n,)."""
+        figures = [part for part in self.parts if is_figure_on_base(part)]
+        if len(figures) != 1:
+            return np.ones(len(self.points), bool)
+        return ~make_region_mask(figures[0].rest, self.points)
+
+    @functools.cached_property
+    def _limbs(self) -> list[_Candidate]:
+        """The limbs of which only the place is known."""
+        found = []
+        for index, part in enumerate(self.parts):
+            if part.name or is_figure_on_base(part) or _LOOSE.isdisjoint(part.roles[:1]):
+                continue
+            mask = ~make_region_mask(part.rest, self.points)
+            inside = (mask & self._whole).sum() > 0.5 * mask.sum()
+            if inside and _FEWEST <= mask.sum() < _LARGEST * self._whole.sum():
+                found.append(_Candidate(mask, part, f"{part.roles[0]} (part {index + 1})"))
+        return found
+
+    @functools.cached_property
+    def _shells(self) -> list[_Candidate]:
+        """The shells that the file has no other name for."""
+        named = [~make_region_mask(part.rest, self.points) for part in self.parts if part.name]
+        free = [
+            mask
+            for mask in self.shells.candidates
+            if all((mask & each).sum() < _NAMED * (mask | each).sum() for each in named)
+        ]
+        return [_Candidate(mask, None, "a piece of the surface") for mask in free]
+
+    @functools.cached_property
+    def _looks(self) -> Looks:
+        return Looks(self.points, self._whole, self._front, self.viewer.toward)
+
+    @functools.cached_property
+    def _mirror(self) -> Mirror:
+        return find_mirrors(make_lattice(self.points[self._whole]))[0]
+
+    def _find_image(self, limb: _Candidate) -> list[_Candidate]:
         """The image of a limb in the upright mirror plane, as a part; none if nothing is there, or it is its own."""
-        whole, own = self.points[self.whole], self.points[self.masks[index]]
-        size = float(np.ptp(whole, axis=0).max())
-        mirror = find_mirrors(make_lattice(whole))[0]
+        whole, own = self.points[self._whole], self.points[limb.mask]
+        size, mirror = float(np.ptp(whole, axis=0).max()), self._mirror
         images = mirror.reflect(own)
         met = np.asarray(KDTree(whole).query(images)[0]) < _NEAR * size
         across = abs(float(mirror.measure(own.mean(0)))) > 0.5 * float(
             np.abs(mirror.measure(own)).std() + 1e-12
         )
         mask = np.asarray(KDTree(images).query(self.points)[0]) < _NEAR * size
-        mask &= self.whole & ~self.masks[index]
-        if met.mean() < _MET or not across or mask.sum() < _FEWEST:
+        mask &= self._whole & ~limb.mask
+        if met.mean() < _MET or not across or mask.sum() < _FEWEST or limb.part is None:
             return []
-        part, like = fit_part(self.points, mask, joined=True), self.parts[index]
+        part, like = fit_part(self.points, mask, joined=True), limb.part
         low, box = self.points.min(0), np.maximum(np.ptp(self.points, axis=0), 1e-12)
         joint = (mirror.reflect(low + np.asarray(like.joint) * box) - low) / box
         arm = np.asarray(like.arm) - 2 * (np.asarray(like.arm) @ mirror.normal) * mirror.normal
         told = {key: tuple(np.round(each, 4).tolist()) for key, each in (("joint", joint), ("arm", arm))}
         told |= dict(seated=like.seated, neck=like.neck)
-        return [(part.model_copy(update=told), f"the image of part {index + 1}")]
+        label = f"the image of {limb.label.partition('(')[2].rstrip(')')}"
+        return [_Candidate(mask, part.model_copy(update=told), label)]
 
     @functools.cached_property
     def _front(self) -> np.ndarray | None:
-        """The level way in which it looks, by its head, else by what overhangs; None if neither tells it."""
-        whole = self.points[self.whole]
+        """The level way in which it looks, by its head, by what overhangs, or as a vehicle does; None = not told."""
+        whole = self.points[self._whole]
         heads = [part for part in self.parts if "head" in part.roles[:1]]
+        overhang = find_overhang(whole)
         if len(heads) != 1:
-            return find_overhang(whole)
+            heading = find_heading(self.points, self.parts) if overhang is None else None
+            return overhang if heading is None else heading[0]
         off = self.points[~make_region_mask(heads[0].rest, self.points)].mean(0) - whole.mean(0)
         off[2] = 0.0
         away = float(np.linalg.norm(off))
-        return off / away if away > 0.1 * float(np.ptp(whole, axis=0).max()) else find_overhang(whole)
+        return off / away if away > 0.1 * float(np.ptp(whole, axis=0).max()) else overhang

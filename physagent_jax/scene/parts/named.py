@@ -27,6 +27,9 @@ _SKIN = 4  # edges that a part's surface shares with others, from which on they 
 _TOLD = 0.9  # share of the object that named parts cover, from which on the file names all of it
 _WITHIN = 0.8  # share of a shape in a named part, from which on it is a part of that
 _WHEELS = frozenset("wheel wheels tyre tire tyres tires gear cog pulley roller rotor propeller fan".split())
+_JOINTED = frozenset(
+    "arm arms forearm leg legs shin foot hand wing wings tail head neck ear horn trunk antenna finger thumb".split()
+)  # words for what turns about its joint, however short it is
 _FORELEG = re.compile(r"\barm$")
 _SAME = 0.5  # overlap (intersection over union) from which on a shape is the part that is named
 
@@ -60,7 +63,7 @@ def find_groups(points: np.ndarray, normals: np.ndarray, surfaces: Sequence[Mesh
     Returns:
         Groups with distinct particles, in the order of the file; none that is all of the object.
     """
-    owner = _find_owners(points, normals, surfaces)
+    owner = find_owners(points, normals, surfaces)
     found: list[Group] = []
     for name in dict.fromkeys(name for each in surfaces for name in each.names):
         mine = np.array([name in each.names for each in surfaces])
@@ -77,7 +80,7 @@ def _is_all(mask: np.ndarray) -> bool:
     return bool(mask.sum() >= _WHOLE * len(mask))
 
 
-def _find_owners(points: np.ndarray, normals: np.ndarray, surfaces: Sequence[MeshPart]) -> np.ndarray:
+def find_owners(points: np.ndarray, normals: np.ndarray, surfaces: Sequence[MeshPart]) -> np.ndarray:
     """The surface of each particle, shape (n,)."""
     corners = [each.vertices[each.faces] for each in surfaces]
     doubled = [np.cross(each[:, 1] - each[:, 0], each[:, 2] - each[:, 0]) for each in corners]
@@ -138,7 +141,11 @@ def make_parts(points: np.ndarray, groups: Sequence[Group]) -> tuple[Part, ...]:
         groups: Groups with the file's names.
     """
     rolls = [not _WHEELS.isdisjoint(split_name(group.name)) for group in groups]
-    told = [fit_part(points, g.mask, joined=g.joined, wheel=wheel) for g, wheel in zip(groups, rolls)]
+    limbs = [not _JOINTED.isdisjoint(split_name(group.name)[-1:]) for group in groups]
+    told = [
+        fit_part(points, g.mask, joined=g.joined, wheel=wheel, limb=limb)
+        for g, wheel, limb in zip(groups, rolls, limbs)
+    ]
     return tuple(
         part.model_copy(update=dict(name=group.name, origin="file")) for part, group in zip(told, groups)
     )

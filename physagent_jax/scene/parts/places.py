@@ -15,10 +15,16 @@ from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.scene.parts.figures import is_figure_on_base
 from physagent_jax.scene.parts.regions import Frame, Regions, read_places
+from physagent_jax.scene.parts.shells import Shells, find_shells
 
 
 def find_places(
-    points: np.ndarray, parts: Sequence[Part], words: Collection[str], name: str, viewer: Frame
+    points: np.ndarray,
+    parts: Sequence[Part],
+    words: Collection[str],
+    name: str,
+    viewer: Frame,
+    shells: Shells | None = None,
 ) -> tuple[Part, ...]:
     """The regions of an object that some words name.
 
@@ -28,6 +34,7 @@ def find_places(
         words: Words of a sentence, in lower case.
         name: What the object is called.
         viewer: The viewer's directions.
+        shells: Its shells; None = it has one alone.
 
     Returns:
         Parts with the words as names, and a side before it where there are two.
@@ -60,5 +67,5 @@ def find_places(
         else ~make_region_mask(part.rest, points)
         for part in parts
     ]  # of a head without its neck
-    regions = Regions(points, parts, masks, name, viewer)
+    regions = Regions(points, parts, masks, name, viewer, shells or find_shells(points))
     return tuple(each for word, row in asked.items() for each in regions.find(word, row))

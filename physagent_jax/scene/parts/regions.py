@@ -17,6 +17,7 @@ from physagent_jax.scene.parts.cells import find_contact, fit_part
 from physagent_jax.scene.parts.decks import Deck, find_deck
 from physagent_jax.scene.parts.figures import is_figure_on_base
 from physagent_jax.scene.parts.heading import find_heading, find_hood, find_overhang
+from physagent_jax.scene.parts.shells import ROUGH, Shells
 
 _LIMBS = frozenset("head ear horn arm wing leg tail handle spout nose".split())  # the body is the rest
 _FIGURE = frozenset("head leg arm wing tail".split())  # of which something shows that the rest is a body
@@ -68,6 +69,7 @@ class Regions:
     masks: list[np.ndarray]
     name: str
     viewer: Frame
+    shells: Shells
     heading: np.ndarray | None = None
 
     def find(self, word: str, row: dict[str, Any]) -> list[Part]:
@@ -83,6 +85,8 @@ class Regions:
             sides = (("left ", -1), ("right ", 1)) if "side" in row else (("", 0),)
             for side, sign in sides:
                 mask = inside & (across * sign >= 0)
+                shell = self.shells.snap(mask, ROUGH)
+                mask = mask if shell is None else shell
                 limb = self._find_limb(mask) if row.get("hangs") and sign else None
                 if limb is not None:
                     found.append(limb.model_copy(update=dict(name=side + word)))
@@ -104,7 +108,7 @@ class Regions:
                     told |= self._hang(mask, sign * self._side) if row.get("flap") else {}
                     told |= self._hang(mask, self._front) if row.get("juts") else {}
                     told |= self._hang(mask, -self._front) if row.get("trails") else {}
-                    found.append(fit_part(self.points, mask, joined=True).model_copy(update=told))
+                    found.append(fit_part(self.points, mask, joined=shell is None).model_copy(update=told))
         return found or (self.find(word, row["else"]) if "else" in row else [])
 
     def _find_vehicle(self, word: str, row: dict[str, Any]) -> list[Part]:

@@ -1,0 +1,153 @@
+"""The shells of a mesh: surfaces that share no edge, of which people build what they model: a wheel, a lid, a sign.
+
+A shell has a border that is known, where a limb of the solid ends about there. So a part that is about some shells is
+these, and where nothing else tells what a word means, shells are looked through as limbs are.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
+
+from physagent_jax.forces.part import Part
+from physagent_jax.forces.regions import make_region_mask
+from physagent_jax.scene.mesh_formats import MeshPart
+from physagent_jax.scene.parts.cells import fit_part
+from physagent_jax.scene.parts.named import find_owners
+
+_FEWEST = 12  # points of a shell, below which it is part of what is nearest
+_WITHIN = 0.6  # share of a shell in a part, from which on it is of that
+_SAME = 0.45  # overlap (intersection over union) of a part with its shells, from which on it is these
+ROUGH = 0.35  # the same of a region that a word tells roughly
+_TOUCH = 2.5  # spacings within which shells touch
+_MOST_SHELLS = 60  # largest ones; the others are part of what is nearest
+_NESTED = 0.04  # of its length, by which a shell may reach out of the box of one that it is set into
+_HOST = 0.25  # share of the object that such a one has at most
+_CUT = 0.25  # share of a part in shells that it cuts and that are smaller than it, from which on it is none
+_MOST = 0.8  # share of the object that a candidate has
+
+
+@dataclasses.dataclass(frozen=True)
+class Shells:
+    """The shells of an object.
+
+    Attributes:
+        points: Points of the object at rest, z up [m], shape (n, 3).
+        labels: The shell that each belongs to, from 0, shape (n,); zeros if there is but one.
+    """
+
+    points: np.ndarray
+    labels: np.ndarray
+
+    def snap(self, mask: np.ndarray, least: float = _SAME) -> np.ndarray | None:
+        """The points of the shells that a mask is about, shape (n,); None if it is not about any of them.
+
+        Args:
+            mask: Points, shape (n,).
+            least: Overlap (intersection over union) of the mask with its shells, from which on it is these.
+        """
+        sizes = np.bincount(self.labels)
+        chosen = np.bincount(self.labels[mask], minlength=len(sizes)) > _WITHIN * sizes
+        found = chosen[self.labels]
+        if chosen.all() or not chosen.any():
+            return None
+        return found if (found & mask).sum() > least * (found | mask).sum() else None
+
+    def snap_part(self, part: Part) -> Part:
+        """A part that the shape shows, with the borders of the shells that it is about."""
+        mask = self.snap(~make_region_mask(part.rest, self.points)) if self.labels.any() else None
+        if mask is None:
+            return part
+        made = fit_part(self.points, mask, joined=False)
+        told = dict(moved=made.moved, rest=made.rest, share=made.share, side=made.side, neck=made.neck)
+        return part.model_copy(update=told)
+
+    def are_cut(self, mask: np.ndarray) -> bool:
+        """Return whether the border of a mask is across shells that are smaller than it."""
+        sizes = np.bincount(self.labels)
+        inside = np.bincount(self.labels[mask], minlength=len(sizes))
+        small = sizes < mask.sum()
+        return bool(np.minimum(inside, sizes - inside)[small].sum() > _CUT * mask.sum())
+
+    @functools.cached_property
+    def candidates(self) -> list[np.ndarray]:
+        """The shells, those with what is set into them, and what hangs on the rest by one of them, as masks."""
+        if not self.labels.any():
+            return []
+        own = [self.labels == k for k in range(self.labels.max() + 1)]
+        boxes = [(self.points[mask].min(0), self.points[mask].max(0)) for mask in own]
+        slack = _NESTED * float(np.ptp(self.points, axis=0).max())
+        found: dict[bytes, np.ndarray] = {}
+        for mask, (low, high) in zip(own, boxes):
+            inner = [
+                other
+                for other, (a, b) in zip(own, boxes)
+                if (a > low - slack).all() and (b < high + slack).all() and other.sum() < mask.sum()
+            ]
+            hosts = [mask, np.logical_or.reduce([mask, *inner])] if mask.mean() < _HOST else [mask]
+            found |= {each.tobytes(): each for each in hosts}
+        found |= {each.tobytes(): each for each in self._list_branches()}
+        return [mask for mask in found.values() if mask.mean() < _MOST]
+
+    def _list_branches(self) -> list[np.ndarray]:
+        """The shells with what hangs on the middle one by each of them, as masks."""
+        sizes, links = np.bincount(self.labels).astype(float), self._link()
+        groups = [
+            _part(links, k) for k in range(len(sizes))
+        ]  # an arm is what hangs on the body by its upper half
+        most = [np.bincount(group[group >= 0], sizes[group >= 0]).max(initial=0) for group in groups]
+        middle = int(np.argmin(most))
+        return [(group != group[middle])[self.labels] for k, group in enumerate(groups) if k != middle]
+
+    def _link(self) -> np.ndarray:
+        """The pairs of shells that touch; what touches none is linked to the nearest. Bool, shape (k, k)."""
+        count = int(self.labels.max()) + 1
+        trees: list[Any] = [KDTree(self.points[self.labels == k]) for k in range(count)]
+        spacing = float(np.median(KDTree(self.points).query(self.points, k=2)[0][:, 1]))
+        apart = np.full((count, count), np.inf)
+        for a in range(count):
+            for b in range(a):
+                apart[a, b] = apart[b, a] = trees[b].query(trees[a].data)[0].min()
+        links = apart <= _TOUCH * spacing
+        while (groups := connected_components(links, directed=False)[1]).any():
+            between = np.where(groups[:, None] == groups[None], np.inf, apart)
+            a, b = np.unravel_index(between.argmin(), between.shape)
+            links[a, b] = links[b, a] = True
+        return links
+
+
+def _part(links: np.ndarray, shell: int) -> np.ndarray:
+    """The connected group of each shell if one is taken away, whose own is -1; shape (k,)."""
+    left = links.copy()
+    left[shell], left[:, shell] = False, False
+    groups = connected_components(left, directed=False)[1].astype(int)
+    groups[shell] = -1
+    return groups
+
+
+def find_shells(points: np.ndarray, surfaces: Sequence[MeshPart] = ()) -> Shells:
+    """The shells of an object; those of a few points are part of what is nearest.
+
+    Args:
+        points: Points of the object at rest, z up [m], shape (n, 3).
+        surfaces: Its shells in the same frame; none = there is but one.
+    """
+    alone = Shells(points, np.zeros(len(points), int))
+    if len(surfaces) < 2:
+        return alone
+    owner = find_owners(points, np.zeros_like(points), surfaces)
+    sizes = np.bincount(owner, minlength=len(surfaces))
+    large = sizes[owner] >= max(
+        _FEWEST, np.sort(sizes)[::-1][: _MOST_SHELLS + 1][-1] + 1 if len(sizes) > _MOST_SHELLS else 0
+    )
+    if not large.any():
+        return alone
+    tree: Any = KDTree(points[large])
+    labels = np.unique(owner[large], return_inverse=True)[1].ravel()
+    return Shells(points, labels[tree.query(points)[1]])

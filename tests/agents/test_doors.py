@@ -1,0 +1,139 @@
+"""Doors and lids that are closed: the edge that is their hinge, and how far they open."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from physagent_jax.agents.compiler import compile_intent
+from physagent_jax.agents.grammar.semantic import read_intent
+from physagent_jax.forces.part import Part
+from physagent_jax.forces.schema import CellsRegion
+from physagent_jax.motion.hinges import find_hinge
+from physagent_jax.motion.schema import MotionKind
+from tests.agents.scenes import brief
+
+STEPS = np.linspace(0.0, 1.0, 6)
+RIGHT, UP, TOWARD = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)
+
+
+def fill(low, high):
+    """Places on an even lattice in a box, bounding-box fractions."""
+    low, high = np.asarray(low), np.asarray(high)
+    return tuple(tuple((low + (high - low) * each).tolist()) for each in itertools.product(STEPS, repeat=3))
+
+
+def make_piece(name, inside, outside, share=0.3):
+    middle = np.mean(inside, axis=0) - 0.5
+    return Part(
+        name=name,
+        origin="file",
+        seated=True,
+        moved=CellsRegion(inside=inside, outside=outside, rigid=True),
+        rest=CellsRegion(inside=outside, outside=inside, rigid=True),
+        joint=tuple(np.mean(inside, axis=0).tolist()),
+        arm=UP,
+        side=tuple((middle / np.linalg.norm(middle)).tolist()),
+        share=share,
+    )
+
+
+def make_thing(*pieces):
+    return brief(object_name="thing", world="ground", may_be_held=True, extents=(1.0, 1.0, 1.0), parts=pieces)
+
+
+def make_chest(depth=0.8):
+    """A lid on a box, which fills the object from side to side and is less deep."""
+    lid, box = fill((0, 0, 0.62), (1, depth, 1)), fill((0, 0, 0), (1, depth, 0.58))
+    return make_thing(make_piece("chest lid", lid, box), make_piece("chest", box, lid, 0.7))
+
+
+def find_start(axis, arm):
+    """The way in which a place begins to go when its arm turns about an axis."""
+    return np.cross(axis, arm)
+
+
+def test_a_lid_opens_about_its_long_edge_at_the_back():
+    chest = make_chest()
+    hinge = find_hinge(chest.parts[0], chest)
+    assert hinge is not None and hinge.joint[1] > 0.7 and 0.55 < hinge.joint[2] < 0.7
+    assert find_start(-np.array(hinge.axis), TOWARD)[2] > 0.99  # its front goes up
+    assert find_hinge(chest.parts[1], chest) is None  # nothing turns the box
+
+
+def test_a_lid_that_is_told_to_open_turns_and_is_not_lifted():
+    reply = compile_intent(read_intent("The lid of the chest slowly opens", make_chest()), make_chest())
+    ((turn,), (motion,)) = reply.force_field.constraints, reply.expectations
+    assert motion.kind is MotionKind.ROTATE and motion.amount is not None
+    assert 40 < motion.amount.value < 100 and turn.pivot[1] > 0.7
+
+
+def test_a_slight_opening_is_less_wide():
+    wide, slight = (
+        compile_intent(read_intent(text, make_chest()), make_chest()).expectations[0].amount.value
+        for text in ("open the lid", "open the lid slightly")
+    )
+    assert slight < 0.6 * wide
+
+
+def test_a_lid_off_the_middle_opens_about_the_edge_there():
+    hood, car = fill((0, 0, 0.7), (0.3, 1, 0.75)), fill((0, 0, 0), (1, 1, 0.66))
+    thing = make_thing(make_piece("hood", hood, car))
+    hinge = find_hinge(thing.parts[0], thing)
+    assert hinge is not None and hinge.joint[0] == pytest.approx(0.3, abs=0.03)
+
+
+def make_wall(name="door", low=(0.3, 0, 0), high=(0.7, 0.08, 0.8)):
+    """A piece at the front of a block."""
+    door, block = fill(low, high), fill((0, 0.12, 0), (1, 1, 1))
+    return make_thing(make_piece(name, door, block, 0.1))
+
+
+def test_a_door_opens_towards_us_about_an_upright_edge():
+    wall = make_wall()
+    hinge = find_hinge(wall.parts[0], wall)
+    assert hinge is not None and abs(hinge.axis[2]) > 0.99
+    assert hinge.joint[0] == pytest.approx(0.3, abs=0.05)
+    assert find_start(-np.array(hinge.axis), RIGHT) @ np.array(TOWARD) > 0.99
+
+
+def test_a_door_at_one_side_has_its_hinge_there():
+    wall = make_wall(low=(0.6, 0, 0), high=(1, 0.08, 0.8))
+    assert find_hinge(wall.parts[0], wall).joint[0] > 0.95
+
+
+@pytest.mark.parametrize(("name", "height"), [("oven door", 0.0), ("garage door", 0.8)])
+def test_some_doors_open_downwards_or_upwards(name, height):
+    wall = make_wall(name)
+    hinge = find_hinge(wall.parts[0], wall)
+    assert hinge.joint[2] == pytest.approx(height, abs=0.05) and abs(hinge.axis[0]) > 0.99
+
+
+def test_two_doors_have_their_hinges_away_from_each_other():
+    block = fill((0, 0.12, 0), (1, 1, 1))
+    left, right = fill((0.1, 0, 0), (0.48, 0.08, 0.8)), fill((0.52, 0, 0), (0.9, 0.08, 0.8))
+    thing = make_thing(make_piece("left gate", left, block, 0.1), make_piece("right gate", right, block, 0.1))
+    one, other = (find_hinge(part, thing) for part in thing.parts)
+    assert one.joint[0] < 0.15 and other.joint[0] > 0.85
+    assert one.axis[2] * other.axis[2] < 0
+
+
+def test_both_doors_open_each_about_its_own_hinge():
+    block = fill((0, 0.12, 0), (1, 1, 1))
+    left, right = fill((0.1, 0, 0), (0.48, 0.08, 0.8)), fill((0.52, 0, 0), (0.9, 0.08, 0.8))
+    thing = make_thing(make_piece("left gate", left, block, 0.1), make_piece("right gate", right, block, 0.1))
+    reply = compile_intent(read_intent("both gates open", thing), thing)
+    one, other = reply.force_field.constraints
+    assert one.vector[2] * other.vector[2] < -0.9 and one.magnitude == other.magnitude
+    assert {each.amount.value for each in reply.expectations} == {100.0}
+
+
+def test_a_drawer_has_no_hinge():
+    assert find_hinge(make_wall("drawer").parts[0], make_wall()) is None
+
+
+@pytest.mark.parametrize("verb", ["swings open", "opens", "creaks open"])
+def test_words_that_go_with_open_tell_the_same_motion(verb):
+    reply = compile_intent(read_intent(f"the door {verb}", make_wall()), make_wall())
+    (motion,) = reply.expectations
+    assert motion.kind is MotionKind.ROTATE and motion.repeats == 1

@@ -1,0 +1,150 @@
+"""Shells of a mesh: found in a file, and taken for what a word means."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from physagent_jax.scene.mesh_files import read_shells
+from physagent_jax.scene.mesh_formats import MeshPart
+from physagent_jax.scene.parts import Frame, find_shells, guess_parts
+from physagent_jax.scene.parts.cells import fit_part
+from physagent_jax.scene.parts.guesses import read_guesses
+from physagent_jax.scene.parts.looks import Looks
+
+VIEWER = Frame(toward=np.array([0.0, -1.0, 0.0]), right=np.array([1.0, 0.0, 0.0]))
+WHEELS = [(x, y, 0.15) for x in (-0.5, 0.5) for y in (-0.35, 0.35)]
+# A car that looks along -x: a body, a cab, a sign on its roof and four wheels.
+CAR = [
+    ((1.8, 0.6, 0.3), (0, 0, 0.35)),
+    ((0.8, 0.55, 0.3), (0.2, 0, 0.65)),
+    ((0.15, 0.2, 0.1), (0.2, 0, 0.85)),
+    *(((0.3, 0.1, 0.3), place) for place in WHEELS),
+]
+
+
+def make_box(size, middle):
+    box = trimesh.creation.box(size)
+    box.apply_translation(middle)
+    return box
+
+
+def make_car(count=7000):
+    boxes = [make_box(*each) for each in CAR]
+    boxes[3:] = [
+        trimesh.creation.cylinder(
+            0.15, 0.1, transform=trimesh.transformations.rotation_matrix(np.pi / 2, (1, 0, 0))
+        )
+        for _ in WHEELS
+    ]
+    for wheel, place in zip(boxes[3:], WHEELS):
+        wheel.apply_translation(place)
+    points = [box.sample(max(200, int(count * box.area / 5)), seed=0) for box in boxes]
+    surfaces = [MeshPart(np.asarray(box.vertices), np.asarray(box.faces)) for box in boxes]
+    return np.concatenate(points), find_shells(np.concatenate(points), surfaces)
+
+
+@pytest.fixture(scope="module")
+def car():
+    return make_car()
+
+
+def write(tmp_path, mesh):
+    path = tmp_path / "thing.glb"
+    path.write_bytes(trimesh.Scene([mesh]).export(file_type="glb"))
+    return path
+
+
+def test_surfaces_that_touch_nowhere_are_shells_of_their_own(tmp_path):
+    both = trimesh.util.concatenate([make_box((1, 1, 1), (0, 0, 0)), make_box((1, 1, 1), (3, 0, 0))])
+    assert sorted(len(each.faces) for each in read_shells(write(tmp_path, both))) == [12, 12]
+    assert not read_shells(write(tmp_path, make_box((1, 1, 1), (0, 0, 0))))
+
+
+def test_a_shell_that_meets_another_one_along_edges_alone_is_told_from_it(tmp_path):
+    both = trimesh.util.concatenate([make_box((1, 1, 1), (0, 0, 0)), make_box((1, 0.2, 1), (0, 0.6, 0))])
+    both.merge_vertices()  # a door that fills its frame shares its corners
+    corners = [each.vertices[each.faces].reshape(-1, 3) for each in read_shells(write(tmp_path, both))]
+    ranges = {(round(float(each[:, 1].min()), 1), round(float(each[:, 1].max()), 1)) for each in corners}
+    assert ranges >= {(-0.5, 0.5), (0.5, 0.7)} and (-0.5, 0.7) not in ranges
+
+
+def test_many_crumbs_are_no_shells(tmp_path):
+    crumbs = trimesh.util.concatenate([make_box((1, 1, 1), (3 * k, 0, 0)) for k in range(520)])
+    assert not read_shells(write(tmp_path, crumbs))
+
+
+def test_a_part_that_is_about_a_shell_has_its_border(car):
+    points, shells = car
+    sign = shells.labels == 2
+    rough = sign | (points[:, 2] > 0.79) & (np.abs(points[:, :2] - (0.2, 0)) < 0.1).all(1)
+    part = fit_part(points, rough, joined=True).model_copy(update=dict(roles=("top",)))
+    assert shells.snap(rough).tolist() == sign.tolist()
+    assert (
+        abs(shells.snap_part(part).share - sign.mean()) < 1e-3 and part.share > shells.snap_part(part).share
+    )
+    assert shells.snap(points[:, 1] > 0) is None and find_shells(points).snap(sign) is None
+
+
+def test_a_border_across_small_shells_is_that_of_no_part(car):
+    points, shells = car
+    assert shells.are_cut((points[:, 2] < 0.15) & (points[:, 0] < 0))
+    assert not shells.are_cut(shells.labels == 3)
+
+
+def test_what_hangs_on_the_rest_by_a_shell_is_looked_at_with_it(car):
+    points, shells = car
+    wanted = np.isin(shells.labels, (1, 2))  # the cab with its sign
+    assert any((mask == wanted).all() for mask in shells.candidates)
+
+
+@pytest.mark.parametrize("words", [["sign"], ["siren"]])
+def test_the_shell_on_top_is_taken_for_a_sign_and_is_unsure(car, words):
+    points, shells = car
+    (part,) = guess_parts(points, (), words, VIEWER, shells)
+    assert part.name == words[0] and part.unsure and abs(part.share - (shells.labels == 2).mean()) < 1e-3
+
+
+def test_wheels_are_all_shells_alike_and_are_named_by_their_sides(car):
+    points, shells = car
+    wheels = guess_parts(points, (), ["wheels"], VIEWER, shells)
+    assert len(wheels) == 4 and len({part.name for part in wheels}) == 4
+    assert all(part.axle is not None and abs(part.axle[1]) > 0.9 for part in wheels)
+    (one,) = guess_parts(points, (), ["wheel"], VIEWER, shells)  # the one that is seen
+    assert one.side[1] < 0
+
+
+def test_a_word_of_the_object_s_own_name_is_no_part(car):
+    points, shells = car
+    assert not guess_parts(points, (), ["sign"], VIEWER, shells, "road sign")
+
+
+def test_words_that_need_shells_take_no_limb():
+    points, shells = make_car(2000)
+    limb = fit_part(points, shells.labels == 2, joined=True).model_copy(update=dict(roles=("top",)))
+    assert guess_parts(points, (limb,), ["sign"], VIEWER) == ()
+    assert read_guesses()["tail"]["limb"] and "limb" not in read_guesses()["sign"]
+
+
+def test_measures_tell_a_plate_that_lies_from_a_rod_that_stands():
+    chance = np.random.default_rng(0)
+    plate = chance.uniform((-1, -1, 0), (1, 1, 0.1), (800, 3))
+    rod = chance.uniform((-0.05, -0.05, 0.1), (0.05, 0.05, 1), (400, 3))
+    points, own = np.concatenate([plate, rod]), np.arange(1200) >= 800
+    looks = Looks(points, np.ones(1200, bool), None, VIEWER.toward)
+    lying, standing = looks.measure(~own), looks.measure(own)
+    assert lying["level"] > 0.8 > 0.2 > standing["level"] and standing["slim"] > 0.8 > 0.3 > lying["slim"]
+    assert (
+        lying["grounded"] > 0.9 and standing["raised"] > 0.1 and standing["open"] > 0.9 > lying["hung"] - 0.2
+    )
+    assert "ahead" not in standing
+
+
+def test_a_shell_that_has_a_name_is_nothing_else(car):
+    points, shells = car
+    named = fit_part(points, shells.labels == 2, joined=False).model_copy(
+        update=dict(name="lamp", origin="file")
+    )
+    assert all(
+        abs(part.share - named.share) > 0.005
+        for part in guess_parts(points, (named,), ["sign"], VIEWER, shells)
+    )
