@@ -15,7 +15,6 @@ import tyro
 
 from benchmarks import harness
 from benchmarks.evidence.catalogue import DOCS, PAGES, RESULTS, ROOT
-from benchmarks.evidence.sources import hash_sources
 from benchmarks.evidence.summaries import (
     Summary,
     format_summary,
@@ -26,6 +25,7 @@ from benchmarks.evidence.summaries import (
 from benchmarks.harness import Page, Tables, table
 from benchmarks.harness.command import format_result
 from benchmarks.harness.pages import empty_place, fill_pages
+from benchmarks.harness.sources import hash_sources
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_text
 

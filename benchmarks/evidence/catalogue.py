@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from benchmarks import distillation, gpu, limits, rendering, startup
 from benchmarks.accuracy import markdown as accuracy
 from benchmarks.agents import markdown as agents
@@ -11,6 +9,7 @@ from benchmarks.executor import markdown as executor
 from benchmarks.first_results import markdown as first_results
 from benchmarks.gradients import markdown as gradients
 from benchmarks.harness import Page
+from benchmarks.harness.sources import ROOT
 from benchmarks.headtohead import markdown as headtohead
 from benchmarks.inverse import markdown as inverse
 from benchmarks.language import markdown as language
@@ -21,7 +20,6 @@ from benchmarks.stability import markdown as stability
 from benchmarks.throughput import markdown as throughput
 from benchmarks.verdicts import markdown as verdicts
 
-ROOT = Path(__file__).resolve().parents[2]
 RESULTS, DOCS = ROOT / "benchmarks" / "results", ROOT / "docs"
 _MODULES = (
     accuracy,

@@ -13,7 +13,9 @@ import json
 from pathlib import Path
 from typing import Any
 
-from benchmarks.evidence.sources import (
+from benchmarks.harness import Page, Result
+from benchmarks.harness.command import format_result
+from benchmarks.harness.sources import (
     find_newest,
     find_oldest,
     hash_sources,
@@ -22,8 +24,6 @@ from benchmarks.evidence.sources import (
     read_date,
     read_object,
 )
-from benchmarks.harness import Page, Result
-from benchmarks.harness.command import format_result
 from physagent_jax.core.errors import UserError
 
 Summary = dict[str, Any]

@@ -22,9 +22,9 @@ from baselines.suite.__main__ import Command as Suite
 from baselines.suite.__main__ import draw_suite
 from baselines.tasks import TaskSpec
 from benchmarks import harness
-from benchmarks.evidence.sources import hash_sources
 from benchmarks.harness import Job, Row
 from benchmarks.harness.command import format_result
+from benchmarks.harness.sources import hash_sources
 from benchmarks.headtohead import leaderboard
 from benchmarks.headtohead.__main__ import MARKS, TASKS, choose_entrants
 from benchmarks.headtohead.jobs import list_fits

@@ -11,13 +11,13 @@ import pytest
 
 from baselines.evaluation import GRADIENT_COST
 from baselines.fits import CAP
-from benchmarks.evidence import sources, summaries
+from benchmarks.evidence import summaries
 from benchmarks.evidence.__main__ import STATE, describe_state, find_differing, main
 from benchmarks.evidence.catalogue import DOCS, PAGES, RESULTS, ROOT
-from benchmarks.evidence.sources import hash_sources, is_checkout, is_known, strip_python
 from benchmarks.evidence.summaries import read_summary, summarise
-from benchmarks.harness import Page, make_lines, read_lines
+from benchmarks.harness import Page, make_lines, read_lines, sources
 from benchmarks.harness.pages import empty_place, fill_pages, fill_places
+from benchmarks.harness.sources import hash_sources, is_checkout, is_known, strip_python
 from benchmarks.inverse.fitting import ADAM_STEPS, LM_STEPS
 from benchmarks.language import totals
 from benchmarks.language.notation import read_split

@@ -11,8 +11,9 @@ import subprocess
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from benchmarks.evidence.catalogue import ROOT
 from physagent_jax.core.errors import UserError
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def hash_sources(sources: Sequence[str], revision: str | None = None) -> dict[str, str]:
