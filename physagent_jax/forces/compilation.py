@@ -101,7 +101,8 @@ def _find_tilt(
         field: All of them.
         rate: Turn per frame of a constraint with M = 1 [rad].
     """
-    entries = [e for e in (*field.constraints, *field.actions) if begin_of(e) < end_of(entry) - 0.5]
+    others = (*field.constraints, *field.actions)
+    entries = [each for each in others if each is entry or begin_of(each) < end_of(entry) - 0.5]
     entries.sort(key=begin_of)
     starts = [index for index, each in enumerate(entries) if leave_upright(entries[:index], begin_of(each))]
     before, turns = entries[: starts[-1]], entries[starts[-1] :]
