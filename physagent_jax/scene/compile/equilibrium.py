@@ -39,6 +39,10 @@ ALL_ROUNDS = 2000  # of conjugate gradients in all: seconds with 20,000 particle
 LAW_ROUNDS = 30  # in which stretches are found that have the stresses
 ENOUGH_STRESS = 1e-5  # of the largest, which may be missed
 MOST_STRAIN = 0.2  # by which such a round may change any stretch
+CRUSHED, MOST_CRUSHED = (
+    1.0,
+    0.01,
+)  # largest strain, beyond which matter is crushed; share of it, with which none starts
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,11 +54,13 @@ class Equilibrium:
         residual: Acceleration that the simulation starts with, root mean square by mass, over gravity. What the tie
             (`scene.elasticity`) bears is part of it: the simulation has none.
         largest_strain: Largest entry of F - I.
+        crushed: Share of the particles that have one beyond `CRUSHED`.
     """
 
     F: np.ndarray
     residual: float
     largest_strain: float
+    crushed: float = 0.0
 
 
 _recent: Recent[Equilibrium] = Recent(4)  # rounds of a run differ in what acts, not in how the object stands
@@ -73,12 +79,14 @@ def balance_weight(
         return None
     same = {"force_field", "scaling", "forces", "camera", "rendering", "timing", "prompt", "preset", "ledger"}
     key = config.model_dump_json(exclude=same)
-    return _recent.find(body, key, lambda: _find_or_warn(model, state, held, config))
+    return _recent.find(body, key, lambda: find_or_warn(model, state, held, config))
 
 
-def _find_or_warn(model: Model, state: State, held: np.ndarray, config: c.SceneConfig) -> Equilibrium:
+def find_or_warn(model: Model, state: State, held: np.ndarray, config: c.SceneConfig) -> Equilibrium:
     """`find_equilibrium`, with a word if it is a poor one."""
     found = find_equilibrium(model, state, held, config)
+    if found.crushed > MOST_CRUSHED:  # such a start would burst: it sags from the captured pose instead
+        found = Equilibrium(np.asarray(state.F), 1.0, 0.0)
     if found.residual > POOR:
         warnings.warn(
             "the object's own weight could not be balanced as it was captured: it will sag or collapse at first; a "
@@ -152,25 +160,35 @@ class _Balance:
             u = u + step
         F, tau = self._invert_law(grid.compute_stress(u))
         rest, _ = self._find_free(grid.compute_force(tau) - self._load, pressed)
+        strain = _find_largest(F - np.eye(3))
         return Equilibrium(
-            F.astype(np.float32), self._measure_errors(rest)[0], float(np.abs(F - np.eye(3)).max())
+            F.astype(np.float32),
+            self._measure_errors(rest)[0],
+            float(strain.max()),
+            float((strain > CRUSHED).mean()),
         )
 
     def _invert_law(self, stress) -> tuple[np.ndarray, np.ndarray]:
         """Stretches whose Kirchhoff stress is ``stress``, and what it is; all (n, 3, 3).
 
-        By the compliance of the unstrained material: laws are isotropic, so that all stays coaxial.
+        By the compliance of the unstrained material: laws are isotropic, so that all stays coaxial. Where a step brings
+        a particle no nearer, half of it is tried next: what is pressed together beyond any stretch of its law keeps the
+        nearest that was found.
         """
         F = np.broadcast_to(np.eye(3), stress.shape)
-        tau = np.zeros_like(stress)
+        tau, share = np.zeros_like(stress), np.ones((len(stress), 1, 1))
         for _ in range(LAW_ROUNDS):
             miss = stress - tau
             if np.abs(miss).max() < ENOUGH_STRESS * np.abs(stress).max():
                 break
             change = self._grid.find_strain(miss)
             largest = np.abs(change).max(axis=(1, 2), keepdims=True)
-            F = F + (change * np.minimum(1.0, MOST_STRAIN / np.maximum(largest, 1e-12))) @ F
-            tau = self._compute_stress(F)
+            step = share * np.minimum(1.0, MOST_STRAIN / np.maximum(largest, 1e-12))
+            trial = F + (step * change) @ F
+            found = self._compute_stress(trial)
+            nearer = _find_largest(stress - found) < _find_largest(miss)  # not so where it is not a number
+            F, tau = np.where(nearer, trial, F), np.where(nearer, found, tau)
+            share = np.where(nearer, np.minimum(1.0, 2.0 * share), 0.5 * share)
         return F, tau
 
     def _measure_errors(self, rest) -> tuple[float, float]:
@@ -193,6 +211,11 @@ class _Balance:
     def _compute_stress(self, F) -> np.ndarray:
         state = dataclasses.replace(self._state, F=to_device(F, np.float32))
         return np.asarray(jax.jit(kirchhoff_stress)(self._model, state), np.float64)
+
+
+def _find_largest(stress: np.ndarray) -> np.ndarray:
+    """The largest entry of each, shape (n, 1, 1)."""
+    return np.abs(stress).max(axis=(1, 2), keepdims=True)
 
 
 def _compute_lame(model: Model) -> tuple[np.ndarray, np.ndarray]:
