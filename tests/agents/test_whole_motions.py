@@ -35,7 +35,7 @@ def test_an_unknown_noun_is_the_only_object_there_is(prompt):
     "prompt",
     [
         "the knight flops onto its belly",
-        "push the knight off balance",
+        "shove the knight off balance",
         "throw the knight off balance",
         "it flops down",
     ],
@@ -210,3 +210,18 @@ def test_back_and_forth_is_not_the_back():
     chair = brief(object_name="chair", world="ground", parts=(back,))
     reply = read("rock the chair back and forth", chair)
     assert reply.expectations[0].limb is None and not reply.unsure
+
+
+@pytest.mark.parametrize(
+    ("prompt", "kinds"),
+    [
+        ("the knight wobbles when it lands", "fall sway"),
+        ("the knight falls and wobbles when it lands", "fall sway"),
+        ("the knight is thrown up and wobbles when it lands", "move fall sway"),
+    ],
+)
+def test_what_goes_on_at_the_landing_comes_after_the_fall(prompt, kinds):
+    reply = read(prompt, CHESS.model_copy(update=dict(may_be_held=True)))
+    assert [e.kind for e in reply.expectations] == kinds.split() and reply.anchor.kind is None
+    starts = [e.window[0] for e in reply.expectations]
+    assert starts == sorted(starts) and starts[-1] > 0

@@ -190,3 +190,9 @@ class Event:
     def is_in_wind(self) -> bool:
         """Return whether a wind does it."""
         return any(each is not None and each.wind for each in (self.cause, self.verb))
+
+
+def is_landing_meanwhile(before: Event, event: Event) -> bool:
+    """Return whether an event is the landing from which on another goes on: "it wobbles *when it lands*"."""
+    goes_on = before.effect in (Effect.SWAY, Effect.TURN, Effect.ROLL)
+    return goes_on and event.motion.lands and event.clause.order == "together" and not event.clause.negated

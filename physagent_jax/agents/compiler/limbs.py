@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
-from physagent_jax.agents.compiler.events import Event, KnownPart
+from physagent_jax.agents.compiler.events import Event, KnownPart, is_landing_meanwhile
 from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.forces.part import is_plural, split_name
@@ -52,7 +53,8 @@ def find_support(clauses: Sequence[Event], brief: SceneBrief, soft: bool = False
     """The hold of a free object that sways where it stands, or that is ``soft`` and wobbles: it would slide."""
     resting = (Effect.STILL, Effect.HOLD, Effect.RELEASE)
     acting = [each for each in clauses if each.effect not in resting and not each.motion.lands]
-    if not brief.may_be_held or brief.world != "ground" or brief.anchored is not None or not acting:
+    falls = any(is_landing_meanwhile(*pair) for pair in pairwise(clauses))
+    if not brief.may_be_held or brief.world != "ground" or brief.anchored is not None or not acting or falls:
         return AnchorRequest()
     feet = (e.motion.manner == "bend" and not e.parts and leads_aside(e.direction, brief) for e in acting)
     if all(feet) and not any(e.effect in (Effect.LEAN, Effect.TURN) and lies(brief) for e in acting):

@@ -5,7 +5,14 @@ from __future__ import annotations
 from dataclasses import replace
 
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
-from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueSource, WayKind
+from physagent_jax.agents.compiler.events import (
+    BY_DEFAULT,
+    WAYS,
+    Event,
+    ValueSource,
+    WayKind,
+    is_landing_meanwhile,
+)
 from physagent_jax.agents.compiler.interpretation import interpret, resolve_obstacles
 from physagent_jax.agents.compiler.schedule import follows
 from physagent_jax.agents.intent import Held, Timing
@@ -30,7 +37,7 @@ _RISING = (Effect.PUSH, Effect.STRIKE, Effect.JUMP)
 def make_events(clauses: list[Event], builder: ForceFieldBuilder) -> list[Event]:
     """The events that happen, in order."""
     events: list[Event] = []
-    for event in clauses:
+    for event in _put_landings_first(clauses):
         if event.effect is Effect.HOLD:
             builder.obstacles += resolve_obstacles(event.clause.solids, None, builder.brief)
         elif keeps_end(event, clauses):
@@ -43,6 +50,22 @@ def make_events(clauses: list[Event], builder: ForceFieldBuilder) -> list[Event]
     if any(each.effect not in _RESTING for each in events):
         events = [each for each in events if not _is_only_posture(each, events)]
     return events
+
+
+def _put_landings_first(clauses: list[Event]) -> list[Event]:
+    """The clauses in the order of time: what goes on "when it lands" comes after the fall."""
+    ordered: list[Event] = []
+    for event in clauses:
+        if not (ordered and is_landing_meanwhile(ordered[-1], event)):
+            ordered.append(event)
+            continue
+        late = ordered.pop()
+        if not any(each.effect in _ALOFT or each.motion.gravity for each in ordered):
+            ordered.append(event)
+        for each in (event, late):
+            each.clause = each.clause.model_copy(update=dict(order="then"))
+        ordered.append(late)
+    return ordered
 
 
 def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) -> None:
