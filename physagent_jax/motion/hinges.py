@@ -24,7 +24,8 @@ _GAP = 4.0  # [degrees] that are left where it is closed
 _OPENED, _FURTHER = 100.0, 30.0  # [degrees] by which it opens, and what stands open already
 _OPEN = 45.0  # [degrees] to the rest from which on it stands open
 _LEAST_OPENED = 0.35  # of that angle, at most so little where it opens slightly
-_UNHINGED = frozenset("drawer drawers jaw mouth beak eye eyes".split())  # what opens in another way
+_SLIDES = frozenset("drawer drawers curtain curtains".split())
+_UNHINGED = _SLIDES.union("jaw mouth beak eye eyes".split())  # what opens in another way
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,11 @@ def find_hinge(part: Part, brief: SceneBrief) -> Hinge | None:
         return None
     x, y, z = (a / b for a, b in zip(found.joint, box))
     return replace(found, joint=(x, y, z))
+
+
+def slides_open(part: Part) -> bool:
+    """Return whether a part is one that opens without a turn."""
+    return not _SLIDES.isdisjoint(split_name(part.name))
 
 
 def stand_up(part: Part, brief: SceneBrief) -> Part:

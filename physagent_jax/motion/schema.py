@@ -229,6 +229,8 @@ class ExpectedMotion(Strict):
         put_back: True if a move brings it back to where it was, or down to what it stood on.
         may_stop_short: True if a turn over may as well end on its back: no number tells how far.
         to_ground: True if the way ends at the ground ("bend its head down to the ground").
+        counted: False if no word tells how often: ``repeats`` is then one number among many.
+        jiggles: True if any change of place, tilt or shape that comes and goes is one ("wobble").
         manner: How it goes on.
         amount: A quantity that the sentence names; None = none.
     """
@@ -250,6 +252,8 @@ class ExpectedMotion(Strict):
     put_back: bool = False
     may_stop_short: bool = False
     to_ground: bool = False
+    counted: bool = True
+    jiggles: bool = False
     manner: SeenManner = ""
     amount: Amount | None = None
     words: str = ""

@@ -87,6 +87,7 @@ def test_matter_that_its_weight_crushes_starts_without_stress(pillar):
     """Its stretches would burst in the first substep: it sags from where it was captured, and that is told."""
     scene, _ = scene_of(pillar, frames=2)
     model, held = scene.model, np.zeros(len(scene.state.x), bool)
+    assert model.gravity is not None
     heavy = dataclasses.replace(model, gravity=300 * model.gravity)
     found = find_equilibrium(heavy, scene.state, held, scene.config)
     assert np.isfinite(found.F).all() and np.linalg.det(found.F).min() > 0 and found.crushed > 0.1

@@ -18,7 +18,7 @@ from physagent_jax.forces.slabs import make_end_region, make_middle_region
 from physagent_jax.motion.attitudes import has_back_on_top
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import keep_in_space
-from physagent_jax.motion.hinges import find_hinge, find_hinged
+from physagent_jax.motion.hinges import find_hinge, find_hinged, slides_open
 from physagent_jax.motion.joints import Turning
 from physagent_jax.motion.limbs import stands_on_legs, sum_directions
 from physagent_jax.motion.parts import explain_guess, explain_missing
@@ -384,8 +384,9 @@ def _swing_on_hinge(event: Event, brief: SceneBrief) -> bool:
     """Return whether what opens or closes has a hinge, about which it then turns."""
     if event.motion.manner != "hinge":
         return False
-    if (hinge := find_hinge(brief.parts[event.limbs[0]], brief)) is None:
-        event.motion = replace(event.motion, manner="")
+    part = brief.parts[event.limbs[0]]
+    if (hinge := find_hinge(part, brief)) is None:
+        event.motion = replace(event.motion, manner="") if slides_open(part) else event.motion
         return False
     event.motion, opens = replace(event.motion, effect=Effect.TURN), event.motion.direction == "up"
     _turn(event, scale(hinge.axis, -1.0 if opens else 1.0), "about its hinge")

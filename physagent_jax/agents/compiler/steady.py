@@ -97,6 +97,8 @@ class Task:
             "excludes_part": event.excludes_part,
             "stays": event.stays,
             "manner": event.motion.manner,
+            "jiggles": event.motion.jiggles,
+            "counted": any(each.times is not None for each in event.clause.repetitions),
             "even": (event.clause.pace == "even" or event.motion.floats or event.is_quick)
             and kind in (MotionKind.MOVE, MotionKind.ROTATE),
             "put_back": event.motion.puts_back or event.is_back and window[0] > 0,

@@ -84,6 +84,7 @@ class Motion:
         steps: Whether it goes on feet: what has wheels rolls instead.
         puts_back: Whether it ends where it was before.
         loose: Whether its angle is only about so large.
+        jiggles: Whether any change of place, tilt or shape that comes and goes is one.
         skill: Name of the skill that it stands for; None = what its effect is compiled to.
     """
 
@@ -122,6 +123,7 @@ class Motion:
     steps: bool = False
     puts_back: bool = False
     loose: bool = False
+    jiggles: bool = False
     skill: str | None = None
 
     @property

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -19,11 +18,6 @@ _IN_THE_WAY = 0.7  # cosine
 _ALONG_SIGHT = 0.5  # cosine of a way and the line of sight: less than 60 degrees off, its end lies in depth
 _IN_PLANE = 0.7  # cosine of an axis and the line of sight: the turn shows in the picture plane
 _BOTH = 0.5  # cosine: directions more than 60 degrees apart can be told apart
-_COUNTS = re.compile(
-    r"\b(\d+|once|twice|thrice|two|three|four|five|six|seven|eight|nine|ten|dozen|couple|few|several)\b"
-)
-_OPENS = re.compile(r"^(?!.*\b(drawer|curtain|slid)).*\b(open|clos|shut)")
-_WOBBLES = re.compile(r"wobbl|jiggl|quiver|trembl|shiver|shudder|vibrat|judder|jitter")
 _FIGURES = {
     MotionKind.STRETCH: ("stretch", tolerances.VISIBLE_STRAIN),
     MotionKind.SQUEEZE: ("stretch", tolerances.VISIBLE_STRAIN),
@@ -141,25 +135,17 @@ class Asked:
         way, sight = self.direction or down, self.view.sight
         return way is not None and sight is not None and abs(cosine(way, sight)) > share
 
-    @cached_property
-    def counted(self) -> bool:
-        """Return whether the sentence says how often, as far as its words are known."""
-        sentence = self.view.sentence
-        return not sentence or _COUNTS.search(sentence.lower()) is not None
-
     @property
     def opens(self) -> bool:
         """Return whether a part opens or closes about a hinge, as a lid, a door or a jaw does and a drawer does not."""
         part = self.motion.part is not None or self.motion.limb is not None
-        return part and _OPENS.search(self.motion.words.lower()) is not None
+        return part and self.motion.manner == "hinge"
 
     @property
     def wobbles(self) -> bool:
         """Return whether the whole is to wobble: any change of its shape or tilt that comes and goes is one."""
         whole = self.motion.part is None and self.motion.limb is None
-        return (
-            whole and self.kind is MotionKind.SWAY and _WOBBLES.search(self.motion.words.lower()) is not None
-        )
+        return whole and self.kind is MotionKind.SWAY and self.motion.jiggles
 
     @cached_property
     def together(self) -> list[ExpectedMotion]:

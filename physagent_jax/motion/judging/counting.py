@@ -103,7 +103,7 @@ def count_turns(asked: Asked, path: list[float], hysteresis: float, rest: float 
         return find_returns(path, threshold, rest)
 
     least, most = 2 * count - 1, (2 * count + 2 if count > 1 else 7)
-    if not asked.counted and count > 1:  # a viewer does not count what no number is told of
+    if not asked.motion.counted and count > 1:  # a viewer does not count what no number is told of
         least, most = _SOME, max(most, _MANY)
     return check_count(
         asked,
