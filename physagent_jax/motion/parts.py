@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 from physagent_jax.core.strict import Vector
@@ -9,7 +10,7 @@ from physagent_jax.forces.part import ORIGINS, SIDES, Part, split_name
 from physagent_jax.forces.schema import CellsRegion
 from physagent_jax.motion.limbs import PLACES
 from physagent_jax.motion.schema import DirectionTable, SceneBrief
-from physagent_jax.motion.vectors import cosine, norm, subtract
+from physagent_jax.motion.vectors import cosine
 
 _SIDE = 0.5  # cosine to one of the viewer's directions from which a part lies there
 _SIDES = dict(left="left", right="right", toward="front", away="back", up="upper", down="lower")
@@ -184,6 +185,6 @@ def _thin(seeds: tuple[Vector, ...]) -> tuple[Vector, ...]:
 
 def _is_in_rest(seed: Vector, limb: Part) -> bool:
     def find_nearest(seeds) -> float:
-        return min(norm(subtract(seed, each)) for each in seeds)
+        return min(math.dist(seed, each) for each in seeds)
 
     return find_nearest(limb.rest.inside) < find_nearest(limb.rest.outside)

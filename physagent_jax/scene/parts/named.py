@@ -63,7 +63,7 @@ def find_groups(points: np.ndarray, normals: np.ndarray, surfaces: Sequence[Mesh
     Returns:
         Groups with distinct particles, in the order of the file; none that is all of the object.
     """
-    owner = find_owners(points, normals, surfaces)
+    owner, edges = find_owners(points, normals, surfaces), _number_edges(surfaces)
     found: list[Group] = []
     for name in dict.fromkeys(name for each in surfaces for name in each.names):
         mine = np.array([name in each.names for each in surfaces])
@@ -72,7 +72,7 @@ def find_groups(points: np.ndarray, normals: np.ndarray, surfaces: Sequence[Mesh
         mask = mine[owner]
         known = any((mask == other.mask).all() for other in found)
         if mask.sum() >= _FEWEST and not _is_all(mask) and not known:
-            found.append(Group(name, mask, _is_joined(surfaces, mine)))
+            found.append(Group(name, mask, _is_joined(edges, mine)))
     return found
 
 
@@ -111,22 +111,25 @@ def find_owners(points: np.ndarray, normals: np.ndarray, surfaces: Sequence[Mesh
     return owner[np.take_along_axis(near, best[:, None], 1)[:, 0]]
 
 
-def _is_joined(surfaces: Sequence[MeshPart], mine: np.ndarray) -> bool:
+def _is_joined(edges: tuple[np.ndarray, np.ndarray], mine: np.ndarray) -> bool:
     """Return whether open edges of some surfaces are edges of the others too."""
+    numbers, owners = edges
     own, other = (
-        [each for each, chosen in zip(surfaces, mine) if bool(chosen) == wanted] for wanted in (True, False)
+        np.bincount(numbers[mine[owners] == wanted], minlength=len(numbers)) for wanted in (True, False)
     )
-    edges, counts = np.unique(_list_edges(own), axis=0, return_counts=True)
-    rest = np.unique(_list_edges(other), axis=0)
-    open_edges = edges[counts == 1]
-    shared = len(open_edges) + len(rest) - len(np.unique(np.concatenate([open_edges, rest]), axis=0))
-    return shared >= _SKIN
+    return int(((own == 1) & (other > 0)).sum()) >= _SKIN
 
 
-def _list_edges(surfaces: Sequence[MeshPart]) -> np.ndarray:
-    """Edges of triangles as pairs of places, the lower first, rounded so that equal ones are equal; shape (m, 6)."""
+def _number_edges(surfaces: Sequence[MeshPart]) -> tuple[np.ndarray, np.ndarray]:
+    """A number for each edge of each triangle, alike for equal ones, and the surface that it is of; shapes (m,)."""
     ends = [each.vertices[each.faces][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2, 3) for each in surfaces]
-    pairs = np.concatenate([np.zeros((0, 2, 3)), *ends]).astype(np.float32)
+    owners = np.repeat(np.arange(len(ends)), [len(each) for each in ends])
+    return np.unique(_order_ends(np.concatenate(ends)), axis=0, return_inverse=True)[1].ravel(), owners
+
+
+def _order_ends(pairs: np.ndarray) -> np.ndarray:
+    """Edges with the lower end first, rounded so that equal ones are equal; (m, 2, 3) to (m, 6)."""
+    pairs = pairs.astype(np.float32)
     a, b = pairs[:, 0], pairs[:, 1]
     first = (a != b).argmax(1)[:, None]
     swap = np.take_along_axis(a, first, 1) > np.take_along_axis(b, first, 1)
