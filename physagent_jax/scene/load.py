@@ -63,8 +63,7 @@ def load_named_parts(source: Source, base_dir: str | Path) -> list[MeshPart]:
     Raises:
         UserError: The file cannot be read.
     """
-    path = Path(base_dir) / source.path
-    if is_photo(path) or holds_splats(path):
+    if (path := _find_mesh(source, base_dir)) is None:
         return []
     from physagent_jax.scene.mesh_files import read_named_parts  # trimesh takes long to import
 
@@ -77,12 +76,17 @@ def load_shells(source: Source, base_dir: str | Path) -> list[MeshPart]:
     Raises:
         UserError: The file cannot be read.
     """
-    path = Path(base_dir) / source.path
-    if is_photo(path) or holds_splats(path):
+    if (path := _find_mesh(source, base_dir)) is None:
         return []
     from physagent_jax.scene.mesh_files import read_shells  # trimesh takes long to import
 
     return read_shells(path)
+
+
+def _find_mesh(source: Source, base_dir: str | Path) -> Path | None:
+    """The object's file if it is a mesh."""
+    path = Path(base_dir) / source.path
+    return None if is_photo(path) or holds_splats(path) else path
 
 
 def is_photo(path: Path) -> bool:
