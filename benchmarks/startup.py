@@ -9,6 +9,9 @@ mesh that is filled with as many particles as ``--preset fast`` has at most.
 Part "clips" runs each sentence of the first results (`benchmarks.first_results`) for one round and notes when its clip
 was there. Objects that are not bundled and cannot be made are looked for in ``--data``.
 
+Part "plan" reads a sentence for the bundled robot, by `physagent plan`, once all packages are imported: for the first
+time, and again in a new process, which finds the parts of the robot on disk.
+
 Part "meshes" samples closed meshes as obstacles (`benchmarks.meshes`).
 """
 
@@ -39,7 +42,19 @@ ITERATION = ("simulate", "render", "perceive", "agents")  # stages
 SMALL = ("--frames", "8", "--particles", "1000", "--resolution", "96", "--max-iterations", "1")
 AIM = 0.5  # greatest share of the first result's time that compilation may have
 ITERATION_AIM = 10.0  # most seconds of an iteration
-PARTS = ("first", "iteration", "clips", "meshes")
+PLAN_AIM = 0.5  # most seconds of a plan
+SENTENCES = (JOB[3], "the robot raises its left arm")
+PLAN = """import contextlib, os, sys, time
+from physagent_jax.cli import main
+def plan(*options):
+    begun = time.perf_counter()
+    with open(os.devnull, "w") as silent, contextlib.redirect_stdout(silent):
+        failed = main(["plan", *options])
+    return sys.exit(failed) if failed else time.perf_counter() - begun
+plan("--object", sys.argv[1], "--prompt", "push it to the left")
+print(plan("--object", sys.argv[2], "--prompt", sys.argv[3]))
+"""  # of another object first, which imports what a plan needs
+PARTS = ("first", "iteration", "clips", "plan", "meshes")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -48,12 +63,13 @@ class Command(harness.Command):
 
     json: Path = RAW / "startup.json"
     """File of the raw rows; those of other parts are kept."""
-    parts: tuple[Literal["first", "iteration", "clips", "meshes"], ...] = PARTS
-    """The job of `make demo`, one iteration of the loop, the first clips of all first results, and mesh obstacles."""
+    parts: tuple[Literal["first", "iteration", "clips", "plan", "meshes"], ...] = PARTS
+    """The job of `make demo`, one iteration of the loop, the first clips of all first results, plans, and mesh
+    obstacles."""
     data: Path | None = None
     """Folder of objects that are not bundled and cannot be made."""
     rounds: int = 3
-    """Pairs of a cold and a warm run, and iterations; quick: one."""
+    """Pairs of a cold and a warm run, iterations, and pairs of plans; quick: one."""
 
 
 def main() -> int:
@@ -68,6 +84,11 @@ def main() -> int:
         "clips": lambda: clips.list_jobs(
             command.data, (*JOB, *small), small, every=6 if command.quick else 1
         ),
+        "plan": lambda: [
+            Job(f"plans, round {n + 1}", partial(_measure_plans, n, text))
+            for n in range(rounds)
+            for text in SENTENCES
+        ],
         "meshes": lambda: meshes.list_jobs(command.quick),
     }
     return harness.main(command, parts, PAGE)
@@ -90,16 +111,45 @@ def _measure_iterations(rounds: int, options: tuple[str, ...]) -> Rows:
         return [{"round": number, **run(job, folder)} for number in range(rounds)]
 
 
-def run(job: tuple[str, ...], folder: Path) -> Row:
-    """The row of one run, whose compiled programs are kept in ``folder``."""
-    out, load = folder / "run", os.getloadavg()[0]
+def _measure_plans(number: int, sentence: str) -> Rows:
+    """The first plan of an object, and one that finds its parts on disk."""
+    with tempfile.TemporaryDirectory() as name:
+        box = Path(name) / "box.obj"
+        trimesh.creation.box().export(box)
+        return [
+            {"round": number, "parts": parts, "sentence": sentence, **_time_plan(sentence, box)}
+            for parts in ("found", "on disk")
+        ]
+
+
+def _time_plan(sentence: str, other: Path) -> Row:
+    """The row of a plan of the robot in a new process, after one of another object."""
+    done = subprocess.run(
+        [sys.executable, "-c", PLAN, str(other), str(OBJECT), sentence],
+        env=_isolate(other.parent),
+        capture_output=True,
+        text=True,
+    )
+    if done.returncode != 0:
+        sys.exit(f"physagent plan failed:\n{done.stderr}")
+    return {"seconds": round(float(done.stdout), 3)}
+
+
+def _isolate(folder: Path) -> dict[str, str]:
+    """The environment of a process that keeps all it can find again in ``folder``."""
     environment = {**os.environ, "XDG_CACHE_HOME": str(folder / "cache")}
     for name in ("NUMBA_CACHE_DIR", "JAX_COMPILATION_CACHE_DIR"):
         environment.pop(name, None)
+    return environment
+
+
+def run(job: tuple[str, ...], folder: Path) -> Row:
+    """The row of one run, whose compiled programs are kept in ``folder``."""
+    out, load = folder / "run", os.getloadavg()[0]
     begun = time.perf_counter()
     done = subprocess.run(
         [sys.executable, "-m", "physagent_jax", "run", *job, "--out", str(out), "--overwrite", "--json"],
-        env=environment,
+        env=_isolate(folder),
         capture_output=True,
         text=True,
     )
@@ -141,6 +191,8 @@ def write_tables(result: harness.Result) -> harness.Tables:
         tables |= _write_iteration(result["iteration"]["rows"])
     if "clips" in result:
         tables |= clips.write_tables(result["clips"]["rows"])
+    if "plan" in result:
+        tables["plan"] = _write_plans(result["plan"]["rows"])
     if "meshes" in result:
         tables["meshes"] = meshes.write_table(result["meshes"]["rows"])
     return tables
@@ -174,6 +226,16 @@ aim: at most {found["aim"]:.0f}).
         for row in rows
     ]
     return {"iteration": text + table(("round", *stages, "substeps"), lines)}
+
+
+def _write_plans(rows: Rows) -> str:
+    lines = []
+    for sentence in SENTENCES:
+        for parts in ("found", "on disk"):
+            seconds = [row["seconds"] for row in rows if (row["sentence"], row["parts"]) == (sentence, parts)]
+            spread = f"{min(seconds):.2f} to {max(seconds):.2f}"
+            lines.append((sentence, parts, f"{statistics.median(seconds):.2f}", spread))
+    return table(("sentence", "parts", f"median [s] (aim: at most {PLAN_AIM})", "range [s]"), lines)
 
 
 PAGE = Page("startup", "python -m benchmarks.startup", write_tables, ("physagent_jax",))

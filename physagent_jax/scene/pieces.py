@@ -102,8 +102,8 @@ def _bridge(one: np.ndarray, other: np.ndarray, spacing: float) -> np.ndarray:
 def _thin_out(points: np.ndarray, x: np.ndarray, spacing: float) -> np.ndarray:
     """One of ``points`` per cell of ``spacing`` [m] in which nothing of ``x`` lies."""
     low = np.minimum(points.min(0), x.min(0))
-    cells = np.floor((points - low) / spacing).astype(np.int64)
-    taken = {tuple(cell) for cell in np.unique(np.floor((x - low) / spacing).astype(np.int64), axis=0)}
-    _, first = np.unique(cells, axis=0, return_index=True)
-    kept = [index for index in np.sort(first) if tuple(cells[index]) not in taken]
-    return points[kept] if kept else points[np.sort(first)]
+    cells = np.floor((np.concatenate([x, points]) - low) / spacing).astype(np.int64)
+    keys = np.ravel_multi_index(cells.T, cells.max(0) + 1)
+    first = np.sort(np.unique(keys[len(x) :], return_index=True)[1])
+    kept = first[~np.isin(keys[len(x) :][first], keys[: len(x)])]
+    return points[kept if len(kept) else first]

@@ -7,7 +7,7 @@ data of all of them. `named` finds the particles of what is named, `places` thos
 place, and `cells` makes a part of them. `branches` joins pieces that are numbered, or sections of a limb. `figures`
 looks at what stands on a base by itself. `guesses` takes the likeliest limb for a word that is none of these for
 certain, or the likeliest of the surfaces that a mesh is built of (`shells`), by their `looks`. `aliases` gives parts
-the names that a sentence has for them.
+the names that a sentence has for them. `store` keeps what was found on disk.
 """
 
 from physagent_jax.scene.parts.aliases import find_aliases as find_aliases

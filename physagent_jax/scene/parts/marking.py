@@ -18,6 +18,7 @@ from physagent_jax.scene.parts.heading import find_overhang
 from physagent_jax.scene.parts.lattice import Lattice, make_lattice
 from physagent_jax.scene.parts.limbs import PLAIN, Limb, add_blunt, find_limbs, measure
 from physagent_jax.scene.parts.roles import Roles
+from physagent_jax.scene.parts.store import keep
 
 _JOINT, _BEND = 0.3, 0.08  # of the way from neck to tip, and of the object's length, that bends, at most
 _SAME = (
@@ -29,6 +30,7 @@ _GAP = 0.08  # of the object's length, within which what is beside a part has to
 _SEEDS = 64  # that mark a part, or what is beside it, at most: fewer leave patches of a large one out
 
 
+@keep
 def find_parts(points: np.ndarray) -> tuple[Part, ...]:
     """The parts that stick out of an upright object, its ends, and those of a figure on its base.
 

@@ -15,6 +15,7 @@ from physagent_jax.forces.part import Part, PartChoice, list_parts, split_name
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.scene.mesh_formats import MeshPart
 from physagent_jax.scene.parts.cells import fit_part
+from physagent_jax.scene.parts.store import keep
 from physagent_jax.scene.placement import Placement
 
 _SAMPLES = 60_000  # on all surfaces
@@ -136,6 +137,7 @@ def _order_ends(pairs: np.ndarray) -> np.ndarray:
     return np.concatenate([np.where(swap, b, a), np.where(swap, a, b)], axis=1)
 
 
+@keep
 def make_parts(points: np.ndarray, groups: Sequence[Group]) -> tuple[Part, ...]:
     """The parts that groups of particles are.
 
