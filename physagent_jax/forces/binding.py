@@ -89,6 +89,7 @@ class Circumstances:
         until: Frame at which the next entry begins.
         tilted: Axis about which what stands is first tilted by a constraint, unit vector, shape (3,); None = it is not.
         moved: Whether it has gone elsewhere before that.
+        again: Whether a blow before it has thrown the whole object up as well.
     """
 
     scaling: SkillScaling
@@ -99,6 +100,7 @@ class Circumstances:
     until: float = math.inf
     tilted: np.ndarray | None = None
     moved: bool = False
+    again: bool = False
 
 
 @dataclasses.dataclass(frozen=True)
@@ -144,6 +146,7 @@ class Binding:
         weight: 1 inside the region, 0 outside, shape (n,); None = everywhere.
         whole: Whether it acts on the whole object.
         upwards: Vertical component of its own way, whatever numbers stand in its place.
+        again: Whether a blow before it has thrown the whole object up as well.
     """
 
     def __init__(
@@ -182,6 +185,7 @@ class Binding:
                 do="Give frames inside the clip",
             )
         self.scaling, self.stroke, self._turned = about.scaling, about.stroke, about.turned
+        self.again = about.again
         self._dtype, self._rest, self._volume, frame_dt = rest.dtype, rest, volume, about.frame_dt
         self._mask = np.ones(len(rest), bool)
         if timed.region is not None:

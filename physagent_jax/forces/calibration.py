@@ -104,7 +104,7 @@ PART_STRAIN = 0.16
 GRAVITY = 9.8
 """[m/s^2] of a world with gravity."""
 
-ALOFT = 0.6
+ALOFT = 0.75
 """[share] of its time that each of several leaps is in the air, at most."""
 
 FRICTION = 0.4

@@ -13,7 +13,7 @@ from physagent_jax.forces.pairs import find_pairs
 from physagent_jax.forces.parameters import ForceFieldParameters, check_entries
 from physagent_jax.forces.responses import scale_entry
 from physagent_jax.forces.schema import Action, ForceField, SkillScaling, VelocityConstraint
-from physagent_jax.forces.skills import get_skill
+from physagent_jax.forces.skills import STEEP, get_skill
 from physagent_jax.forces.swinging import find_strokes
 from physagent_jax.forces.upright import begin_of, end_of, leave_upright
 from physagent_jax.mpm.protocols import Constraint
@@ -63,7 +63,8 @@ def compile_force_field(
         stroke = strokes.get(index) if group == "actions" else None
         scale, until = scale_entry(scaling, entry), _find_next_begin(entry, field)
         tilted, moved = _find_tilt(entry, field, scaling.rotation * frame_dt)
-        about = Circumstances(scale, frame_dt, frame_count, stroke, turned, until, tilted, moved)
+        again = _is_thrown_before(entry, field)
+        about = Circumstances(scale, frame_dt, frame_count, stroke, turned, until, tilted, moved, again)
         return Binding(entry, values, f"force_field.{group}[{index}]", rest, volume, about)
 
     pairs = {pair.first: pair for pair in find_pairs(field, scaling, rest)}
@@ -87,6 +88,15 @@ def _find_next_begin(entry: Action | VelocityConstraint, field: ForceField) -> f
     begin = (entry.active_time or (0.0,))[0]
     others = [(each.active_time or (0.0,))[0] for each in (*field.actions, *field.constraints)]
     return min((other for other in others if other > begin), default=np.inf)
+
+
+def _is_thrown_before(entry: Action | VelocityConstraint, field: ForceField) -> bool:
+    """Return whether a blow before an entry throws the whole object up."""
+    blows = [each for each in field.actions if get_skill(each).is_sudden and each.region is None]
+    return any(
+        begin_of(each) < begin_of(entry) and np.sign(each.magnitude) * each.vector[2] >= STEEP
+        for each in blows
+    )
 
 
 def _find_tilt(

@@ -66,7 +66,8 @@ def _is_whole(motion: ExpectedMotion, falls: bool) -> bool:
     )
     named = motion.partial or motion.part is not None or motion.limb is not None
     shaken = motion.kind is MotionKind.SWAY and motion.manner in ("rock", "shake")
-    once = motion.kind in _AS_A_WHOLE and motion.repeats == 1
+    struck = motion.kind is MotionKind.MOVE and motion.sudden  # or leaps
+    once = motion.kind in _AS_A_WHOLE and (motion.repeats == 1 or struck)
     return (once or shaken) and not (named or leans)
 
 

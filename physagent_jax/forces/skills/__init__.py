@@ -15,6 +15,7 @@ from __future__ import annotations
 from physagent_jax.forces.names import ActionType, ConstraintType, SkillName
 from physagent_jax.forces.schema import Action, VelocityConstraint
 from physagent_jax.forces.skills.base import Skill as Skill
+from physagent_jax.forces.skills.impulse import STEEP as STEEP
 from physagent_jax.forces.skills.impulse import Impulse
 from physagent_jax.forces.skills.moving_plate import MovingPlate
 from physagent_jax.forces.skills.particle_impulse import ParticleImpulse

@@ -72,12 +72,14 @@ class Impulse(Blow):
 
         What is thrown aside tumbles as it lands.
         """
-        from physagent_jax.forces.terms import UniformAcceleration
+        from physagent_jax.forces.terms import Launch, UniformAcceleration
 
-        start, end = bound.window
-        value = bound.along(self.find_speed(bound)) / (end - start)
-        blow = UniformAcceleration(value, start, end, self.find_weight(bound))
-        return [blow, *(bound.keep_balance() if bound.whole and bound.upwards >= STEEP else [])]
+        (start, end), leaps = bound.window, bound.whole and bound.upwards >= STEEP
+        speed = bound.along(self.find_speed(bound))
+        if leaps and bound.again:  # it may rebound, or fall, as the next leap begins
+            return [Launch(speed, start, end), *bound.keep_balance()]
+        blow = UniformAcceleration(speed / (end - start), start, end, self.find_weight(bound))
+        return [blow, *(bound.keep_balance() if leaps else [])]
 
     def accelerate(self, gained, entry):
         """The velocity gained in each interval."""

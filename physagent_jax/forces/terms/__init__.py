@@ -3,8 +3,8 @@
 All are accelerations, evaluated at the particles and accumulated on the grid by P2G, so that a region is
 exact and the total force is that of the particles. Each implements `mpm.protocols.BodyForce`. The skills
 compile to `Stretch`, `Torque`, `UniformAcceleration` and `VelocityChange`, over the ground with `PushCompensation`,
-`TurnCompensation`, `Balance` and `Landing`; the others follow a time profile (`forces.envelope`) and are for scenes and
-library users.
+`TurnCompensation`, `Balance`, `Landing` and `Launch`; the others follow a time profile (`forces.envelope`) and are for
+scenes and library users.
 """
 
 from physagent_jax.forces.terms.attractor import Attractor as Attractor
@@ -19,6 +19,7 @@ from physagent_jax.forces.terms.torque import Torque as Torque
 from physagent_jax.forces.terms.turbulence import Turbulence as Turbulence
 from physagent_jax.forces.terms.uniform import UniformAcceleration as UniformAcceleration
 from physagent_jax.forces.terms.uniform import UniformField as UniformField
+from physagent_jax.forces.terms.velocity_change import Launch as Launch
 from physagent_jax.forces.terms.velocity_change import VelocityChange as VelocityChange
 from physagent_jax.forces.terms.vortex import Vortex as Vortex
 from physagent_jax.forces.terms.wind import Wind as Wind

@@ -1,4 +1,4 @@
-"""A blow that acts at once: the constraint `particle_impulse`."""
+"""Changes of velocity: a blow that acts at once (`particle_impulse`), and one that ends with a told speed."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ import jax.numpy as jnp
 
 from physagent_jax.core.pytree import register_dataclass
 from physagent_jax.forces.regions import confine
-from physagent_jax.mpm.edges import step_value
+from physagent_jax.mpm.edges import step_value, window_fraction
 from physagent_jax.mpm.fields import EDGE, END, PER_PARTICLE, START
+from physagent_jax.mpm.reductions import sum_particles
 
 
 @register_dataclass
@@ -43,6 +44,38 @@ class VelocityChange:
         else:
             share = step_value(time + dt, self.start, self.edge) - step_value(time, self.start, self.edge)
         return confine(jnp.broadcast_to(share * (self.value / dt), x.shape), self.weight)
+
+    def gradient(self, x, time, dt):
+        """None: uniform."""
+        del x, time, dt
+
+
+@register_dataclass
+@dataclasses.dataclass(frozen=True)
+class Launch:
+    """Brings the mean velocity along a way to a value by the end of a window, whatever it was when that began.
+
+    What leaps again and again has landed by then, or comes up or down still: each leap is as high as the one before.
+
+    Attributes:
+        value: The velocity [m/s], shape (3,).
+        start, end: Window [s], scalars.
+        edge: Width of the window's smooth edges [s], scalar; None = hard.
+    """
+
+    value: jax.Array
+    start: jax.Array = dataclasses.field(metadata=START)
+    end: jax.Array = dataclasses.field(metadata=END)
+    edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
+
+    def acceleration(self, x, v, mass, time, dt):
+        """Mean over the substep [m/s^2], shape (n, 3)."""
+        mean = sum_particles((mass[:, None] * v).sum(0)) / sum_particles(mass.sum())
+        square = jnp.maximum((self.value**2).sum(), jnp.finfo(x.dtype).tiny)
+        missing = self.value * (1.0 - (mean * self.value).sum() / square)
+        share = window_fraction(time, dt, self.start, self.end, self.edge)
+        left = jnp.maximum(self.end - jnp.maximum(time, self.start), dt)
+        return jnp.broadcast_to(share * missing / left, x.shape)
 
     def gradient(self, x, time, dt):
         """None: uniform."""
