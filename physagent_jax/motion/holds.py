@@ -150,8 +150,12 @@ def describe_release(motion: ExpectedMotion, hold: Hold, kind: str) -> str:
     return f"{_name(motion)} needs the object free: {free}."
 
 
-def needs_weight(motion: ExpectedMotion, up: Vector) -> bool:
-    """Return whether a viewer would miss the weight of what a motion lets go: it falls, tips over, or is flung."""
+def needs_weight(plan: Sequence[ExpectedMotion], up: Vector) -> bool:
+    """Return whether a viewer would miss the weight of what a plan lets go: it falls, tips over, or is flung."""
+    return any(_shows_weight(each, up) for each in _keep_whole(plan))
+
+
+def _shows_weight(motion: ExpectedMotion, up: Vector) -> bool:
     tips = motion.kind is MotionKind.ROTATE and abs(_find_height(motion, up)) < _LEVEL
     return motion.kind is MotionKind.FALL or tips or motion.kind is MotionKind.MOVE and motion.sudden
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import re
 from collections.abc import Callable
+from typing import NamedTuple
 
 from physagent_jax.agents.context import AgentContext
 from physagent_jax.agents.schema import SemanticReply
@@ -27,6 +28,14 @@ _ANY_END = re.compile(r"(?:one|an?) (?:end|edge|side|corner|half)\b", re.IGNOREC
 Ask = Callable[[AgentContext], Reply[SemanticReply]]
 
 
+class Release(NamedTuple):
+    """The motion that an implied hold gives way to, the hold, and whether the object's weight would be missed then."""
+
+    motion: ExpectedMotion
+    hold: Hold
+    weighs: bool
+
+
 def read_for_scene(run: ResolvedRun, body: Body, ask: Ask) -> Reply[SemanticReply]:
     """The semantic agent's reply to the run's sentence, in which nothing is held that has to be free.
 
@@ -42,7 +51,8 @@ def read_for_scene(run: ResolvedRun, body: Body, ask: Ask) -> Reply[SemanticRepl
         brief = make_brief(
             run.place_for_agents(body, said), frames_fixed=run.frames_fixed, parts=run.list_parts(body)
         )
-        return brief.model_copy(update=dict(may_be_held=run.spec.anchor.kind == "auto"))
+        asked = dict(frame_count=run.template.preset.timing.frame_count)  # a reply tells its own anew
+        return brief.model_copy(update=asked | dict(may_be_held=run.spec.anchor.kind == "auto"))
 
     ask = _carry(ask, run, body)
     held, free = describe(), describe(LET_GO)
@@ -118,27 +128,28 @@ def place_for_field(run: ResolvedRun, body: Body, field: ForceField) -> tuple[Sc
     if (release := find_release(run, body, reply)) is None:
         return run.place(body)
     template, notes = run.place(body, _let_go(release))
-    return template, (describe_release(*release, template.source.kind), *notes)
+    return template, (describe_release(release.motion, release.hold, template.source.kind), *notes)
 
 
-def find_release(run: ResolvedRun, body: Body, reply: SemanticReply) -> tuple[ExpectedMotion, Hold] | None:
-    """The motion that an implied hold of the object gives way to, and the hold; None if there is none, or it stays."""
+def find_release(run: ResolvedRun, body: Body, reply: SemanticReply) -> Release | None:
+    """What lets the object go; None if there is no implied hold of it, or it stays."""
     hold = run.find_hold(reply, body)
     if hold is None or hold.origin not in (HoldOrigin.KIND, HoldOrigin.SUPPORT):
         return None
-    motion = find_leaving(reply.plan, UP, stands=hold.origin is HoldOrigin.SUPPORT)
-    return None if motion is None else (motion, hold)
+    support = hold.origin is HoldOrigin.SUPPORT
+    motion = find_leaving(reply.plan, UP, stands=support)
+    return None if motion is None else Release(motion, hold, support and needs_weight(reply.plan, UP))
 
 
-def _let_go(release: tuple[ExpectedMotion, Hold]) -> SemanticReply:
+def _let_go(release: Release) -> SemanticReply:
     """A reply that lets the object go, with its weight where it would be missed of what cannot stand."""
-    weighs = release[1].origin is HoldOrigin.SUPPORT and needs_weight(release[0], UP)
-    return LET_GO.model_copy(update=dict(world=WorldRequest(gravity="down"))) if weighs else LET_GO
+    weight = dict(world=WorldRequest(gravity="down"))
+    return LET_GO.model_copy(update=weight) if release.weighs else LET_GO
 
 
 def read_let_go(
     reading: Reply[SemanticReply],
-    release: tuple[ExpectedMotion, Hold],
+    release: Release,
     context: AgentContext,
     ask: Ask,
 ) -> Reply[SemanticReply]:
@@ -155,12 +166,10 @@ def read_let_go(
     return Reply(value, reading.trace.followed_by(again.trace))
 
 
-def _mark_free(
-    reply: SemanticReply, release: tuple[ExpectedMotion, Hold], brief: SceneBrief
-) -> SemanticReply:
+def _mark_free(reply: SemanticReply, release: Release, brief: SceneBrief) -> SemanticReply:
     """The reply that lets the object go, and says why."""
-    note, world = describe_release(*release, brief.object_kind), reply.world
-    free = AnchorRequest(kind="none", words=release[0].words)
+    note, world = describe_release(release.motion, release.hold, brief.object_kind), reply.world
+    free = AnchorRequest(kind="none", words=release.motion.words)
     evidence = tuple(each for each in reply.evidence if each.field != "anchor")
     if world.gravity is None:
         world = world.model_copy(update=dict(gravity=_let_go(release).world.gravity))

@@ -24,7 +24,7 @@ from physagent_jax.motion.holds import (
 )
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind
 from physagent_jax.run.holding import UP, find_hold
-from physagent_jax.run.reading import read_let_go
+from physagent_jax.run.reading import Release, read_let_go
 from physagent_jax.run.spec import AnchorChoice
 from tests.agents.scenes import asked, brief
 
@@ -243,7 +243,7 @@ def settle_all() -> list[tuple[Sentence, SemanticReply, Hold | None]]:
         motion = find_leaving(reply.plan, UP)
         if hold and hold.origin is HoldOrigin.KIND and motion:
             free = asked(sentence.text, scene.model_copy(update={"anchored": None}))
-            reply = read_let_go(Reply(reply), (motion, hold), free, _read).value
+            reply = read_let_go(Reply(reply), Release(motion, hold, False), free, _read).value
             hold = find_hold(AnchorChoice(), kind, reply.anchor)
         settled.append((sentence, reply, hold))
     return settled

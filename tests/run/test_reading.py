@@ -109,12 +109,37 @@ def test_an_agent_is_asked_once_where_nothing_has_to_be_free(pot):
     assert len(agent.contexts) == 1
 
 
-def test_what_cannot_stand_is_read_as_floating_once_it_is_free(tmp_path):
-    """So is what no kind holds: without weight, what is thrown needs gravity to come down."""
-    path = tmp_path / "leaning.obj"
+@pytest.fixture(scope="module")
+def leaning(tmp_path_factory):
+    """Something with its weight beside what it stands on: its foot is held."""
+    path = tmp_path_factory.mktemp("leaning") / "leaning.obj"
     head = trimesh.creation.box([0.6, 0.3, 0.2]).apply_translation([0.35, 0, 0.6])
     trimesh.util.concatenate([trimesh.creation.box([0.1, 0.1, 1.0]), head]).export(path)
-    run, contexts = resolve(spec_of(path, "throw it into the air")), []
+    return path
+
+
+def test_a_reading_for_what_is_held_tells_the_clips_length_anew(leaning):
+    sentence = "it gets bumped, sways for a bit and then stands still"
+    run = resolve(small(leaning, sentence, frames=None, object={"path": str(leaning), "up": "+z"}))
+    asked = make_agents().semantic.compile
+    reply = read_for_scene(run, load(run), asked).value
+    last = max(each.window[1] for each in reply.expectations)
+    assert (reply.frame_count or 0) > last > run.template.preset.timing.frame_count
+
+
+@pytest.mark.parametrize(
+    ("sentence", "weighs"),
+    [("it rises into the air and then drops to the ground", True), ("it rises into the air", False)],
+)
+def test_what_drops_after_a_lift_has_its_weight(leaning, sentence, weighs):
+    run = resolve(small(leaning, sentence, object={"path": str(leaning), "up": "+z"}))
+    reply = read_for_scene(run, load(run), make_agents().semantic.compile).value
+    assert run.place_for_agents(load(run), reply).world.ground is weighs
+
+
+def test_what_cannot_stand_is_read_as_floating_once_it_is_free(leaning):
+    """So is what no kind holds: without weight, what is thrown needs gravity to come down."""
+    run, contexts = resolve(spec_of(leaning, "throw it into the air")), []
     rules = make_agents().semantic
 
     def ask(context):
