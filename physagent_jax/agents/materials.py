@@ -40,7 +40,7 @@ YIELDING = "yielding"
 """The word for what matter becomes that sags and has no other word for it."""
 LIMP = ("plant", "cloth")
 """Kinds of objects that sag without becoming anything else."""
-_LONGEST = 3  # words of the longest name of a material
+_LONGEST = 4  # words of the longest name of a material
 _TOKEN = re.compile(r"[^\W\d_]+(?:'[^\W\d_]+)?|\d+|[^\w\s]")
 
 

@@ -39,6 +39,11 @@ _LEAST, _MOST = 15.0, 80.0  # [degrees]
 _RAISED, _LOWERED = 15.0, -50.0  # [degrees] over the horizon, where a plain word brings a limb up or down to
 _FARTHEST = 120.0  # [degrees] that it turns by for that
 _SWAYS = 0.6  # of a plain angle, to either side of a limb that goes to and fro
+_SEEN, _WIDEST = (
+    0.08,
+    30.0,
+)  # [body lengths] that its tip goes to either side at least, so that it is seen, and
+# [degrees] that it swings by for that at most
 _ALONG = 0.85  # cosine to the limb from which on a way leads along it
 _REACH = 0.3  # of its length, by which a plain word moves a limb along itself
 _DENTED = 0.6  # the same of a region that is pressed into what it is one skin with
@@ -333,15 +338,22 @@ class Turning:
         up, way = self.brief.directions.up, self._nod(motion) or motion.direction or self.swing
         waves = "arm" in self.part.roles[:1] and (self.hangs or abs(dot(way, up)) > _ALONG)
         if not waves and not (self.hangs and abs(cosine(way, self.out)) > -_INWARD):
-            angle = _SWAYS * self.find_angle(motion, self.find_axis(way))
+            angle = self._widen(_SWAYS * self.find_angle(motion, self.find_axis(way)), motion)
             return way, [angle, *[-2 * angle, 2 * angle] * (count - 1), -2 * angle, angle]
         if not waves:
-            angle = 2 * _SWAYS * self.find_angle(motion, self.find_axis(self.out))
+            angle = self._widen(2 * _SWAYS * self.find_angle(motion, self.find_axis(self.out)), motion)
             return self.out, [angle, -angle] * count
         raised = motion.model_copy(update=dict(kind=MotionKind.MOVE, amount=None))
         most = self.find_angle(raised, self.find_axis(up), up)
         angle = min(2 * _SWAYS * self.find_angle(motion, None), 0.6 * most)
         return up, [most, *[-angle, angle] * count]
+
+    def _widen(self, angle: float, motion: ExpectedMotion) -> float:
+        """The angle of a swing [degrees], or a wider one if a short limb would hardly be seen to move by it."""
+        seen = math.degrees(_SEEN / max(norm(self.part.arm), 1e-9))
+        return (
+            angle if motion.amount is not None else math.copysign(max(abs(angle), min(seen, _WIDEST)), angle)
+        )
 
     def _nod(self, motion: ExpectedMotion) -> Vector | None:
         """The way of a head that nods: down where it looks aside, forward where it is upright."""

@@ -116,11 +116,19 @@ def find_level_line(brief: SceneBrief) -> Vector:
     pairs = [
         (math.dist(one.side, other.side), add([one.side, scale(other.side, -1.0)]))
         for one, other in itertools.combinations(brief.parts, 2)
-        if one.roles[:1] == other.roles[:1] and "leg" not in one.roles[:1]
+        if _are_alike(one, other)
     ]
     across = max(pairs, default=(0.0, (0.0, 0.0, 0.0)))[1]
     beside = normalise(cross(brief.directions.up, across))
-    return find_front(brief.parts) or (beside if abs(across[2]) < _LEVEL else None) or brief.directions.toward
+    told = find_front(brief.parts) or find_named_front(brief.parts)
+    return told or (beside if abs(across[2]) < _LEVEL else None) or brief.directions.toward
+
+
+def _are_alike(one: Part, other: Part) -> bool:
+    """Return whether two parts are a pair by what they are, or by their names; legs are two in more than one way."""
+    names = [[word for word in split_name(each.name) if word not in _OWN_SIDES] for each in (one, other)]
+    role = one.roles[:1] == other.roles[:1] != () and "leg" not in one.roles[:1]
+    return role or bool(names[0]) and names[0] == names[1] and one.name != other.name
 
 
 def find_way_ahead(brief: SceneBrief) -> Vector:
@@ -128,13 +136,15 @@ def find_way_ahead(brief: SceneBrief) -> Vector:
 
     Its head, the names of its parts or its level line tell it; else it looks at the viewer.
     """
-    told = [scale(_level(p), s) for p in brief.parts for s in (_tell_front(p),) if s]
-    named = scale(add(told), 1.0 / len(told)) if told else (0.0, 0.0, 0.0)
-    if (front := find_front(brief.parts)) is not None:
-        return front
-    if norm(named) > _TOLD:
-        return normalise(named) or brief.directions.toward
-    return find_facing(brief.parts) or find_level_line(brief)
+    told = find_front(brief.parts) or find_named_front(brief.parts)
+    return told or find_facing(brief.parts) or find_level_line(brief)
+
+
+def find_named_front(parts: Sequence[Part]) -> Vector | None:
+    """The level way in which something looks, by parts whose names or roles say that they are in front or behind."""
+    told = [scale(_level(part), sign) for part in parts for sign in (_tell_front(part),) if sign]
+    mean = scale(add(told), 1.0 / len(told)) if told else (0.0, 0.0, 0.0)
+    return normalise(mean) if norm(mean) > _TOLD else None
 
 
 def _tell_front(part: Part) -> int:

@@ -132,7 +132,7 @@ def place_for_field(run: ResolvedRun, body: Body, field: ForceField) -> tuple[Sc
 
 
 def find_release(run: ResolvedRun, body: Body, reply: SemanticReply) -> Release | None:
-    """What lets the object go; None if there is no implied hold of it, or it stays."""
+    """The release of the object; None if there is no implied hold of it, or it stays."""
     hold = run.find_hold(reply, body)
     if hold is None or hold.origin not in (HoldOrigin.KIND, HoldOrigin.SUPPORT):
         return None

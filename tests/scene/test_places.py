@@ -212,3 +212,17 @@ def test_an_animal_whose_tail_lies_on_it_has_it_at_its_rear(known):
 def test_a_jaw_turns_about_its_back(known):
     _, (jaw,) = find(known, "cat", "mouth")
     assert jaw.arm[0] > 0.03 and not jaw.seated
+
+
+def test_the_cap_of_a_mushroom_is_what_is_broad_above_its_foot():
+    points = make([((0, 0, 0), (0, 0, 0.4), 0.2), ((0, 0, 0.7), (0.5, 0.5, 0.25))])
+    (cap,) = find_places(points, (), ("cap",), "mushroom", VIEWER)
+    inside = make_region_mask(cap.moved, points)
+    assert points[inside, 2].min() > 0.3 and inside[points[:, 2] > 0.6].all()
+    assert cap.arm[2] > 0.2 and not cap.seated
+    (stem,) = find_places(points, (), ("stem",), "mushroom", VIEWER)
+    bends = make_region_mask(stem.moved, points)
+    assert (
+        bends[inside].mean() > 0.98 and not bends[points[:, 2] < 0].any()
+    )  # it bears the cap, and its foot stays
+    assert find_places(make([((0, 0, 0), (0.4, 0.4, 0.5))]), (), ("cap", "stem"), "egg", VIEWER) == ()

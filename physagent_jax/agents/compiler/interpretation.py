@@ -77,13 +77,21 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
     motions, effect = read_lexicon().motions, motion.effect
     told, repeats = event.pick(*WAYS), event.clause.repetitions
     counted = any((each.times or 1) > 1 for each in repeats)
+    hops = effect is Effect.JUMP and all(each.first in (None, "up", "down") for each in repeats)
     if effect is Effect.ROLL and (event.clause.turning or event.clause.seen_from) and not told:
         return replace(motion, effect=Effect.TURN, direction="toward"), phrase  # rolls on the spot
+    turned = any(each.unit == "degrees" for each in event.clause.quantities)
+    if effect is Effect.ROLL and turned and not told:
+        return motions["roll over"], "roll over"  # "the plane rolls 180 degrees"
     sways = brief.anchored is not None or brief.object_kind == "plant"  # what is free is blown away
     if event.verb is None and motion.wind and not told and sways:
         return replace(motions["sway"], strength=motion.strength), "sway"
+    if hops and any(each.alternating for each in repeats):
+        return replace(
+            motion, strokes=max(motion.strokes, motions["bob"].cycles)
+        ), phrase  # "jumps up and down"
     if any(each.alternating for each in repeats) and (effect in (Effect.FALL, Effect.JUMP) or motion.gravity):
-        # "is tossed to and fro", "jumps up and down"
+        # "is tossed to and fro"
         phrase = "shuttle" if effect is Effect.STRIKE else "bob"
     elif effect is Effect.ROLL and any(each.alternating for each in repeats):
         phrase = "rock"  # "the boat rolls from side to side"
@@ -182,7 +190,10 @@ def _sum_repeats(event: Event) -> Repeat:
     found = [each for each in event.clause.repetitions if not (each.first and sides)]
     count = next((each.times for each in found if each.times is not None), None)
     names = next(((each.first,) for each in found if each.first), ())
-    return Repeat(count, any(each.alternating for each in found), names, any(each.often for each in found))
+    often = any(each.often for each in found)
+    if event.effect is Effect.JUMP:  # "up and down": it comes down by itself
+        return Repeat(count, vague=often)
+    return Repeat(count, any(each.alternating for each in found), names, often)
 
 
 def _act_from_sides(event: Event, brief: SceneBrief) -> None:
@@ -329,6 +340,8 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
     place, event.excludes_part = named[0].place, not event.parts
     if event.parts and not (event.effect is Effect.STRIKE and named[0].phrase in read_lexicon().fronts):
         event.limbs = hinged or find_limbs(named[0], brief)  # a blow on the belly drives all of it away
+    if event.effect is Effect.TURN:  # of all wheels, a steering wheel has no axle
+        event.limbs = tuple(k for k in event.limbs if brief.parts[k].axle) or event.limbs
     if event.limbs:
         text, roles = named[0].text, find_roles(named[0].phrase)
         doubt = explain_guess(text, brief.parts, event.limbs, plural=is_plural(text), roles=roles)

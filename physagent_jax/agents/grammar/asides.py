@@ -30,6 +30,7 @@ _REPLACED = {kind: (kind,) for kind in (MentionKind.PLACE, MentionKind.SENSE, Me
     way: WAYS for way in WAYS
 }
 _HOVERING = (Effect.TURN, Effect.ROLL, Effect.STILL)
+_NEAR = 6  # words from a part to the one that it is on
 _REACH = 20  # words before a correction in which the corrected ones stand
 # What ends a comparison.
 _GOES_ON = (
@@ -212,7 +213,8 @@ def read_comparisons(mentions: list[Mention], _names: frozenset[str]) -> list[Me
             result[at] = replace(result[at], value=LEXICON.motions[model], phrase=model)
         elif not (_is_telling(verb) or same or supposes and not verb.generic):
             continue
-        inside = [i for i in range(index, end) if not supposes or mentions[i].kind is MentionKind.VERB]
+        told = (MentionKind.VERB, *LOOSE[:2])
+        inside = [i for i in range(index, end) if not supposes or mentions[i].kind in told]
         done = supposes and any(mentions[i].kind in MOTIONS for i in range(index, end))
         for place in inside if done else range(index, end):
             result[place] = empty(mentions[place], "comparison")
@@ -279,6 +281,55 @@ def read_aloft(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]
     return list(map(lift, mentions))
 
 
+def read_results(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
+    """Makes what a stretch or a squeeze leads to of the adjectives behind it: "stretch it until it is tall and thin".
+
+    It gets thin by itself as it gets tall; where that alone is told, it is stretched lengthwise.
+    """
+    scaled = next((m.motion for m in mentions if m.motion is not None), None)
+    if scaled is None or scaled.effect is not Effect.SCALE or scaled.generic:
+        return mentions
+    result, own, others = list(mentions), False, dict[int, str]()
+    for at, mention in enumerate(mentions):
+        plain = read_sections()["results"].get(mention.form) if mention.kind in LOOSE else None
+        behind = mentions[at + 1] if at + 1 < len(mentions) else None
+        describes = behind is not None and (behind.kind is MentionKind.UNKNOWN or behind.phrase in names)
+        grows = (
+            mention.motion is not None and mention.motion.generic and mention.motion.effect is Effect.SCALE
+        )
+        word = mention.phrase if grows else plain
+        if mention.value is Join.THEN:
+            break
+        if word is None or not grows and (describes or at == 0):
+            continue
+        if LEXICON.motions[word].sign == scaled.sign:
+            result[at], own = _read_as(mention, word), True
+        else:
+            result[at], others[at] = empty(mention), word
+    for at, word in list(others.items())[: not own]:
+        result[at] = _read_as(mentions[at], read_sections()["made_by"][word])
+    return result
+
+
+def read_locations(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Empties the part that only says where another one is: "the ears on its hat", "the fin on top"."""
+    result = list(mentions)
+    for at, mention in enumerate(mentions):
+        if mention.kind is not MentionKind.PLACE or [m.form for m in mentions[at + 1 : at + 2]] != ["on"]:
+            continue
+        for here in range(at + 2, min(at + _NEAR, len(mentions))):
+            if mentions[here].kind is MentionKind.PLACE:
+                result[at + 1 : here + 1] = [empty(m) for m in mentions[at + 1 : here + 1]]
+            if mentions[here].kind not in (MentionKind.FUNCTION, *LOOSE):
+                break
+    return result
+
+
+def _read_as(mention: Mention, word: str) -> Mention:
+    """The mention as the verb that a word is."""
+    return replace(mention, kind=MentionKind.VERB, value=LEXICON.motions[word], phrase=word)
+
+
 PASSES = (
     drop_others,
     read_corrections,
@@ -288,4 +339,6 @@ PASSES = (
     read_poses,
     read_landings,
     read_aloft,
+    read_results,
+    read_locations,
 )

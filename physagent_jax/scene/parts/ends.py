@@ -112,7 +112,7 @@ def _find_sections(profile: _Profile, *, upright: bool) -> list[Found]:
     below, above, between = profile.pick(0.0, a), profile.pick(b, 1.0), profile.pick(a, b)
     match kinds:
         case "sB" if upright:
-            return [(below, ("stem", "handle")), (above, ("top", "crown"))]
+            return [(below, ("stem", "handle")), (above, ("top", "crown", "head"))]
         case "Bs" if upright:
             return [(above, ("neck",))]
         case "BsB" if upright:

@@ -33,6 +33,7 @@ _CHANCE = 0.5  # that it is meant
 _LARGEST = 0.4  # share of the figure that a limb has at most
 _LOOSE = frozenset(("side", "top", "bottom"))  # roles of limbs of which only the place is known
 _ON_TOP = 0.6  # of the height, above which the axle of what turns is upright
+_THIN = 0.5  # spread along an axle over that across, up to which it tells the axle
 _NEAR = 0.06  # of the length, within which the image of a particle meets the object
 _MET = 0.6  # share of a limb's image that does, where it has one
 _FEWEST = 8  # particles
@@ -74,7 +75,7 @@ def guess_parts(
     for word in dict.fromkeys(words):
         noun = next((each for each in (word, word.removesuffix("s")) if each in read_guesses()), None)
         row = read_guesses().get(noun or "", {})
-        if noun is None or noun in named or noun in own or search.knows(row):
+        if noun is None or {noun, noun.removesuffix("s")} & named or noun in own or search.knows(row):
             continue
         found += search.guess(noun, row, several=word != noun or not SIDES.isdisjoint(words))
     return tuple(found)
@@ -108,6 +109,8 @@ class _Search:
         """Return whether there are parts of a row's roles whose borders are not across shells."""
         roles = {*row.get("role", "").split()}
         told = [part for part in self.parts if roles & {*part.roles[:1]} and not part.unsure]
+        likely = [part for part in self.parts if roles & {*part.roles}]
+        told += likely if row.get("pair") and len(likely) == 2 else []  # two that may be it are the pair
         return any(not self.shells.are_cut(~make_region_mask(each.rest, self.points)) for each in told)
 
     def guess(self, noun: str, row: dict[str, Any], *, several: bool) -> list[Part]:
@@ -152,7 +155,10 @@ class _Search:
             part = each.part or fit_part(self.points, each.mask, joined=False, wheel=wheel)
             if row.get("spins") and part.axle is None:
                 level = np.array([*part.side[:2], 0.0]) / max(float(np.hypot(*part.side[:2])), 1e-9)
-                told |= dict(axle=(0.0, 0.0, 1.0) if part.joint[2] > _ON_TOP else tuple(level.tolist()))
+                plain = np.array([0.0, 0.0, 1.0]) if part.joint[2] > _ON_TOP else level
+                spread, axes = np.linalg.eigh(np.cov(self.points[each.mask].T))
+                axle = axes[:, 0] if spread[0] < _THIN**2 * spread[1] else plain  # blades lie across it
+                told |= dict(axle=tuple(np.round(axle, 4).tolist()))
             name = f"{side} {noun}" if len({*sides}) == len(sides) else f"{noun} {number}"
             yield part.model_copy(update=told | dict(name=name.strip(), stands_for=each.label))
 

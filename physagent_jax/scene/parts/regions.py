@@ -35,9 +35,19 @@ _LAID = 0.5  # of its height, along which a limb touches the body that it lies o
 _HELD = 0.6  # share of a limb that lies in a region, from which on it is what is meant
 _FEWEST = 24  # particles of a region
 _MOST, _DECK = 0.5, 0.95  # share of the object, and of a table that is its top
-_WIDE = ("face", "main", "tower", "base")  # parents that may be nearly all of the object
+_WIDE = ("face", "main", "tower", "base", "canopy", "stalk")  # parents that may be nearly all of the object
 _ENDS = frozenset("bow stern toe heel tip grip bottom blade".split())  # of the main body itself
 _BEARING = frozenset(("leg", "stem"))  # what a tower stands on is part of it
+_SLICES = 40  # of the height, of which the breadth is taken
+_STEP = 1.3  # breadth over three slices, from which on a foot ends there
+_BROADER, _FLARES = (
+    1.4,
+    0.35,
+)  # breadth of a canopy over its stalk's; of the way between them that still is stalk
+_SLIM_FOR, _FOOT = (
+    0.1,
+    0.3,
+)  # of the height, that a stalk has at least; of a stalk, that stays as the rest bends
 _UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -182,6 +192,11 @@ class Regions:
         if of in _DECKS:
             mask = ~every if self._deck is None else getattr(self._deck, of)
             return [(mask, None)] if mask.any() else []
+        if of in ("canopy", "stalk"):
+            if self._stalk is None:
+                return []
+            height = self._measure(every, _UP)
+            return [(height > (self._stalk if of == "canopy" else _FOOT * self._stalk), None)]
         if of == "hand":
             fingers = [mask for mask, part in zip(self.masks, self.parts) if _FINGERS & {*part.roles}]
             palm = ~np.logical_or.reduce([~every, *fingers])
@@ -289,6 +304,27 @@ class Regions:
     @functools.cached_property
     def _deck(self) -> Deck | None:
         return find_deck(self.points)
+
+    @functools.cached_property
+    def _stalk(self) -> float | None:
+        """The height at which a slim foot ends below what is broad, as a mushroom's, 0 .. 1; None = it has none."""
+        height = np.minimum(
+            (self._measure(np.ones(len(self.points), bool), _UP) * _SLICES).astype(int), _SLICES - 1
+        )
+        known = np.unique(height)
+        sides = [np.ptp(self.points[height == k, :2], axis=0).max() for k in known]
+        breadth = np.interp(np.arange(_SLICES), known, sides)
+        broad = int(breadth.argmax())
+        slim = breadth[:broad].min(initial=np.inf)
+        if breadth[broad] < _BROADER * slim:
+            return None
+        is_slim = breadth < slim + _FLARES * (breadth[broad] - slim)
+        start = int(is_slim.argmax())  # a foot may be broader than what stands on it
+        end = start + int(np.append(~is_slim[start:], True).argmax())
+        if end - start < _SLIM_FOR * _SLICES or end > broad:
+            return None
+        step = breadth[min(end + 1, broad)] / breadth[max(end - 2, start)]  # an egg gets broader evenly
+        return end / _SLICES if step > _STEP else None
 
     @functools.cached_property
     def _side(self) -> np.ndarray:

@@ -56,7 +56,7 @@ def keep(find: Callable[_Arguments, tuple[Part, ...]]) -> Callable[_Arguments, t
 
 
 def _list_bytes(value: Any) -> Iterable[bytes]:
-    """What tells a value from others."""
+    """The bytes that tell a value from others."""
     if dataclasses.is_dataclass(value):
         value = [getattr(value, field.name) for field in dataclasses.fields(value)]
     if isinstance(value, (list, tuple)):
