@@ -22,7 +22,7 @@ from physagent_jax.motion.limbs import LOOSE, PLACES, choose_parts, find_front, 
 from physagent_jax.motion.parts import find_named, join_rest
 from physagent_jax.motion.schema import Amount, AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.swaying import FOOT, find_fold, leads_aside, lies
-from physagent_jax.motion.vectors import add, scale
+from physagent_jax.motion.vectors import add, cosine, dot, scale
 
 _DONE = {
     ConstraintType.PARTICLE_ROTATION: "turns about its joint",
@@ -33,8 +33,16 @@ _DRIVEN = (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE)
 
 def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     """Places in the brief's parts of what a part's word means; several for a plural without a side, none if unknown."""
-    if named := find_named(brief.parts, part.phrase, plural=is_plural(part.text)):
+    plural = is_plural(part.text)
+    if named := find_named(brief.parts, part.phrase, plural=plural):
         return named
+    if alike := find_named(
+        brief.parts, part.phrase, plural=True
+    ):  # "its axe", of two: the one that is seen best
+        toward = brief.directions.toward
+        return (
+            max(alike, key=lambda k: (round(cosine(brief.parts[k].side, toward), 1), brief.parts[k].share)),
+        )
     adjective, _, noun = (
         part.phrase.rpartition(" ") if part.phrase not in read_lexicon().parts else ("", "", part.phrase)
     )
@@ -46,7 +54,7 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
         side = add(turned.get(name) or sum_directions((name,), brief) for name in part.place.names)
     told = [(find_roles(p.name) or split_name(p.name)[-1:] * (p.origin == "place"), p) for p in brief.parts]
     known = [each.model_copy(update=dict(roles=(*words[:1], *each.roles))) for words, each in told]
-    return choose_parts(known, roles, side, is_plural(part.text), adjective, brief.directions.toward)
+    return choose_parts(known, roles, side, plural, adjective, brief.directions.toward)
 
 
 def find_support(clauses: Sequence[Event], brief: SceneBrief, soft: bool = False) -> AnchorRequest:
@@ -149,7 +157,12 @@ def _drive(
         part = part.model_copy(update=dict(joint=hinge.joint))
         first = next(e.limb for e in asked if e.words == motion.words and e.limb is not None)
         way = hinge.follow(find_hinge(brief.parts[first], brief), motion.direction)
-        angle = Amount(value=hinge.find_angle(way, motion.strength), unit="degrees")
+        before = [e for e in asked if e.limb == motion.limb and e.window[1] <= motion.window[0] + 0.5]
+        turned = [
+            hinge.find_angle(e.direction, e.strength) for e in before if dot(e.direction or way, way) < 0
+        ]
+        # What was opened is closed by as much.
+        angle = Amount(value=(turned or [hinge.find_angle(way, motion.strength)])[-1], unit="degrees")
         motion = motion.model_copy(update=dict(direction=way, amount=motion.amount or angle))
     slides = part.seated and (part.origin == "place" or LOOSE.issuperset(find_roles(part.name)))
     later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > motion.window[0] + 0.5]

@@ -71,7 +71,8 @@ def _put_landings_first(clauses: list[Event]) -> list[Event]:
 def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) -> None:
     """Adds what a clause tells."""
     interpret(event, _find_measure(events, event), builder.brief)
-    if event.motion.gives and any(each.effect not in _RESTING for each in events):
+    falls = event.effect is Effect.FALL or any(each.effect in (*_ALOFT, *_UPSETTING) for each in events)
+    if event.motion.gives and falls and any(each.effect not in _RESTING for each in events):
         events[-1].doubts += event.doubts
         return  # "it falls and shatters"
     if events and events[-1].effect is Effect.FALL and event.verb is not None and event.verb.bounces:

@@ -32,6 +32,7 @@ from physagent_jax.motion.vectors import clamp, dot, normalise, scale
 from physagent_jax.motion.windows import Window, halve, shorten
 
 SHORTEST_STROKE, _SHORTEST_SWING = 2.0, 4.0  # frames; faster ones alias in the pictures
+_PUSHED = 0.5  # of the way of what is shoved, along which it is pushed; it slides on
 _DRIFTS = "The object is free and would drift on: it is braked"
 BRAKED_BEFORE = f"{_DRIFTS} before what follows."
 
@@ -161,6 +162,13 @@ class Task:
         return pushed and builder.grounded and not (builder.anchored or event.region or event.when.lasts)
 
     @property
+    def is_shoved(self) -> bool:
+        """Return whether something on the ground is pushed briefly: it goes as far as if that lasted, and stops."""
+        event, builder = self.event, self.builder
+        whole = builder.grounded and not (builder.anchored or event.region or event.limbs or event.when.lasts)
+        return event.effect is Effect.PUSH and event.motion.brief and whole and not self.needs_brake
+
+    @property
     def needs_brake(self) -> bool:
         """Return whether a free object must be stopped before what comes next can be seen."""
         up, grounded = self.brief.directions.up, self.builder.grounded
@@ -215,7 +223,7 @@ def add_steady(task: Task, kind: ActionType, vector: Vector, magnitude: float) -
     told = lasts is not None and lasts.unit != "clip" and not event.when.within
     brakes = stops and not told
     speed_up, slow_down = halve(window)
-    gains = kind is ActionType.TORQUE and task.spin is not None or task.is_gentle
+    gains = kind is ActionType.TORQUE and task.spin is not None or task.is_gentle or task.is_shoved
     frames = slow_down[1] - speed_up[0] if brakes else window[1] - window[0]
     magnitude *= _find_dose(task, magnitude, frames * builder.brief.frame_dt, brakes)
     if builder.anchored and task.is_reached_within and not task.after:
@@ -256,8 +264,9 @@ def _find_dose(task: Task, magnitude: float, seconds: float, braked: bool) -> fl
         effort = find_effort(event.amount, event.effect, brief)
         if event.amount is None and task.spin is not None:
             effort = math.radians(task.spin) / TURN
-        elif event.amount is None and (braked or task.is_gentle):
+        elif event.amount is None and (braked or task.is_gentle or task.is_shoved):
             effort = find_word_effort(event.strength, event.effect)
+            effort = effort and effort * (_PUSHED if task.is_shoved else 1.0)
         shortest = max(seconds, brief.frame_dt)
         wanted = effort and find_magnitude(effort, shortest, brief.seconds, braked=braked)
     return 1.0 if wanted is None else max(wanted, 1e-3) / abs(magnitude)

@@ -312,16 +312,47 @@ def read_results(mentions: list[Mention], names: frozenset[str]) -> list[Mention
 
 
 def read_locations(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
-    """Empties the part that only says where another one is: "the ears on its hat", "the fin on top"."""
-    result = list(mentions)
-    for at, mention in enumerate(mentions):
-        if mention.kind is not MentionKind.PLACE or [m.form for m in mentions[at + 1 : at + 2]] != ["on"]:
+    """Empties the part that only says where another one is, or what that is closed onto.
+
+    "The ears on its hat", "the fin on top", "the screen closes onto the keyboard".
+    """
+    result, hinged = list(mentions), False
+    for at, mention in enumerate(mentions[1:], 1):
+        hinged |= mention.motion is not None and mention.motion.manner == "hinge"
+        on = mention.form == "on" and mentions[at - 1].kind is MentionKind.PLACE
+        if not on and not (hinged and mention.form in ("onto", "against", "over")):
             continue
-        for here in range(at + 2, min(at + _NEAR, len(mentions))):
-            if mentions[here].kind is MentionKind.PLACE:
-                result[at + 1 : here + 1] = [empty(m) for m in mentions[at + 1 : here + 1]]
-            if mentions[here].kind not in (MentionKind.FUNCTION, *LOOSE):
+        for here in range(at + 1, min(at + _NEAR, len(mentions))):
+            kind = mentions[here].kind
+            if kind is MentionKind.PLACE or hinged and kind is MentionKind.UNKNOWN:
+                result[at : here + 1] = [empty(m) for m in mentions[at : here + 1]]
+            if kind not in (MentionKind.FUNCTION, *LOOSE):
                 break
+    return result
+
+
+def read_looks(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Empties the way to or from the viewer in which something turns to look: it turns about the upright for that."""
+    result, looks = list(mentions), False
+    for at, mention in enumerate(mentions):
+        last = get_last_motion(mentions[:at])
+        looks |= mention.form in get_set("looking") and last is not None and last.effect is Effect.TURN
+        if looks and mention.kind in WAYS and mention.value in (("away",), ("toward",)):
+            result[at] = empty(mention)
+    return result
+
+
+def read_stances(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Empties how a part is held while the whole is moved: "spins with its arms out"."""
+    result, stances = list(mentions), get_set("stances")
+    for at, mention in enumerate(mentions):
+        owned = mention.form == "with" and mentions[at + 1 : at + 2]
+        if not owned or owned[0].form not in get_set("pronouns_of_owners") or not has_motion(mentions[:at]):
+            continue
+        near = range(at + 2, min(at + _NEAR, len(mentions)))
+        last = next((here for here in near if mentions[here].form in stances), at)
+        if any(mentions[here].kind is MentionKind.PLACE for here in range(at, last)):
+            result[at : last + 1] = [empty(m) for m in mentions[at : last + 1]]
     return result
 
 
@@ -341,4 +372,6 @@ PASSES = (
     read_aloft,
     read_results,
     read_locations,
+    read_stances,
+    read_looks,
 )
