@@ -350,6 +350,7 @@ class Turning:
 
     def _widen(self, angle: float, motion: ExpectedMotion) -> float:
         """The angle of a swing [degrees], or a wider one if a short limb would hardly be seen to move by it."""
+        angle *= _CURLS if self.supple else 1.0
         seen = math.degrees(_SEEN / max(norm(self.part.arm), 1e-9))
         return (
             angle if motion.amount is not None else math.copysign(max(abs(angle), min(seen, _WIDEST)), angle)
@@ -357,7 +358,7 @@ class Turning:
 
     def _nod(self, motion: ExpectedMotion) -> Vector | None:
         """The way of a head that nods: down where it looks aside, forward where it is upright."""
-        if not self.is_head or not any(each.startswith("nod") for each in split_name(motion.words)):
+        if not self.is_head or not any(each.startswith(("nod", "bob")) for each in split_name(motion.words)):
             return None
         level = abs(dot(self.arm, self.brief.directions.up)) < _HANGS
         table = self.brief.directions

@@ -455,7 +455,9 @@ def _lead(wish: Wish) -> _Replaced:
     else:
         effort = find_wanted_way(expectation, brief, usual) / TRAVEL
     over = level and told and told.target > _OVER
-    tilts = level and math.degrees(effort * TURN) <= (_UPENDED if told else _TILT) and _stands_alone(wish)
+    leads = told and min(wish.list_other_begins(), default=math.inf) >= expectation.window[1] - 0.5
+    stands = _stands_alone(wish) or leads and brief.world == "ground" and not wish.force_field.default_drop
+    tilts = level and math.degrees(effort * TURN) <= (_UPENDED if told else _TILT) and stands
     needed = find_magnitude(effort, max(seconds, brief.frame_dt), brief.seconds, braked=True)
     if not (hands or expectation.even or over or tilts or spins) and (not told or needed <= MAGNITUDE_MAX):
         return None

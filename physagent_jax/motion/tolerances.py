@@ -50,6 +50,7 @@ _LOST_TURN = 0.12  # of a turn that is lost in following it all around, again an
 _FALLEN = 0.4  # of a height that the sentence names, that a fall may differ by: nothing beside it shows where it was
 _WRUNG = 0.85  # of the largest angle of its word that a free end turns by: it lessens towards the held one
 _SPUN_LEAST = 60.0  # [degrees] less is a turn, and no spin
+_BLADES_LEAST = 15.0  # [degrees] the same of a part
 SPIN = 360.0  # [degrees] that what spins turns by, unless the sentence says
 _GENTLE = 0.27  # [body lengths / s] at which what goes on and on is still slow, however far it comes
 _SLOW_TURN = 30.0  # [degrees / s] the same of a turn
@@ -212,6 +213,8 @@ def expect_rotation(expectation: ExpectedMotion, anchored: bool, *, seconds: flo
     """Angle about the axis [degrees]; what spins freely may go on as it likes."""
     if expectation.manner == "spin" and not anchored and not expectation.partial:
         return Tolerance(_SPUN_LEAST, SPIN, 4.0 * SPIN, "degrees")
+    if expectation.manner == "spin" and expectation.limb is not None:  # alike blades look as turned by less
+        return Tolerance(_BLADES_LEAST, SPIN, 4.0 * SPIN, "degrees")
     band = pick_band(TURN_HELD if anchored else TURN, expectation.strength, "degrees")
     share = _PART if expectation.partial and expectation.part is None else 1.0
     band = band.scaled(share * clamp(seconds / _UNHURRIED, 0.3, 1.0), least=VISIBLE_DEGREES)

@@ -93,8 +93,8 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
     if any(each.alternating for each in repeats) and (effect in (Effect.FALL, Effect.JUMP) or motion.gravity):
         # "is tossed to and fro"
         phrase = "shuttle" if effect is Effect.STRIKE else "bob"
-    elif effect is Effect.ROLL and any(each.alternating for each in repeats):
-        phrase = "rock"  # "the boat rolls from side to side"
+    elif (effect is Effect.ROLL or motion.steps) and any(each.alternating for each in repeats):
+        phrase = "rock"  # "the boat rolls from side to side", "it waddles left and right"
     elif motion.bounces and (counted or event.is_upwards):
         phrase = "jump"  # "it bounces three times"
     elif motion.tumbles and event.is_upwards:

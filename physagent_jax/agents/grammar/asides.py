@@ -317,9 +317,9 @@ def read_locations(mentions: list[Mention], _names: frozenset[str]) -> list[Ment
     "The ears on its hat", "the fin on top", "the screen closes onto the keyboard".
     """
     result, hinged = list(mentions), False
-    for at, mention in enumerate(mentions[1:], 1):
+    for at, mention in enumerate(mentions):
         hinged |= mention.motion is not None and mention.motion.manner == "hinge"
-        on = mention.form == "on" and mentions[at - 1].kind is MentionKind.PLACE
+        on = at > 0 and mention.form == "on" and mentions[at - 1].kind is MentionKind.PLACE
         if not on and not (hinged and mention.form in ("onto", "against", "over")):
             continue
         for here in range(at + 1, min(at + _NEAR, len(mentions))):
@@ -333,10 +333,10 @@ def read_locations(mentions: list[Mention], _names: frozenset[str]) -> list[Ment
 
 def read_looks(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
     """Empties the way to or from the viewer in which something turns to look: it turns about the upright for that."""
-    result, looks = list(mentions), False
+    result, looks, last = list(mentions), False, None
     for at, mention in enumerate(mentions):
-        last = get_last_motion(mentions[:at])
         looks |= mention.form in get_set("looking") and last is not None and last.effect is Effect.TURN
+        last = mention.motion or last
         if looks and mention.kind in WAYS and mention.value in (("away",), ("toward",)):
             result[at] = empty(mention)
     return result
@@ -344,10 +344,11 @@ def read_looks(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]
 
 def read_stances(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
     """Empties how a part is held while the whole is moved: "spins with its arms out"."""
-    result, stances = list(mentions), get_set("stances")
+    result, stances, moved = list(mentions), get_set("stances"), False
     for at, mention in enumerate(mentions):
         owned = mention.form == "with" and mentions[at + 1 : at + 2]
-        if not owned or owned[0].form not in get_set("pronouns_of_owners") or not has_motion(mentions[:at]):
+        moved |= mention.kind in MOTIONS
+        if not owned or owned[0].form not in get_set("pronouns_of_owners") or not moved:
             continue
         near = range(at + 2, min(at + _NEAR, len(mentions)))
         last = next((here for here in near if mentions[here].form in stances), at)

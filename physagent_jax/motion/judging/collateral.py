@@ -29,7 +29,8 @@ from physagent_jax.perception.schema import Matrix
 _LASTING = 3  # frames: what is seen for less is noise or a flash
 _TEARS = "tear tore torn break broke burst shatter rip split apart explo piece crack crumbl snap melt".split()
 _SHATTERS = re.compile(
-    r"(?<!not )(?<!without )\b(shatter|break(s|ing)?\b(?! free| away)|splinter|crumbl|melt|dissolv|\w+ pieces)"
+    r"(?<!not )(?<!without )\b(shatter|break(s|ing)?\b(?! free| away)|splinter|crumbl|crack(s|ing)?\b|melt|dissolv|"
+    r"explod|\w+ pieces|(fall|come)(s|ing)? apart|smash(es|ed|ing)? on\b)"
 )
 """Words of who asks that its matter gives way, in whichever clause."""
 _TRAVELS = (MotionKind.MOVE, MotionKind.FALL, MotionKind.SWAY)
