@@ -150,14 +150,15 @@ def describe_release(motion: ExpectedMotion, hold: Hold, kind: str) -> str:
     return f"{_name(motion)} needs the object free: {free}."
 
 
-def needs_weight(plan: Sequence[ExpectedMotion], up: Vector) -> bool:
-    """Return whether a viewer would miss the weight of what a plan lets go: it falls, tips over, or is flung."""
-    return any(_shows_weight(each, up) for each in _keep_whole(plan))
+def needs_weight(motion: ExpectedMotion, plan: Sequence[ExpectedMotion], up: Vector) -> bool:
+    """Return whether a viewer would miss the weight of what a motion of a plan lets go.
 
-
-def _shows_weight(motion: ExpectedMotion, up: Vector) -> bool:
+    It falls, tips over, is flung, or rises and falls later.
+    """
     tips = motion.kind is MotionKind.ROTATE and abs(_find_height(motion, up)) < _LEVEL
-    return motion.kind is MotionKind.FALL or tips or motion.kind is MotionKind.MOVE and motion.sudden
+    rises = motion.kind is MotionKind.MOVE and _find_height(motion, up) > _UPWARD
+    drops = rises and any(each.kind is MotionKind.FALL for each in _keep_whole(plan))
+    return motion.kind is MotionKind.FALL or tips or drops or motion.kind is MotionKind.MOVE and motion.sudden
 
 
 def find_blow(plan: Sequence[ExpectedMotion], up: Vector) -> Vector | None:

@@ -138,7 +138,7 @@ def find_release(run: ResolvedRun, body: Body, reply: SemanticReply) -> Release 
         return None
     support = hold.origin is HoldOrigin.SUPPORT
     motion = find_leaving(reply.plan, UP, stands=support)
-    return None if motion is None else Release(motion, hold, support and needs_weight(reply.plan, UP))
+    return motion and Release(motion, hold, support and needs_weight(motion, reply.plan, UP))
 
 
 def _let_go(release: Release) -> SemanticReply:

@@ -74,14 +74,14 @@ def test_a_damaged_entry_is_found_again(finder, damage):
 def test_other_code_finds_anew(finder, monkeypatch):
     find, calls, _ = finder
     find(np.ones((4, 3)))
-    monkeypatch.setattr(store, "_digest_sources", lambda: "other")
+    monkeypatch.setattr(store, "digest_sources", lambda: "other")
     find(np.ones((4, 3)))
     assert len(calls) == 2
 
 
 def test_the_oldest_entries_go(finder, monkeypatch):
     find, _, folder = finder
-    monkeypatch.setattr(store, "_MOST", 3)
+    monkeypatch.setattr(store, "MOST_ENTRIES", 3)
     for count in range(1, 6):
         find(np.ones((count, 3)))
     assert len(list(folder.iterdir())) == 3

@@ -25,7 +25,7 @@ from physagent_jax.core.once import once
 from physagent_jax.forces.part import Part
 from physagent_jax.kernels.folders import make_private_folder
 
-_MOST = 400  # entries; the oldest go
+MOST_ENTRIES = 400  # entries; the oldest go
 _PARTS = TypeAdapter(tuple[Part, ...])
 _Arguments = ParamSpec("_Arguments")
 
@@ -39,7 +39,7 @@ def keep(find: Callable[_Arguments, tuple[Part, ...]]) -> Callable[_Arguments, t
 
     @functools.wraps(find)
     def load_or_find(*args: _Arguments.args, **kwargs: _Arguments.kwargs) -> tuple[Part, ...]:
-        digest = hashlib.sha256(f"{find.__module__}.{find.__qualname__} {_digest_sources()}".encode())
+        digest = hashlib.sha256(f"{find.__module__}.{find.__qualname__} {digest_sources()}".encode())
         for each in (args, sorted(kwargs.items())):
             digest.update(b"".join(_list_bytes(each)))
         file = make_private_folder("parts") / f"{digest.hexdigest()}.json"
@@ -76,12 +76,12 @@ def _write(file: Path, data: bytes) -> None:
         stream.write(data)
     Path(name).replace(file)
     entries = sorted(file.parent.glob("*.json"), key=lambda each: each.stat().st_mtime)
-    for old in entries[:-_MOST]:
+    for old in entries[:-MOST_ENTRIES]:
         old.unlink(missing_ok=True)
 
 
 @once
-def _digest_sources() -> str:
+def digest_sources() -> str:
     """A digest of all code that finds parts."""
     digest = hashlib.sha256(f"{np.__version__} {scipy.__version__}".encode())
     for folder in (Path(__file__).parent, Path(forces.__file__).parent):
