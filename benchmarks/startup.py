@@ -85,7 +85,7 @@ def main() -> int:
             command.data, (*JOB, *small), small, every=6 if command.quick else 1
         ),
         "plan": lambda: [
-            Job(f"plans, round {n + 1}", partial(_measure_plans, n, text))
+            Job(f"plans of {text!r}, round {n + 1}", partial(_measure_plans, n, text))
             for n in range(rounds)
             for text in SENTENCES
         ],

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.core.reading import check_regular, format_validation_error
+from physagent_jax.core.recent import Recent
 from physagent_jax.forces.calibration import FRICTION
 from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.schema import ForceField
@@ -60,6 +61,7 @@ VIEW_NOTE = (
     "the camera stands at azimuth {:.0f}, where the part's motion is seen; left and right are told from where it stood "
     "before; `--azimuth` keeps it elsewhere"
 )
+_listed: Recent[tuple[Part, ...]] = Recent(4)
 _PRESET_PARTS = ("domain", "filling", "timing", "transfer", "rendering")
 
 
@@ -97,6 +99,10 @@ class ResolvedRun:
         Args:
             body: The object at rest.
         """
+        told = (self.spec.prompt or "", self.template.source.name, self.template.camera)
+        return _listed.find(body, told, lambda: self._list_parts(body))
+
+    def _list_parts(self, body: Body) -> tuple[Part, ...]:
         table = find_viewer_directions(self.template.camera)
         viewer = Frame(toward=np.asarray(table["toward"]), right=np.asarray(table["right"]))
         prompt, name = strip_postures(self.spec.prompt or ""), self.template.source.name
