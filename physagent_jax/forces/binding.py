@@ -89,7 +89,7 @@ class Circumstances:
         until: Frame at which the next entry begins.
         tilted: Axis about which what stands is first tilted by a constraint, unit vector, shape (3,); None = it is not.
         moved: Whether it has gone elsewhere before that.
-        again: Whether a blow before it has thrown the whole object up as well.
+        again: Whether the whole object fell, or a blow threw it up, before it.
     """
 
     scaling: SkillScaling
@@ -146,7 +146,7 @@ class Binding:
         weight: 1 inside the region, 0 outside, shape (n,); None = everywhere.
         whole: Whether it acts on the whole object.
         upwards: Vertical component of its own way, whatever numbers stand in its place.
-        again: Whether a blow before it has thrown the whole object up as well.
+        again: Whether the whole object fell, or a blow threw it up, before it.
     """
 
     def __init__(

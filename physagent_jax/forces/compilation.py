@@ -91,7 +91,9 @@ def _find_next_begin(entry: Action | VelocityConstraint, field: ForceField) -> f
 
 
 def _is_thrown_before(entry: Action | VelocityConstraint, field: ForceField) -> bool:
-    """Return whether a blow before an entry throws the whole object up."""
+    """Return whether the whole object fell, or a blow threw it up, before an entry."""
+    if field.default_drop and begin_of(entry) > 0.5:
+        return True
     blows = [each for each in field.actions if get_skill(each).is_sudden and each.region is None]
     return any(
         begin_of(each) < begin_of(entry) and np.sign(each.magnitude) * each.vector[2] >= STEEP

@@ -1,5 +1,7 @@
 """Poses: the side that points down as something falls, what it ends up on, and matter that gives way."""
 
+import math
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -7,6 +9,7 @@ import pytest
 
 from physagent_jax.agents.compiler import compile_intent
 from physagent_jax.agents.grammar.semantic import read_intent
+from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.motion.attitudes import find_attitude
 from physagent_jax.motion.schema import MotionKind
@@ -159,9 +162,30 @@ def test_what_would_hide_each_other_comes_one_after_the_other(sentence, kinds):
     assert motions[1].window[0] >= motions[0].window[1] - 0.5
 
 
-def test_a_fall_that_bounces_is_one_fall():
-    reply = read("the thing is dropped and bounces twice", stand(**TALL))
-    assert [each.kind for each in reply.expectations] == [MotionKind.FALL] and not reply.force_field.actions
+@pytest.mark.parametrize(
+    ("sentence", "count"),
+    [
+        ("the thing is dropped and bounces three times", 3),
+        ("the thing falls from above and bounces on the floor", 2),
+        ("the thing bounces on the floor", 2),
+        ("the thing is dropped", 0),
+        ("the thing is dropped and lands", 0),
+    ],
+)
+def test_a_fall_that_bounces_is_one_fall_after_which_it_comes_up_again(sentence, count):
+    scene = stand(**TALL)
+    reply = read(sentence, scene)
+    assert [each.kind for each in reply.expectations] == [MotionKind.FALL]
+    leaps = reply.force_field.actions
+    assert len(leaps) == count and all(each.vector == (0.0, 0.0, 1.0) for each in leaps)
+    rises = [DROP_HEIGHT, *(each.magnitude * each.gain for each in leaps)]
+    assert all(0.3 < after / before < 0.6 for before, after in pairwise(rises))
+    flights = [
+        math.sqrt(each * scene.size / GRAVITY) for each in (2 * rises[0], *(8 * each for each in rises[1:-1]))
+    ]
+    times = [0.0, *((each.active_time or (0,))[0] * scene.frame_dt for each in leaps)]
+    for flight, (before, after) in zip(flights, pairwise(times)):  # it has just landed
+        assert flight < after - before < flight + 3 * scene.frame_dt
 
 
 def test_what_bends_down_to_the_ground_is_not_dropped():

@@ -39,6 +39,8 @@ _ASIDE = 0.9  # cosine below which a leap goes aside
 # third of a length and comes down six tenths aside; and with which a leap comes down as far aside as is told.
 _THROWN, _LED = 0.45, 0.77
 _FLUNG = 1.5  # power of a strength by which what is flung hard goes farther: it flies, and does not hop
+_RESTITUTION = 0.65  # speed after a rebound over that before it
+_PRESSED, _MOST_REBOUNDS = 1.0, 4  # frames for which it touches the ground; rebounds at most
 _SPUN_UP = 3.0  # frames in which what is thrown up is set spinning
 
 
@@ -134,6 +136,7 @@ def compile_fall(task: Task) -> None:
         task.expect(MotionKind.FALL, up, task.window)
         return
     _let_fall(task)
+    _rebound(task)
     if event.direction is None or abs(dot(event.direction, up)) >= _UPRIGHT:
         task.expect(MotionKind.FALL, None, task.window)
     elif task.builder.default_drop and (effort := find_effort(event.amount, Effect.PUSH, task.brief)):
@@ -143,6 +146,27 @@ def compile_fall(task: Task) -> None:
         task.expect(MotionKind.FALL, None, task.window)
         task.act(ActionType.TRANSLATION, event.direction, event.strength, task.window)
         task.expect(MotionKind.MOVE, event.direction, task.window)
+
+
+def _rebound(task: Task) -> None:
+    """Adds the leaps by which what bounces comes up again, each lower than the one before.
+
+    Soft matter on the grid keeps too little of its fall for a viewer to see it bounce, and what lands on thin parts
+    keeps none.
+    """
+    event, builder, size = task.event, task.builder, task.brief.size
+    aside = event.direction is not None and abs(dot(event.direction, task.brief.directions.up)) < _UPRIGHT
+    if not (event.rebounds and builder.default_drop) or builder.earlier or event.region or aside:
+        return
+    rise = builder.drop_height or DROP_HEIGHT
+    begin = math.sqrt(2.0 * rise * size / GRAVITY) / task.brief.frame_dt + _PRESSED
+    for _ in range(min(event.rebounds, _MOST_REBOUNDS)):
+        rise *= _RESTITUTION**2
+        if begin > task.window[1] - IMPULSE_FRAMES:
+            break
+        task.act(ActionType.IMPULSE, task.brief.directions.up, rise, make_impulse_window(begin), gains=True)
+        begin += 2.0 * math.sqrt(2.0 * rise * size / GRAVITY) / task.brief.frame_dt + _PRESSED
+    builder.notes.append(f"'{event.text}': it is thrown up again where it lands.")
 
 
 def _throw_aside(task: Task, effort: float) -> None:

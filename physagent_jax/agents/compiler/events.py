@@ -87,6 +87,7 @@ class Event:
         limbs: Places in the brief's parts of those that are meant.
         radial: 1 = parts go out from the middle, -1 = inwards; 0 = as ``direction`` tells.
         amount: A quantity that the sentence names.
+        rebounds: How often it comes up again from what it falls onto.
         obstacles: Solids that it meets.
         sources: Where each value comes from.
     """
@@ -115,6 +116,7 @@ class Event:
     limbs: tuple[int, ...] = ()
     radial: int = 0
     amount: Amount | None = None
+    rebounds: int = 0
     obstacles: list[ObstacleRequest] = field(default_factory=list)
     sources: dict[str, ValueSource] = field(default_factory=dict)
 

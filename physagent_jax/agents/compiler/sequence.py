@@ -29,6 +29,7 @@ _AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
 _LEVEL = 0.5  # cosine to the vertical below which what stands falls aside
 _ALOFT = (Effect.FALL, Effect.JUMP)  # or thrown, or lifted
 _RESTING = (Effect.STILL, Effect.RELEASE)
+_REBOUNDS = 2  # times that what bounces comes up again
 _LOWERING = (Effect.LEAN, Effect.SCALE, Effect.SWELL)
 _UPSETTING = (Effect.PUSH, Effect.STRIKE, Effect.LEAN)
 _RISING = (Effect.PUSH, Effect.STRIKE, Effect.JUMP)
@@ -75,8 +76,11 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     if event.motion.gives and falls and any(each.effect not in _RESTING for each in events):
         events[-1].doubts += event.doubts
         return  # "it falls and shatters"
-    if events and events[-1].effect is Effect.FALL and event.verb is not None and event.verb.bounces:
-        return  # "it drops and bounces twice"
+    if event.verb is not None and event.verb.bounces and event.effect in (Effect.FALL, Effect.JUMP):
+        bouncing = events[-1] if events and events[-1].effect is Effect.FALL else event
+        bouncing.rebounds = event.repeat.count or _REBOUNDS
+        if bouncing is not event:
+            return  # "it drops and bounces twice"
     lowered = all(each.effect in _LOWERING for each in events) and event.motion.lands
     if events and event.effect is Effect.FALL and (events[-1].motion.gives or lowered):
         return  # "it sags until its belly touches the ground"
