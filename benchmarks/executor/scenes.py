@@ -31,7 +31,7 @@ from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import CameraConfig, SceneConfig
 from physagent_jax.scene.fuse import fuse
 from physagent_jax.scene.procedural import make_jelly, make_loaf, make_plant
-from physagent_jax.scene.standing import make_stand
+from physagent_jax.scene.standing import Support, make_stand
 from physagent_jax.scene.template import SceneTemplate
 from physagent_jax.simulation.simulate import simulate_frames
 
@@ -126,7 +126,7 @@ def prepare(name: str, world: str = "free") -> Setting:
         )  # fmt: skip
         template = resolve(spec).template
         body = make_body(template.source, template.preset.filling, template.preset.domain, ".")
-        template, _ = make_stand(template, body, keep_material=True, let_go=True)
+        template, _ = make_stand(template, body, Support(keep_material=True, let_go=True))
     return Setting(template, body, make_brief(template))
 
 
