@@ -39,11 +39,8 @@ _LEAST, _MOST = 15.0, 80.0  # [degrees]
 _RAISED, _LOWERED = 15.0, -50.0  # [degrees] over the horizon, where a plain word brings a limb up or down to
 _FARTHEST = 120.0  # [degrees] that it turns by for that
 _SWAYS = 0.6  # of a plain angle, to either side of a limb that goes to and fro
-_SEEN, _WIDEST = (
-    0.08,
-    30.0,
-)  # [body lengths] that its tip goes to either side at least, so that it is seen, and
-# [degrees] that it swings by for that at most
+_SEEN = 0.08  # [body lengths] that its tip goes to either side at least, so that it is seen
+_WIDEST = 30.0  # [degrees] that a short one swings by for that at most
 _ALONG = 0.85  # cosine to the limb from which on a way leads along it
 _REACH = 0.3  # of its length, by which a plain word moves a limb along itself
 _DENTED = 0.6  # the same of a region that is pressed into what it is one skin with
@@ -350,11 +347,11 @@ class Turning:
 
     def _widen(self, angle: float, motion: ExpectedMotion) -> float:
         """The angle of a swing [degrees], or a wider one if a short limb would hardly be seen to move by it."""
+        if motion.amount is not None:
+            return angle
         angle *= _CURLS if self.supple else 1.0
         seen = math.degrees(_SEEN / max(norm(self.part.arm), 1e-9))
-        return (
-            angle if motion.amount is not None else math.copysign(max(abs(angle), min(seen, _WIDEST)), angle)
-        )
+        return math.copysign(max(abs(angle), min(seen, _WIDEST)), angle)
 
     def _nod(self, motion: ExpectedMotion) -> Vector | None:
         """The way of a head that nods: down where it looks aside, forward where it is upright."""

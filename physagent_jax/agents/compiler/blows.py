@@ -160,13 +160,17 @@ def _rebound(task: Task) -> None:
         return
     rise = builder.drop_height or DROP_HEIGHT
     begin = math.sqrt(2.0 * rise * size / GRAVITY) / task.brief.frame_dt + _PRESSED
-    for _ in range(min(event.rebounds, _MOST_REBOUNDS)):
-        rise *= _RESTITUTION**2
-        if begin > task.window[1] - IMPULSE_FRAMES:
-            break
+    made = 0
+    while made < min(event.rebounds, _MOST_REBOUNDS) and begin <= task.window[1] - IMPULSE_FRAMES:
+        made, rise = made + 1, rise * _RESTITUTION**2
         task.act(ActionType.IMPULSE, task.brief.directions.up, rise, make_impulse_window(begin), gains=True)
         begin += 2.0 * math.sqrt(2.0 * rise * size / GRAVITY) / task.brief.frame_dt + _PRESSED
-    builder.notes.append(f"'{event.text}': it is thrown up again where it lands.")
+    told = (
+        ""
+        if made == event.rebounds
+        else f", {made} times of {event.rebounds}: more do not fit or are not seen"
+    )
+    builder.notes.append(f"'{event.text}': it is thrown up again where it lands{told}.")
 
 
 def _throw_aside(task: Task, effort: float) -> None:

@@ -70,7 +70,8 @@ class Impulse(Blow):
     def make_forces(self, bound):
         """The acceleration that makes the velocity change within the window; what it throws up lands upright.
 
-        What is thrown aside tumbles as it lands.
+        What is thrown aside tumbles as it lands. A blow upwards after a fall or another such blow does not add its
+        speed to what is left of that, but ends with it (`forces.terms.Launch`).
         """
         from physagent_jax.forces.terms import Launch, UniformAcceleration
 

@@ -11,7 +11,6 @@ import dataclasses
 import functools
 import hashlib
 import os
-import tempfile
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, ParamSpec
@@ -21,6 +20,8 @@ import scipy
 from pydantic import TypeAdapter, ValidationError
 
 from physagent_jax import forces
+from physagent_jax.core.errors import UserError
+from physagent_jax.core.files import write_bytes
 from physagent_jax.core.once import once
 from physagent_jax.forces.part import Part
 from physagent_jax.kernels.folders import make_private_folder
@@ -42,13 +43,13 @@ def keep(find: Callable[_Arguments, tuple[Part, ...]]) -> Callable[_Arguments, t
         digest = hashlib.sha256(f"{find.__module__}.{find.__qualname__} {digest_sources()}".encode())
         for each in (args, sorted(kwargs.items())):
             digest.update(b"".join(_list_bytes(each)))
-        file = make_private_folder("parts") / f"{digest.hexdigest()}.json"
+        file = _make_folder(os.environ.get("XDG_CACHE_HOME")) / f"{digest.hexdigest()}.json"
         with contextlib.suppress(OSError, ValidationError):
             found = _PARTS.validate_json(file.read_bytes())
             os.utime(file)
             return found
         found = find(*args, **kwargs)
-        with contextlib.suppress(OSError):  # a full disk costs a search each time, nothing else
+        with contextlib.suppress(OSError, UserError):  # a full disk costs a search each time, nothing else
             _write(file, _PARTS.dump_json(found))
         return found
 
@@ -71,13 +72,17 @@ def _list_bytes(value: Any) -> Iterable[bytes]:
 
 def _write(file: Path, data: bytes) -> None:
     """Write an entry as a whole, and remove the oldest of too many."""
-    handle, name = tempfile.mkstemp(dir=file.parent, suffix=".part")
-    with os.fdopen(handle, "wb") as stream:
-        stream.write(data)
-    Path(name).replace(file)
+    write_bytes(file, data)
     entries = sorted(file.parent.glob("*.json"), key=lambda each: each.stat().st_mtime)
     for old in entries[:-MOST_ENTRIES]:
         old.unlink(missing_ok=True)
+
+
+@once
+def _make_folder(base: str | None) -> Path:
+    """The folder of entries, made once for each place that the environment names."""
+    del base  # `make_private_folder` reads it
+    return make_private_folder("parts")
 
 
 @once
