@@ -32,6 +32,7 @@ from physagent_jax.scene.anchor import select_anchored
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.config import Anchor, Bearing, Material
 from physagent_jax.scene.elasticity import GridElasticity
+from physagent_jax.scene.store import Numbers, keep
 
 MOST_STRAIN = 0.25  # by which its weight may strain an object, to first order; beyond, it collapses
 MOST_PEAK = 0.5  # of the largest strain over a cell: a thin neck is few of the particles, and tears
@@ -66,7 +67,7 @@ class Burden:
     peak: float
     sag: float
     buckling: float
-    needed: np.ndarray | None = None
+    needed: Numbers | None = None
 
     @property
     def share(self) -> float:
@@ -143,22 +144,39 @@ def measure_burden(
         firmness: Factors of Young's modulus, shape (n,); None = 1.
     """
     particles = body.particles
-    every = -(-particles.count // MOST_PARTICLES)
-    x, volume = particles.x[::every].astype(np.float64), particles.volume[::every].astype(np.float64) * every
+    held = select_anchored(
+        anchor, particles.x, particles.gaussian_index, ".", gaussian_count=body.cloud.count
+    )
+    E = material.youngs_modulus if firmness is None else material.youngs_modulus * firmness
+    matter = material.density, E, material.poissons_ratio
+    return _measure(particles.x, particles.volume, body.extent, held, *matter, ground, dx)
+
+
+@keep
+def _measure(
+    points: np.ndarray,
+    volumes: np.ndarray,
+    extent: float,
+    held: np.ndarray,
+    density: float,
+    modulus: float | np.ndarray,
+    nu: float,
+    ground: float | None,
+    dx: float,
+) -> Burden:
+    """`measure_burden` of numbers alone."""
+    every = -(-len(points) // MOST_PARTICLES)
+    x, volume = points[::every].astype(np.float64), volumes[::every].astype(np.float64) * every
     coarse = float((volume.sum() / MOST_CELLS) ** (1 / 3))
     if coarse > dx:
         dx = coarse
         if ground is not None:  # nodes lie in the ground's plane, or a coarse foot would be a soft one
             lift = -ground % dx
             x[:, 2], ground = x[:, 2] + lift, ground + lift
-    nu = material.poissons_ratio
-    E = material.youngs_modulus * (np.ones(len(x)) if firmness is None else firmness[::every])
-    mass = material.density * volume
+    E = np.broadcast_to(modulus, len(points))[::every]
+    mass, held = density * volume, held[::every]
     mu, lam = lame_parameters(E, nu)
     grid = GridElasticity(x, volume, mass, mu, lam, dx=dx, form="mls", share=_SHARE, tie=_TIE)
-    held = select_anchored(
-        anchor, particles.x, particles.gaussian_index, ".", gaussian_count=body.cloud.count
-    )[::every]
     fixed = grid.spread @ (mass * held) > 0.5 * grid.mass
     if ground is not None:
         fixed |= grid.height <= ground + TOUCH * dx
@@ -175,15 +193,15 @@ def measure_burden(
 
     slopes = grid.find_gradient(u)
     strain = np.linalg.norm(slopes + slopes.transpose(0, 2, 1), axis=(1, 2)) / 2
-    sag = np.linalg.norm(grid.weight @ u, axis=1).max() / body.extent
+    sag = np.linalg.norm(grid.weight @ u, axis=1).max() / extent
     modes = _find_buckling(grid, free, volume[:, None, None] * grid.compute_stress(u))
     smoothed = smooth(strain)
     needed = E * smoothed / MOST_STRAIN
     for b, mode in modes:
-        density = smooth((grid.find_gradient(mode) * grid.compute_stress(mode)).sum((1, 2)))
-        share = _share_out(np.maximum(density, 0), volume)
+        energy = smooth((grid.find_gradient(mode) * grid.compute_stress(mode)).sum((1, 2)))
+        share = _share_out(np.maximum(energy, 0), volume)
         needed = np.maximum(needed, E * share * b / MOST_BUCKLING)
-    nearest = KDTree(particles.x[::every]).query(particles.x)[1]
+    nearest = KDTree(points[::every]).query(points)[1]
     buckling = modes[0][0] if modes else 0.0
     often, peak = np.percentile(strain, STRAINED), smoothed.max()
     return Burden(float(often), float(peak), float(sag), buckling, needed[nearest])

@@ -18,7 +18,7 @@ from physagent_jax.scene.parts.heading import find_overhang
 from physagent_jax.scene.parts.lattice import Lattice, make_lattice
 from physagent_jax.scene.parts.limbs import PLAIN, Limb, add_blunt, find_limbs, measure
 from physagent_jax.scene.parts.roles import Roles
-from physagent_jax.scene.parts.store import keep
+from physagent_jax.scene.store import keep
 
 _JOINT, _BEND = 0.3, 0.08  # of the way from neck to tip, and of the object's length, that bends, at most
 _SAME = (

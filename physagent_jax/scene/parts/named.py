@@ -15,8 +15,8 @@ from physagent_jax.forces.part import Part, PartChoice, list_parts, split_name
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.scene.mesh_formats import MeshPart
 from physagent_jax.scene.parts.cells import fit_part
-from physagent_jax.scene.parts.store import keep
 from physagent_jax.scene.placement import Placement
+from physagent_jax.scene.store import keep
 
 _SAMPLES = 60_000  # on all surfaces
 _FEWEST_SAMPLES = 16  # on one

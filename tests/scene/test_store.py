@@ -1,13 +1,15 @@
-"""Parts that are found once and then read from the disk."""
+"""Findings about an object that are made once and then read from the disk."""
 
 import dataclasses
+import os
 
 import numpy as np
 import pytest
 
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import CellsRegion
-from physagent_jax.scene.parts import store
+from physagent_jax.scene import store
+from physagent_jax.scene.burden import Burden
 
 CELLS = CellsRegion(inside=((0.1, 1 / 3, 0.5),), outside=((0.7, 0.2, 0.9),))
 ARM = Part(roles=("arm",), moved=CELLS, rest=CELLS, joint=(0, 0, 0), arm=(1, 0, 0), side=(1, 0, 0), share=0.1)
@@ -26,11 +28,11 @@ def finder(tmp_path, monkeypatch):
     calls = []
 
     @store.keep
-    def find(points, groups=(), *, limb=False):
+    def find(points, groups=(), *, limb=False) -> tuple[Part, ...]:
         calls.append(len(points))
         return (ARM,)
 
-    return find, calls, tmp_path / "physagent_jax" / "parts"
+    return find, calls, tmp_path / "physagent_jax" / "objects"
 
 
 def test_equal_arguments_are_read_from_the_disk(finder):
@@ -80,8 +82,30 @@ def test_other_code_finds_anew(finder, monkeypatch):
 
 
 def test_the_oldest_entries_go(finder, monkeypatch):
-    find, _, folder = finder
-    monkeypatch.setattr(store, "MOST_ENTRIES", 3)
-    for count in range(1, 6):
+    find, calls, folder = finder
+    find(np.ones((1, 3)))
+    (entry,) = folder.iterdir()
+    monkeypatch.setattr(store, "MOST_BYTES", 3.5 * entry.stat().st_size)
+    os.utime(entry, (0, 0))
+    for count in range(2, 6):
         find(np.ones((count, 3)))
     assert len(list(folder.iterdir())) == 3
+    find(np.ones((5, 3)))
+    assert len(calls) == 5
+    find(np.ones((1, 3)))
+    assert len(calls) == 6
+
+
+def test_numbers_are_kept_to_the_last_bit(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    numbers = np.random.default_rng(0).normal(size=50) * 10.0 ** np.arange(-25, 25)
+    calls = []
+
+    @store.keep
+    def measure(x) -> Burden:
+        calls.append(x)
+        return Burden(1 / 3, 0.1, 2.0, 0.0, numbers)
+
+    first, again = measure(numbers), measure(numbers)
+    assert len(calls) == 1 and again.strain == first.strain
+    assert again.needed.dtype == np.float64 and (again.needed == numbers).all()
