@@ -19,7 +19,6 @@ import numpy as np
 import scipy
 from pydantic import InstanceOf, PlainSerializer, TypeAdapter, ValidationError, WrapValidator
 
-import physagent_jax
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.files import write_bytes
 from physagent_jax.core.once import once
@@ -105,7 +104,7 @@ def _make_folder(base: str | None) -> Path:
 def digest_sources() -> str:
     """A digest of the package's code, any of which may be what finds something."""
     digest = hashlib.sha256(f"{np.__version__} {scipy.__version__}".encode())
-    for folder, _, names in sorted(os.walk(Path(physagent_jax.__file__).parent)):
+    for folder, _, names in sorted(os.walk(Path(__file__).parents[1])):
         for name in sorted(names):
             if name.endswith((".py", ".yaml")):
                 digest.update(Path(folder, name).read_bytes())
