@@ -115,7 +115,7 @@ def _scale(cause: Cause, factor: float, latest: float) -> dict:
         first, end = cause.item.active_time
         kept = getattr(cause.item, "held_until", None)
         rest = wanted / (cause.item.gain * size)
-        latest = kept or max(latest, end)
+        latest = max(kept - 1.0, end) if kept else max(latest, end)  # what is kept in its place stays so
         until = clamp(float(round(first + rest * (end - first))), first + 1.0, latest)
         changes |= {"active_time": (first, until), "held_until": kept if kept and kept > until else None}
         wanted *= (end - first) / (until - first)

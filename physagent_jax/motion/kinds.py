@@ -65,6 +65,7 @@ _UPENDED = 95.0  # [degrees] the same of an angle that is told
 _RAISED = 20.0  # [degrees] by which it is tilted where one side is raised
 _CRUMPLED = [1.0, 1.5]  # shares of the time in which it is pressed from both sides, and from above alone
 _SPUN = 0.9  # of the most of its word that what lies spins by about its own line: less is hardly seen of what is slim
+_REST = 0.4  # [s] for which what was spun where it stands is then seen to stand
 _NO_WAY = (0.0, 0.0, 0.0)
 _PLATE = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
 
@@ -204,6 +205,22 @@ def _stands_alone(wish: Wish) -> bool:
     """Return whether the object stands on the ground as it was captured, and nothing else moves it."""
     grounded = wish.brief.world == "ground" and not wish.force_field.default_drop
     return grounded and not wish.list_other_begins()
+
+
+def _stands_again(wish: Wish) -> bool:
+    """Return whether the object stands on the ground, from which it has leapt before at most, until it goes on."""
+    first, end = wish.expectation.window
+    leaps = [e for e in wish.list_others() if e.window[0] < end - 0.5]
+    grounded = wish.brief.world == "ground" and not wish.force_field.default_drop
+    return grounded and all(
+        e.window[1] <= first + 0.5
+        and (
+            e.kind is MotionKind.FALL
+            or e.sudden
+            and cosine(e.direction or _NO_WAY, wish.brief.directions.up) > _VERTICAL
+        )
+        for e in leaps
+    )
 
 
 def _find_forces(wish: Wish, keep: Callable[[Cause], bool]) -> list[Cause]:
@@ -446,7 +463,7 @@ def _lead(wish: Wish) -> _Replaced:
     level = turns and abs(cosine(way, brief.directions.up)) < _VERTICAL
     lengthwise = abs(cosine(way, brief.long_axis or _NO_WAY)) > _VERTICAL
     spun = find_spin(expectation.amount, expectation.manner, way if turns else None, brief)
-    spins = turns and (lengthwise or not level) and _stands_alone(wish)
+    spins = turns and (lengthwise and _stands_alone(wish) or not level and _stands_again(wish))
     if turns:
         usually = expect_rotation(expectation.model_copy(update=dict(manner="")), False, seconds=usual)
         angle = _SPUN * usually.high if spins and level else usually.target
@@ -464,7 +481,8 @@ def _lead(wish: Wish) -> _Replaced:
     effort *= wish.reference * (1.0 if turns else TRAVEL / PRESCRIBED_TRAVEL)  # magnitude times frames
     kept_up = hands or not turns and cosine(way, brief.directions.up) > _VERTICAL
     # What is let go at the end would be seen to fall.
-    stop = max(min(end, brief.last - 1.0), first + 1.0) if kept_up else end
+    left = brief.count_frames(_REST) if spins and not level else 1.0 if kept_up else 0.0
+    stop = max(min(end, brief.last - left), first + 1.0)
     if spun is not None:
         stop = min(stop, first + brief.count_frames(find_spin_time(spun, expectation.strength)))
     size, until = spread_effort(effort, first, stop, share=MOVING if tilts else 1.0)

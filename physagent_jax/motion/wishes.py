@@ -45,8 +45,12 @@ class Wish:
 
     def list_other_begins(self) -> list[float]:
         """Frames at which the other motions begin."""
+        return [e.window[0] for e in self.list_others()]
+
+    def list_others(self) -> list[ExpectedMotion]:
+        """The other motions."""
         others = [e for e in self.expectations if e is not self.expectation]
-        return [e.window[0] for e in others if e.kind is not MotionKind.STILL]
+        return [e for e in others if e.kind is not MotionKind.STILL]
 
     def about(self, expectation: ExpectedMotion) -> Wish:
         """The same with another motion."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 import dataclasses
 
 from physagent_jax.agents.schema import SemanticReply
-from physagent_jax.forces.schema import Action, VelocityConstraint
+from physagent_jax.forces.schema import Action, ConstraintType, VelocityConstraint
 from physagent_jax.forces.skills import get_skill
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind
 from physagent_jax.run.spec import MaterialChoice
@@ -40,14 +40,15 @@ _UPRIGHT = 0.9  # component of an axis about which nothing tips over
 def keeps_shape(reply: SemanticReply) -> bool:
     """Return whether a sentence moves the object as a whole, and nothing in it asks for another shape.
 
-    A force field without expectations says nothing of that: it may be one of many that are compared. What leans and
-    does not fall has to give a little, as sizes of forces are (`forces.scaling`).
+    A force field without expectations says nothing of that: it may be one of many that are compared. What leans,
+    is not led and does not fall has to give a little, as sizes of forces are (`forces.scaling`).
     """
     field, falls = reply.force_field, any(each.kind is MotionKind.FALL for each in reply.expectations)
+    led = any(each.constraint_type is ConstraintType.PARTICLE_ROTATION for each in field.constraints)
     entries = (*field.actions, *field.constraints)
     return (
         bool(reply.expectations)
-        and all(_is_whole(each, falls) for each in reply.expectations)
+        and all(_is_whole(each, falls or led) for each in reply.expectations)
         and not any(entry.region or _presses(entry) for entry in entries)
     )
 

@@ -2,11 +2,12 @@
 
 import pytest
 
+from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent
 from physagent_jax.agents.hard_rules import apply_hard_rules
 from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField
 from physagent_jax.motion.matching import list_causes
 from physagent_jax.motion.schema import Verdict
-from tests.agents.scenes import brief, judge, make_report, read, rewrite, seen_in
+from tests.agents.scenes import asked, brief, judge, make_report, read, rewrite, seen_in
 from tests.agents.sentences import SENTENCES
 from tests.agents.toy_world import ToyWorld, loop
 
@@ -459,3 +460,15 @@ def test_leaps_that_run_together_are_not_replaced_by_pushes_to_and_fro():
     assert any(check.aspect == "repeats" and check.passed is False for check in failed.judgement.checks)
     answer = rewrite("the robot hops three times", reply, failed, scene)
     assert all(action.vector == (0.0, 0.0, 1.0) for action in answer.force_field.actions), answer
+
+
+def test_what_is_kept_after_its_turn_is_still_kept_when_it_turns_for_longer():
+    scene, prompt = brief(world="ground"), "spin it around twice"
+    reply = GrammarSemanticAgent().compile(asked(prompt, scene)).value
+    (before,) = reply.force_field.constraints
+    seen = seen_in(reply.expectations, scene.frame_count, turn=(0, 0, 400))
+    failed = judge(prompt, reply, seen, scene)
+    (after,) = rewrite(prompt, reply, failed, scene).force_field.constraints
+    assert before.held_until == after.held_until == scene.last
+    assert before.active_time[1] <= after.active_time[1] < scene.last
+    assert after.magnitude * after.gain > before.magnitude * before.gain

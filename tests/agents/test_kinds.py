@@ -320,3 +320,26 @@ def test_what_stands_is_led_as_it_spins(prompt):
     assert not field.actions and hand.constraint_type == "enforce_particle_rotation"
     assert abs(hand.vector[2]) == 1 and (hand.held_until or hand.active_time[1]) >= 47
     assert compiled(prompt, brief()).force_field.actions or "all the way" in prompt
+
+
+@pytest.mark.parametrize(
+    ("prompt", "begins", "ends", "held_until"),
+    [
+        ("it jumps up and then spins around", 24, 38, 48),
+        ("it spins around and then jumps up", 0, 24, None),
+        ("it spins around and then tips over", 0, 24, None),
+    ],
+)
+def test_what_has_leapt_or_goes_on_is_led_as_it_spins(prompt, begins, ends, held_until):
+    """It stands while it spins, and is seen to stand where nothing follows."""
+    field = compiled(prompt, brief(world="ground")).force_field
+    hand = next(e for e in field.constraints if e.constraint_type == "enforce_particle_rotation")
+    first, until = hand.active_time
+    assert abs(hand.vector[2]) == 1 and hand.held_until == held_until
+    assert first == begins and until == ends
+
+
+def test_what_spins_after_it_was_pushed_is_turned():
+    """A push may not have ended where the spin begins."""
+    reply = compiled("it is pushed to the left and then spins around", brief(world="ground"))
+    assert not reply.force_field.constraints

@@ -171,3 +171,16 @@ def test_the_work_of_reading_grows_with_the_length(text):
 def test_more_clauses_than_an_intent_holds_are_a_doubt():
     intent = read_intent("push the robot to the left, then " * 150 + "lift it", make_scene("robot"))
     assert len(intent.clauses) == 100 and intent.doubts[0] == "Only the first 100 of 151 motions are read."
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a heavy plate comes down and squashes the robot",
+        "a giant hand comes down and squashes the robot",
+        "a big ball rolls in and squashes the robot",
+    ],
+)
+def test_the_way_of_what_acts_is_not_the_objects(text):
+    (clause,) = read_intent(text, make_scene("robot")).clauses
+    assert clause.motion == "squash"

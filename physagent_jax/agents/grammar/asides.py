@@ -108,10 +108,8 @@ def _is_done_by_another(segment: list[Mention], names: frozenset[str]) -> bool:
         and segment[subject - 1].phrase not in get_set("determiners")
     ):
         subject -= 1
-    noun = segment[subject:at]
-    told = any(
-        m.kind in (MentionKind.UNKNOWN, MentionKind.IGNORED) and not m.phrase.endswith("ly") for m in noun
-    )
+    noun, things = segment[subject:at], LEXICON.agents
+    told = any(m.phrase in things or m.kind in LOOSE[:2] and not m.phrase.endswith("ly") for m in noun)
     own = names | get_set("pronouns") | get_set("relatives")
     another = subject > 0 and segment[subject - 1].phrase in ("a", "an", "the")
     if not told or not another or any(m.phrase in own for m in segment[:at]):
