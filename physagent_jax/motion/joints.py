@@ -189,9 +189,15 @@ class Turning:
         place = self.part.origin == "place"  # it has no joint
         angle = self.find_angle(motion, None if place else self.find_axis(way, sudden=motion.sudden), way)
         course = motion.direction and self.find_course(way, angle, sudden=motion.sudden)
-        return [self.bring(way, motion, angle, window, stop)], motion.model_copy(
-            update=dict(direction=course)
-        )
+        kept = max(window[1], min(motion.window[1], until))
+        back = (kept, min(kept + window[1] - window[0], until))
+        turns = not (self.slides or self.is_borne(way)) and self.find_axis(way) is not None
+        returns = turns and motion.released and not motion.sudden and back[1] - back[0] >= 2.0
+        stop = kept if returns and kept > window[1] else stop
+        made = [self.bring(way, motion, angle, window, stop)]
+        if returns:  # what is stiff, or lies where it was brought, would not come back by itself
+            made.append(self.bring(way, motion, -angle, back, until if until > back[1] else None))
+        return made, motion.model_copy(update=dict(direction=course))
 
     def _find_spun(self, motion: ExpectedMotion, axis: Vector) -> float:
         """The turn of a wheel about its axle, or of a dish about the upright on what bears it [degrees]; else 0."""

@@ -556,3 +556,16 @@ def test_a_head_that_is_turned_is_twisted_visibly():
     first, last = turn.active_time
     angle = 90 * abs(turn.magnitude) * turn.gain * (last - first) * brief().frame_dt / HELD_TIME
     assert angle >= 38
+
+
+def test_a_limb_that_is_let_go_is_brought_back():
+    """Stiff limbs spring back little, and soft ones swing on."""
+    away, back = read(
+        "the robot's left arm bends forward and then comes back", LEFT_ARM
+    ).force_field.constraints
+    assert (away.held_until or away.active_time[1]) == back.active_time[0] and back.active_time[1] <= 48
+    assert np.dot(find_way(away, LEFT_ARM), find_way(back, LEFT_ARM)) < 0
+    turns = [
+        abs(each.magnitude * each.gain) * (each.active_time[1] - each.active_time[0]) for each in (away, back)
+    ]
+    assert turns[0] == pytest.approx(turns[1], rel=0.01)

@@ -5,6 +5,7 @@ import pytest
 from tests.agents.scenes import brief, read
 from tests.agents.sentences import load_table
 from tests.agents.tellings import ground, order, tell
+from tests.agents.test_limbs import HEAD
 
 READINGS = load_table("readings.yaml")
 MOTIONS = [pair for topic in READINGS["motions"].values() for pair in topic.items()]
@@ -87,6 +88,9 @@ def test_what_rolls_on_wheels_stays_upright():
     )
     assert [tell(motion) for motion in barrel] == ["move left", "rotate toward"]
     assert [tell(motion) for motion in cart] == ["move left"]
+    wheel = HEAD.model_copy(update=dict(name="front wheel", origin="file"))
+    thing = read("roll it to the left", ground(object_name="a1", parts=(wheel,))).expectations
+    assert [tell(motion) for motion in thing] == ["move left"]
 
 
 def test_what_is_not_there():

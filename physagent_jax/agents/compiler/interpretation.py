@@ -101,6 +101,8 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
         return replace(motions["toss"], tumbles=True), phrase  # "flip it into the air"
     elif phrase == "tumble" and event.goes_aside and first:
         phrase = "roll"  # "tumbles to the right"
+    elif motion.manner == "detach" and not event.parts and phrase.split()[0] in motions:
+        phrase = phrase.split()[0]  # "the robot falls off"
     elif motion.coasts and told:
         phrase = "move"  # "it coasts to the left"; else it goes on by itself
     elif motion.by == "limp" and brief.object_kind != "cloth" and not event.parts and stands_slim(brief):
@@ -146,9 +148,9 @@ def _is_on_its_back(event: Event, brief: SceneBrief) -> bool:
 
 def has_wheels(brief: SceneBrief) -> bool:
     """Return whether it rolls on wheels, and so stays upright when it is rolled."""
-    return brief.object_kind == "vehicle" or not read_lexicon().wheeled.isdisjoint(
-        split_name(brief.object_name)
-    )
+    named, wheeled = split_name(brief.object_name), read_lexicon().wheeled
+    wheels = ({"wheel", "wheels"} & {*split_name(part.name)} for part in brief.parts)
+    return brief.object_kind == "vehicle" or not wheeled.isdisjoint(named) or any(wheels)
 
 
 def _resolve_strength(event: Event, before: Event | None) -> None:

@@ -16,6 +16,7 @@ from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.forces.part import is_plural, split_name
 from physagent_jax.forces.schema import ConstraintType, VelocityConstraint
+from physagent_jax.motion.detaching import detach
 from physagent_jax.motion.hinges import find_hinge
 from physagent_jax.motion.joints import Turning
 from physagent_jax.motion.limbs import LOOSE, PLACES, choose_parts, find_front, sum_directions
@@ -153,6 +154,9 @@ def _drive(
     """The constraints that bring about a limb's motion, and the motion as it is then expected."""
     assert motion.limb is not None
     part = brief.parts[motion.limb]
+    if motion.manner == "detach":
+        made, motion = detach(part, brief, frame_count, motion)
+        return [made], motion
     if motion.manner == "hinge" and (hinge := find_hinge(part, brief)):
         part = part.model_copy(update=dict(joint=hinge.joint))
         first = next(e.limb for e in asked if e.words == motion.words and e.limb is not None)

@@ -28,6 +28,7 @@ from physagent_jax.motion.vectors import dot
 _AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
 _LEVEL = 0.5  # cosine to the vertical below which what stands falls aside
 _ALOFT = (Effect.FALL, Effect.JUMP)  # or thrown, or lifted
+_FLYING = (Effect.FALL, Effect.ROLL, Effect.PUSH, Effect.JUMP)  # what has come off
 _RESTING = (Effect.STILL, Effect.RELEASE)
 _REBOUNDS = 2  # times that what bounces comes up again
 _LOWERING = (Effect.LEAN, Effect.SCALE, Effect.SWELL)
@@ -72,6 +73,8 @@ def _put_landings_first(clauses: list[Event]) -> list[Event]:
 def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) -> None:
     """Adds what a clause tells."""
     interpret(event, _find_measure(events, event), builder.brief)
+    if events and events[-1].motion.manner == "detach" and not event.parts and event.effect in _FLYING:
+        return  # "its head falls off and rolls away"
     falls = event.effect is Effect.FALL or any(each.effect in (*_ALOFT, *_UPSETTING) for each in events)
     if event.motion.gives and falls and any(each.effect not in _RESTING for each in events):
         events[-1].doubts += event.doubts

@@ -120,7 +120,8 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     course = view.course(0, view.last)
     up, down = view.brief.directions.up, view.brief.directions.down
     moves = [e for e in asked if e.kind in _TRAVELS]
-    if not course or any(e.direction is None and e.kind is not MotionKind.FALL for e in moves):
+    untold = any(e.direction is None and e.kind is not MotionKind.FALL for e in moves)
+    if not course or untold or _comes_apart(view):
         return []
     lines = [e.direction or down for e in moves]
     longest = max(norm(p) for _, p in course)
@@ -375,8 +376,13 @@ def _check_whole(view: View) -> list[Check]:
 
 
 def _gives_way(view: View) -> bool:
-    """Return whether its shape is lost on purpose: it breaks, crumbles or melts."""
-    return _SHATTERS.search(view.sentence.lower()) is not None
+    """Return whether its shape is lost on purpose: it breaks, crumbles or melts, or a part comes off."""
+    return _comes_apart(view) or _SHATTERS.search(view.sentence.lower()) is not None
+
+
+def _comes_apart(view: View) -> bool:
+    """Return whether a part is to come off, which goes its own way from then on."""
+    return any(each.manner == "detach" for each in view.expectations)
 
 
 def _list_taken_off(view: View) -> set[int]:

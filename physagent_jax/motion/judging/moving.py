@@ -158,11 +158,12 @@ def _check_direction(
         tried.append([(t, subtract(p, scale(drift, float(t - start)))) for t, p in raw])
     found = [response for course in tried if (response := find_first_response(course, threshold))]
     checks = []
-    if found:
+    falls = asked.motion.manner == "detach"  # it may rise first, and it rolls on
+    if found and not falls:
         frame, first = max(found, key=lambda response: cosine(response[1], direction))
         question, how = "which way does it start?", f", at frame {frame}"
         checks.append(compare_direction(asked, question, first, how=how, within=START))
-    within = START if asked.limb_turns else SAME_WAY
+    within = START if asked.limb_turns or falls else SAME_WAY
     checks.append(compare_direction(asked, "which way does it go?", peak, within=within))
     return checks
 

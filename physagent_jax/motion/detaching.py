@@ -1,0 +1,155 @@
+"""The detachment of a part: it leaves the rest, clear of it, and falls to the ground.
+
+Matter on one grid moves together within the reach of the grid's kernels, so that a part of which only the hold was
+taken away would cling to the rest. It is led away from it for a moment instead, and then flies on by itself with that
+speed: of the ways that it may go, the one on which it meets least of the rest.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Sequence
+
+from physagent_jax.core.strict import Vector
+from physagent_jax.forces.calibration import GRAVITY, MAGNITUDE_MAX
+from physagent_jax.forces.driving import PartDriver
+from physagent_jax.forces.part import Part
+from physagent_jax.forces.schema import VelocityConstraint
+from physagent_jax.motion.hinges import find_box
+from physagent_jax.motion.schema import ExpectedMotion, SceneBrief
+from physagent_jax.motion.vectors import add, clamp, cosine, dot, norm, normalise, rotate, scale, subtract
+
+_APART = (
+    0.16,
+    0.22,
+    0.3,
+    0.4,
+)  # [body lengths] by which it is led away, four cells or more: out of its socket
+_NEAR = 0.14  # [body lengths] within which two places cling
+_ASIDE = (0.4, 0.7, 1.0)  # [body lengths] that it lands beside where it was
+_RISES = (0.0, 0.06, 0.15)  # [body lengths] that it rises first
+_POPS = (0.35, 0.5)  # the same of what goes up
+_TURNS = (0.0, 45.0, -45.0, 90.0, -90.0, 135.0, -135.0, 180.0)  # [degrees] about the upright from its own way
+_LEVEL = 0.5  # length of the level part of its arm, from which on that tells a way
+_UP = 0.7  # cosine to the upright
+_STEPS = 8  # of its flight that are looked at
+_MOVED, _REST = 16, 128  # places of it and of the rest that are looked at
+_SETTLES = 0.4  # [s] after it has come down
+_DELAY = 0.2  # [s] before it leaves
+
+
+def detach(
+    part: Part, brief: SceneBrief, frame_count: int, motion: ExpectedMotion
+) -> tuple[VelocityConstraint, ExpectedMotion]:
+    """The constraint by which a part comes off, and the motion as it is then expected.
+
+    Args:
+        part: The part.
+        brief: The scene.
+        frame_count: Length of the clip [frames].
+        motion: The motion; its direction tells a way that is not down.
+    """
+    up, box = brief.directions.up, find_box(brief)
+    moved = _spread(part.moved.inside, box, _MOVED)
+    rest = _spread(part.moved.outside, box, _REST)
+    height, gravity = min(dot(each, up) for each in moved), GRAVITY / brief.size
+    if brief.world != "ground":
+        height = _ASIDE[-1]  # as far as it is seen
+    rises = _POPS if _goes_up(motion, up) else _RISES
+    flight = _choose(
+        _Flight(moved, rest, level, reach, rise, height, gravity, up)
+        for level, rise, reach in itertools.product(_list_ways(part, brief, motion), rises, _ASIDE)
+    )
+    first = min(motion.window[0] + brief.count_frames(_DELAY), max(motion.window[1] - 2.0, motion.window[0]))
+    speed = norm(flight.velocity)
+    led = clamp(brief.count_frames(flight.apart / speed), 1.0, max(motion.window[1] - first, 1.0))
+    along = [dot(each, flight.way) for each in (*moved, *rest)]
+    length = speed * led * brief.frame_dt / max(max(along) - min(along), 0.1)  # of its width
+    # What is beside the joint goes with the nearer of the two: it would tie them together.
+    whole = part.moved.model_copy(update=dict(outside=part.rest.inside, rigid=True))
+    driver = PartDriver(part.model_copy(update=dict(moved=whole)), brief.frame_dt, frame_count)
+    made = driver.shift(flight.way, length, (first, first + led), None)
+    travel = add([scale(flight.level, flight.reach), scale(up, -height)])
+    ends = first + led + brief.count_frames(flight.seconds + _SETTLES)
+    return made, motion.model_copy(
+        update=dict(
+            direction=normalise(travel),
+            strength=MAGNITUDE_MAX,
+            window=(motion.window[0], min(ends, frame_count - 1.0)),
+            sudden=False,
+        )
+    )
+
+
+class _Flight:
+    """A flight of a part, which lands ``reach`` aside along ``level`` after it has risen by ``rise`` [body lengths]."""
+
+    def __init__(
+        self,
+        moved: Sequence[Vector],
+        rest: Sequence[Vector],
+        level: Vector,
+        reach: float,
+        rise: float,
+        height: float,
+        gravity: float,
+        up: Vector,
+    ):
+        speed = math.sqrt(2.0 * gravity * rise)
+        self._moved, self._rest, self._down = moved, rest, scale(up, -gravity)
+        self.level, self.reach = level, reach
+        self.seconds = max((speed + math.sqrt(2.0 * gravity * (rise + height))) / gravity, 1e-2)
+        self.velocity: Vector = add([scale(level, reach / self.seconds), scale(up, speed)])
+        self.way = normalise(self.velocity) or level
+        self.apart = min(_APART, key=lambda each: self._count_near(scale(self.way, each)))
+
+    def count_meetings(self) -> int:
+        """The number of places of the part that come near the rest on the way."""
+        meetings, led = 0, scale(self.way, self.apart)
+        for step in range(_STEPS + 1):
+            t = self.seconds * step / _STEPS
+            meetings += self._count_near(add([led, scale(self.velocity, t), scale(self._down, 0.5 * t * t)]))
+        return meetings
+
+    def _count_near(self, shift: Vector) -> int:
+        """The number of places of the part that are near the rest where it is shifted."""
+        there = [add([place, shift]) for place in self._moved]
+        return sum(any(math.dist(each, other) < _NEAR for other in self._rest) for each in there)
+
+
+def _choose(flights: Iterable[_Flight]) -> _Flight:
+    """The first that meets nothing, or the one that meets least."""
+    fewest, best = math.inf, None
+    for each in flights:
+        meetings = each.count_meetings()
+        if meetings < fewest:
+            fewest, best = meetings, each
+        if not meetings:
+            break
+    assert best is not None
+    return best
+
+
+def _list_ways(part: Part, brief: SceneBrief, motion: ExpectedMotion) -> list[Vector]:
+    """The level ways that it may go, likeliest first: as told, as it points, else where that is seen."""
+    up = brief.directions.up
+
+    def flatten(way: Vector) -> Vector:
+        return subtract(way, scale(up, dot(way, up)))
+
+    told, arm = flatten(motion.direction or up), flatten(normalise(part.arm) or up)
+    if norm(told) > _LEVEL:
+        return [normalise(told) or brief.directions.right]
+    own = normalise(arm) if norm(arm) > _LEVEL else brief.directions.right
+    return [rotate(own or brief.directions.right, scale(up, degrees)) for degrees in _TURNS]
+
+
+def _goes_up(motion: ExpectedMotion, up: Vector) -> bool:
+    return motion.direction is not None and cosine(motion.direction, up) > _UP
+
+
+def _spread(places: Sequence[Vector], box: Vector, most: int) -> list[Vector]:
+    """So many of the places at most [body lengths]."""
+    chosen = places[:: -(-len(places) // most)]
+    return [(x * box[0], y * box[1], z * box[2]) for x, y, z in chosen]

@@ -1,0 +1,119 @@
+"""Parts that come off: how a sentence says so, the way that they go, and that they do come off."""
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+import trimesh
+
+import physagent_jax as pa
+from physagent_jax.agents.context import AgentContext, Observation
+from physagent_jax.agents.rules.planner import RulePlanner
+from physagent_jax.forces.schema import ConstraintType
+from physagent_jax.metrics import report_true_motion
+from physagent_jax.motion.schema import MotionKind, Verdict
+from tests.agents.scenes import Unseen, brief
+from tests.agents.test_limbs import HEAD, LEFT_ARM, RIGHT_ARM, read
+
+GROUND = dict(world="ground")
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "its head falls off",
+        "the robot's head comes off",
+        "the head snaps off",
+        "knock its head off",
+        "the head breaks off and drops to the ground",
+        "the head falls off and rolls away",
+        "its head falls off and bounces",
+    ],
+)
+def test_a_part_comes_off_and_the_rest_stays(sentence):
+    """It is led away from all that stays, as a piece of its own, and then let go."""
+    reply = read(sentence, **GROUND)
+    (lead,) = reply.force_field.constraints
+    (expected,) = reply.expectations
+    assert not reply.force_field.actions and not reply.unsure and not reply.materials
+    assert lead.constraint_type is ConstraintType.PARTICLE_TRANSLATION and lead.held_until is None
+    assert lead.region.inside == HEAD.moved.inside and lead.region.outside == HEAD.rest.inside
+    assert lead.region.rigid and lead.active_time[1] < 20
+    assert reply.anchor.kind == "rest" and reply.anchor.region.inside == HEAD.rest.inside
+    assert (expected.kind, expected.limb, expected.manner) == (MotionKind.MOVE, 2, "detach")
+    assert expected.direction[2] < 0
+
+
+def test_what_pops_off_goes_up_first():
+    falls, pops = (
+        read(f"the head {words}", **GROUND).force_field.constraints[0] for words in ("falls off", "pops off")
+    )
+    assert pops.vector[2] > falls.vector[2] >= 0 and pops.vector[2] > 0.5
+
+
+@pytest.mark.parametrize(("word", "arm", "sign"), [("left", LEFT_ARM, -1), ("right", RIGHT_ARM, 1)])
+def test_a_limb_goes_the_way_that_it_points(word, arm, sign):
+    (lead,) = read(f"the {word} arm falls off", **GROUND).force_field.constraints
+    assert sign * lead.vector[0] > 0.6 and lead.region.inside == arm.moved.inside
+
+
+def test_what_has_no_part_that_could_come_off_falls_itself():
+    reply = read("the robot falls off", **GROUND)
+    assert [each.kind for each in reply.expectations] == [MotionKind.FALL]
+    assert not reply.force_field.constraints
+
+
+@pytest.mark.parametrize(
+    ("goes", "verdict"),
+    [(1.0, "SUCCESS"), (0.0, "FAIL"), (-1.0, "FAIL")],
+)
+def test_a_part_that_has_come_off_goes_its_own_way(goes, verdict):
+    """It lies aside, in a piece of its own."""
+    sentence = "the head falls off and rolls away"
+    reply = read(sentence, HEAD, **GROUND)
+    chance, level = np.random.default_rng(0), np.array(reply.force_field.constraints[0].vector) * (1, 1, 0)
+    body = chance.uniform((-0.2, -0.2, -0.5), (0.2, 0.2, 0.3), (600, 3))
+    head = chance.uniform((-0.2, -0.2, 0.3), (0.2, 0.2, 0.5), (200, 3))
+    frames = []
+    for t in np.clip((np.arange(50) - 5) / 20, 0, 1):
+        way = 0.9 * goes * t * level / np.linalg.norm(level) - (0, 0, 0.8 * t * t * goes)
+        frames.append(np.concatenate([body, head + way]))
+    scene = brief(parts=(HEAD,), anchored="all but the part", **GROUND)
+    context = AgentContext(sentence, scene, (), reply)
+    report = report_true_motion(
+        np.stack(frames),
+        frame_dt=0.04,
+        windows=RulePlanner().windows(context),
+        parts={0: np.arange(800) >= 600},
+    )
+    report = report.model_copy(update=dict(pieces=tuple(1 + (k > 9) for k in range(50))))
+    judged = RulePlanner().judge(context, Observation(reply.force_field, report, Unseen())).value
+    assert judged.verdict is Verdict(verdict), judged.checks
+
+
+def make_doll(path):
+    """A ball on a thin neck on a box."""
+    parts = [
+        trimesh.creation.box((0.5, 0.3, 0.5)).apply_translation((0, 0, 0.25)),
+        trimesh.creation.cylinder(0.06, 0.3).apply_translation((0, 0, 0.6)),
+        trimesh.creation.icosphere(3, 0.2).apply_translation((0, 0, 0.85)),
+    ]
+    trimesh.util.concatenate(parts).export(path)
+    return path
+
+
+def test_the_head_of_a_doll_lies_on_the_ground_beside_it(tmp_path):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        loaded = pa.load_object(make_doll(tmp_path / "doll.obj"), up="+z", max_particles=1500)
+        scene = pa.build_scene(loaded, "the doll's head falls off", frame_count=40)
+        x = pa.simulate_scene(scene).x
+    height = np.ptp(x[0, :, 2])
+    head = x[0, :, 2] > x[0, :, 2].min() + 0.68 * height
+    shift = x[-1] - x[0]
+    body = x[0, :, 2] < x[0, :, 2].min() + 0.3 * height
+    assert np.abs(shift[body]).max() < 0.01 * height
+    assert shift[head, 2].mean() < -0.4 * height
+    assert np.linalg.norm(shift[head, :2].mean(0)) > 0.3 * height
+    assert math.isclose(np.ptp(x[-1, head], axis=0).max(), np.ptp(x[0, head], axis=0).max(), rel_tol=0.4)
