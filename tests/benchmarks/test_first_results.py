@@ -137,6 +137,7 @@ def test_the_sentences_are_many_different_and_of_every_kind():
         ("eighth", 20, 5, "d8373225c6d1bc58"),
         ("ninth", 20, 5, "51638dbc910b4a7e"),
         ("tenth", 20, 5, "5c2c91172decac09"),
+        ("eleventh", 20, 5, "815c78c88b4b0ece"),
     ],
 )
 def test_pairs_that_were_held_back_are_as_they_were_written(group, pairs, things, digest):
