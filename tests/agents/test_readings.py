@@ -192,3 +192,13 @@ def test_one_wall_of_brick():
     """A brick wall is a wall, and no block besides."""
     (wall,) = read("it crashes into the brick wall on the right", ground()).world.obstacles
     assert wall.kind == "wall" and wall.direction == (1.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(("long", "axis"), [((0.0, 1.0, 0.0), 1), ((1.0, 0.0, 0.0), 0)])
+def test_what_lies_tips_over_sideways_across_its_length(long, axis):
+    turn, _ = read("it tips over sideways", ground(long_axis=long)).expectations
+    assert abs(turn.direction[axis]) == pytest.approx(1.0)
+
+
+def test_what_clatters_to_the_floor_falls():
+    assert [tell(motion) for motion in read("it clatters onto the floor", ground()).expectations] == ["fall"]

@@ -169,6 +169,6 @@ def test_what_is_called_a_wheel_may_be_thick():
         fit_part(points, points[:, 2] > -0.45, joined=False, wheel=wheel).axle for wheel in (True, False)
     ]
     assert thick == [None, None]  # longer than it is broad: a roller
-    points = points[abs(points[:, 1]) < 0.16]
+    points = points[abs(points[:, 1]) < 0.167]
     axle, other = (fit_part(points, points[:, 2] > -0.45, joined=False, wheel=w).axle for w in (True, False))
     assert axle == pytest.approx((0, 1, 0), abs=0.1) and other is None

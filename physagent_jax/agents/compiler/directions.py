@@ -117,7 +117,10 @@ def _find_line(event: Event, brief: SceneBrief) -> Heading | None:
     lines = event.pick(WayKind.LINE, WayKind.PLANE)
     if not lines or event.repeat.names and event.effect is Effect.SCALE:
         return None
-    return Heading(normalise(sum_directions(lines[0].names, brief)), lines[0].text, "an axis by name")
+    aside = lines[0].kind is WayKind.PLANE and lines[0].names == ("right",)
+    across = aside and event.motion.effect is Effect.TOPPLE and lies(brief)  # "tips over sideways"
+    names = ("beside",) if across else lines[0].names
+    return Heading(normalise(sum_directions(names, brief)), lines[0].text, "an axis by name")
 
 
 def _find_swing(event: Event, brief: SceneBrief) -> Heading | None:

@@ -18,7 +18,7 @@ _SLIM = 3.5  # length over the radius of gyration of where it joins, from which 
 # cube on a cube has 2.4, an arm 5
 _OUTER = 0.1  # share of a part that is either end of it
 _OFF = 0.2  # of its length, by which the middle of what turns about its joint lies off it
-_FLAT, _THICK = 0.6, 0.92  # spread of a disc along its axle over that across, and of what is called a wheel
+_FLAT, _THICK = 0.6, 0.97  # spread of a disc along its axle over that across, and of what is called a wheel
 _ROUND = 0.85  # the lesser spread across the axle over the larger
 _RIM = 1.15  # farthest from the axle over that of an even disc of the same spread: the corners of a square are at 1.22
 _JOINT = 0.3  # of the way from joint to tip that bends, of what is one skin with the rest
