@@ -54,8 +54,8 @@ def detach(
     moved = _spread(part.moved.inside, box, _MOVED)
     rest = _spread(part.moved.outside, box, _REST)
     height, gravity = min(dot(each, up) for each in moved), GRAVITY / brief.size
-    if brief.world != "ground":
-        height = _ASIDE[-1]  # as far as it is seen
+    if brief.world != "ground":  # nothing makes it fall: it goes straight on
+        height = _ASIDE[-1]
     rises = _POPS if _goes_up(motion, up) else _RISES
     flight = _choose(
         _Flight(moved, rest, level, reach, rise, height, gravity, up)
@@ -70,7 +70,8 @@ def detach(
     whole = part.moved.model_copy(update=dict(outside=part.rest.inside, rigid=True))
     driver = PartDriver(part.model_copy(update=dict(moved=whole)), brief.frame_dt, frame_count)
     made = driver.shift(flight.way, length, (first, first + led), None)
-    travel = add([scale(flight.level, flight.reach), scale(up, -height)])
+    grounded = brief.world == "ground"
+    travel = add([scale(flight.level, flight.reach), scale(up, -height)]) if grounded else flight.way
     ends = first + led + brief.count_frames(flight.seconds + _SETTLES)
     return made, motion.model_copy(
         update=dict(

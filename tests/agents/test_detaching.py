@@ -58,6 +58,16 @@ def test_a_limb_goes_the_way_that_it_points(word, arm, sign):
     assert sign * lead.vector[0] > 0.6 and lead.region.inside == arm.moved.inside
 
 
+def test_what_else_is_said_is_said_to_be_of_the_part():
+    notes = read("the head falls off and rolls away", **GROUND).notes
+    assert any("'rolls'" in note and "the part that comes off" in note for note in notes)
+
+
+def test_without_gravity_it_goes_straight_on():
+    reply = read("the left arm falls off", world="free")
+    assert reply.expectations[0].direction == pytest.approx(reply.force_field.constraints[0].vector, abs=1e-6)
+
+
 def test_what_has_no_part_that_could_come_off_falls_itself():
     reply = read("the robot falls off", **GROUND)
     assert [each.kind for each in reply.expectations] == [MotionKind.FALL]

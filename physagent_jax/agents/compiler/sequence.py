@@ -74,6 +74,7 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     """Adds what a clause tells."""
     interpret(event, _find_measure(events, event), builder.brief)
     if events and events[-1].motion.manner == "detach" and not event.parts and event.effect in _FLYING:
+        builder.notes.append(f"'{event.words}' is taken to be said of the part that comes off.")
         return  # "its head falls off and rolls away"
     falls = event.effect is Effect.FALL or any(each.effect in (*_ALOFT, *_UPSETTING) for each in events)
     if event.motion.gives and falls and any(each.effect not in _RESTING for each in events):
