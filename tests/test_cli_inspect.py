@@ -130,6 +130,15 @@ def test_what_is_not_known_is_said(robot_path, tmp_path, capsys):
 
 
 @quickly
+def test_no_mesh_is_modelled_on_its_side(tmp_path):
+    """Flat backs are no bases: a trophy's is along -z, which no program that makes meshes takes for up."""
+    trimesh.creation.cone(1.0, 2.0).apply_transform(np.diag([1.0, 1, -1, 1])).export(tmp_path / "trophy.obj")
+    up = find_facts("trophy.obj")["up"]
+    assert (up["axis"], up["known"], up["source"]) == ("+y", False, "usual")
+    assert "the shape says -z" in up["reason"] and "+y is tried" in up["reason"]
+
+
+@quickly
 def test_options_go_first(cone):
     """The user's axis is not guessed; a shape that contradicts it is mentioned."""
     said = find_facts(cone, up="+z", kind="ficus")

@@ -13,7 +13,7 @@ from physagent_jax.run.spec import ObjectChoice
 from physagent_jax.scene.card import ObjectCard
 from physagent_jax.scene.config import SignedAxis, Source
 from physagent_jax.scene.load import load_object
-from physagent_jax.scene.up_axis import find_mirrored, guess_up
+from physagent_jax.scene.up_axis import UpGuess, find_mirrored, guess_up
 
 USUAL_UP: dict[str, tuple[SignedAxis, str]] = {
     "splats": ("-y", "the axis of most captures (trained from COLMAP cameras, which are y-down)"),
@@ -21,6 +21,8 @@ USUAL_UP: dict[str, tuple[SignedAxis, str]] = {
 }
 """Up axes to try where nothing states one, with the reasons; "+z" for all else."""
 
+MODELLED_UP: tuple[SignedAxis, ...] = ("+y", "+z")
+"""Up axes of the programs that meshes are made with: a flat back or crown that points another way is no base."""
 
 UPRIGHT = UpAxis(axis="+z", known=True, source="format", reason="a photo is lifted upright")
 
@@ -75,10 +77,12 @@ def choose_up(choice: ObjectChoice, card: ObjectCard, loaded: LoadedSplats | Non
             known = not (doubted and source == "format")
             return UpAxis.model_validate(dict(axis=axis, known=known, source=source, reason=reason))
     assert seen is not None
-    if seen.axis is not None:
-        return UpAxis(axis=seen.axis, known=True, source="shape", reason=seen.reason)
     path = base_dir / choice.path
     splats = find_format(read_head(path), path) is not None
+    if seen.axis is not None and (splats or seen.axis in MODELLED_UP):
+        return UpAxis(axis=seen.axis, known=True, source="shape", reason=seen.reason)
+    if seen.axis is not None:
+        seen = UpGuess(None, f"the shape says {seen.axis}, along which hardly any mesh is modelled")
     axis, usual = USUAL_UP.get("splats" if splats else path.suffix.lower(), ("+z", "the world's own"))
     assert loaded is not None
     if "xyz".find(axis[1]) == find_mirrored(np.asarray(loaded.cloud.means, np.float64)):

@@ -1,5 +1,6 @@
 """Colours that mesh files declare arrive as they are declared: files by hand, answers from the specifications."""
 
+import json
 import struct
 
 import jax.numpy as jnp
@@ -326,6 +327,14 @@ def test_compressed_gltf_is_refused_in_words(tmp_path):
     builder.tree["extensionsRequired"] = ["KHR_draco_mesh_compression"]
     with pytest.raises(UserError, match="compressed.*KHR_draco.*without compression"):
         read_parts(write(tmp_path, "a.glb", builder.glb()))
+    # As gltfpack writes it: the second buffer is what comes out, and nothing of it is in the file.
+    tree = {
+        "asset": {"version": "2.0"},
+        "extensionsRequired": ["KHR_mesh_quantization", "EXT_meshopt_compression"],
+        "buffers": [{"byteLength": 64, "extensions": {"EXT_meshopt_compression": {"fallback": True}}}],
+    }
+    with pytest.raises(UserError, match="compressed.*meshopt.*without compression"):
+        read_parts(write(tmp_path, "b.gltf", json.dumps(tree)))
 
 
 # --- OBJ ----------------------------------------------------------------------------------------------------

@@ -29,7 +29,6 @@ from physagent_jax.scene.mesh_formats.gltf_materials import Materials
 from physagent_jax.scene.mesh_formats.names import list_limbs, list_names
 
 _TRIANGLES, _STRIP, _FAN = 4, 5, 6
-_COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression")
 
 
 class GLB:
@@ -71,13 +70,6 @@ class GLTF:
 def _read_parts(document: Document, place: str, beside: Neighbours) -> list[MeshPart]:
     parts: list[MeshPart] = []
     with explain_invalid(place):
-        packed = [each for each in _COMPRESSED if each in document.tree.get("extensionsRequired", [])]
-        if packed:
-            raise UserError(
-                f"{place} is compressed, which is not read",
-                got=packed[0],
-                do="Export it without compression",
-            )
         materials, made = Materials(document, beside), {}
         worlds, names = _place_nodes(document.tree, place), _name_nodes(document.tree)
         looks = [each.get("name", "") for each in document.tree.get("materials", [])]

@@ -23,6 +23,7 @@ _TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126:
 _SHAPES = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 _JSON = 0x4E4F534A
 _DATA_URI = "base64,"
+_COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -123,6 +124,13 @@ def read_gltf(data: bytes, place: str, beside: Neighbours, inside: list[bytes] |
     """
     tree = decode_json(data, place)
     with explain_invalid(place):
+        packed = [each for each in _COMPRESSED if each in tree.get("extensionsRequired", [])]
+        if packed:
+            raise UserError(
+                f"{place} is compressed, which is not read",
+                got=packed[0],
+                do="Export it without compression",
+            )
         document = Document(tree, _read_buffers(tree, place, beside, inside or []))
         views = _check_views(tree, place, [len(buffer) for buffer in document.buffers])
         _check_accessors(tree, place, views)
