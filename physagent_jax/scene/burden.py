@@ -44,6 +44,7 @@ _SHARE = 1e-3  # of the residual that is left
 _TIE = 2e-4  # in place of `elasticity.TIE`: the simulation has none, and it would prop up what is thin
 _STEPS = 48  # in which b is found
 _SETTLED, _DIGITS = 6, 0.02  # steps in which it grows by so small a share of itself
+_EXHAUSTED = 1e-20  # of a step's length squared: what is left of it is round-off
 _MODES, _LEAST = 6, 0.25  # of buckling that are looked at, and over the largest
 _POWER = 0.75  # of a mode's energy density to which E goes; between least E in sum and few stiff places
 _TOP = 1.3  # times the uniform E that does the same, at most: the stiffest part decides the time step
@@ -250,12 +251,15 @@ def _find_buckling(
         image.append(Kq / length)
         Kq = soften(basis[-1])
         q = solve(spread(Kq)).ravel()[index]
+        before = q @ Kq
         diagonal.append(basis[-1] @ Kq)
         for _ in range(2):
             shares = np.array(image) @ q
             q, Kq = q - shares @ np.array(basis), Kq - shares @ np.array(image)
         found.append(float(eigvalsh_tridiagonal(diagonal, beside)[-1]))
         if len(found) > _SETTLED and found[-1] - found[-1 - _SETTLED] <= _DIGITS * abs(found[-1]):
+            break
+        if not q @ Kq > _EXHAUSTED * before:  # few nodes are free: the basis spans all that they can do
             break
     values, vectors = eigh_tridiagonal(diagonal, beside)
     chosen = [i for i in np.argsort(-values)[:_MODES] if values[i] > max(0.0, _LEAST * values.max())]

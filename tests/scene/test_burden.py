@@ -56,6 +56,13 @@ def test_what_hangs_does_not_buckle(column):
     assert standing.buckling > 1.0 and hanging.buckling < 0.1
 
 
+def test_a_single_free_node_hardly_buckles(tmp_path):
+    """Fewer freedoms than steps: the steps end with what they span."""
+    trimesh.creation.icosphere(2, 0.5).export(tmp_path / "thing.obj")
+    burden = measure(tmp_path / "thing.obj", Anchor(kind="base", fraction=0.99))
+    assert 0 <= burden.buckling < 0.1 and np.isfinite(burden.needed).all()
+
+
 def test_burdens_go_with_the_compliance_and_are_measured_once(column, monkeypatch):
     template, body, _ = template_of(column)
     soft, firm = (Material(youngs_modulus=each, poissons_ratio=0.0, density=RHO) for each in (2e4, 1e6))
