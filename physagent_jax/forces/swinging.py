@@ -12,7 +12,8 @@ knows the speed that it begins with, which a brake has too: friction is made up 
 What is held, and a part of it, is an oscillator with a way of u per steady acceleration: pushes in time with it would
 swing it farther each time, quick ones hardly. Where it turns back during a push, each gets the k that brings it to s
 on its side, or none if it swings that far by itself. Quicker ones get the same k = s / (p u), with p u how far to
-either side the pushes of a train with k = 1 swing it.
+either side the pushes of a train with k = 1 swing it; the first and the last of them get half of it, unless they are
+half as long: a mass that is pushed as long to either side only comes to rest by the second push, and drifts.
 """
 
 from __future__ import annotations
@@ -37,6 +38,7 @@ _BALANCE = 0.25  # of the strongest push: what the others may leave of its veloc
 _LOST = -np.log(OVERSHOOT - 1)  # logarithmic decrement of half a swing with that overshoot
 _DAMPING = _LOST / np.hypot(np.pi, _LOST)  # ratio where nobody chose one
 _SAMPLES = 16  # of a push, at which the way is looked at
+_AS_LONG = 0.75  # of the next push, from which on the first is no half one
 _TURNS = 0.8 * np.pi  # phase of its own swing that a push must last for it to turn back
 
 
@@ -145,9 +147,12 @@ def _find_shares(frequency, ratio: float, actions: Sequence[Action], spans: Sequ
     slow = frequency * xp.min(xp.stack([xp.asarray(each) for each in spans])) >= _TURNS
     place, speed, most, least = 0.0, 0.0, 0.0, 0.0  # of a train with pushes of 1
     near, rate, shares = 0.0, 0.0, []  # of one with the shares
-    for action, span in zip(actions, spans):
+    weights = [1.0] * len(actions)
+    weights[0] = xp.where(spans[0] > _AS_LONG * spans[1], 0.5, 1.0)
+    weights[-1] = xp.where(spans[-1] > _AS_LONG * spans[-2], 0.5, 1.0)
+    for action, span, weight in zip(actions, spans, weights):
         side = np.sign(_find_way(action) @ _find_way(actions[0]))
-        places, speeds = _answer(frequency, ratio, span, place, speed, side)
+        places, speeds = _answer(frequency, ratio, span, place, speed, weight * side)
         place, speed = places[-1], speeds[-1]
         most, least = xp.maximum(most, places.max()), xp.minimum(least, places.min())
         pushed, rising = _answer(frequency, ratio, span, 0.0, 0.0, 1.0)
@@ -156,7 +161,7 @@ def _find_shares(frequency, ratio: float, actions: Sequence[Action], spans: Sequ
         near, rate = (
             each[-1] for each in (left + side * shares[-1] * pushed, going + side * shares[-1] * rising)
         )
-    return [xp.where(slow, each, 2 / (most - least)) for each in shares]
+    return [xp.where(slow, each, weight * 2 / (most - least)) for each, weight in zip(shares, weights)]
 
 
 def _answer(frequency, ratio: float, span, place, speed, rest) -> tuple:

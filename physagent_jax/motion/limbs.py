@@ -23,6 +23,10 @@ _TOLD = 0.3  # of a unit vector, from which on parts with names tell where the f
 _OWN_SIDES = frozenset(("left", "right"))
 PLACES = ("top", "bottom", "side")
 """Roles that tell a part's place alone: a word for another part takes it where it is the only one there."""
+STEMS = frozenset(("trunk", "stem", "stalk", "pole", "mast", "post"))
+"""Words for parts that all the rest may stand on."""
+LOW = 0.15
+"""Share of the object's height below which a part stands on the ground."""
 SEATED = frozenset(("crown", "lid", "knob", "top"))
 """Roles of what sits on the rest with a broad face."""
 LOOSE = frozenset((*PLACES, "lid", "knob", "crown"))

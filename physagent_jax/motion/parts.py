@@ -150,18 +150,20 @@ def _get_noun(text: str) -> str:
 def list_names(brief: SceneBrief) -> frozenset[tuple[str, ...]]:
     """The phrases that name a part of the object: whole names, and their last words, singular and plural.
 
-    Pieces that are numbered under the object's own name ("grinder 3" of a coffee grinder) have no such word: it is all.
+    A piece that has the object's own name is no part: the name is said of all of it. Pieces that are numbered under
+    that name ("grinder 3" of a coffee grinder) have no such word.
     """
-    whole = {split_name(part.name) for part in brief.parts if part.name}
+    own = split_name(brief.object_name)
+    names = [name for part in brief.parts if part.name and (name := split_name(part.name)) != own]
+    whole = set(names)
     sided = [(name[0], name[1:]) for name in whole if len(name) > 1 and name[0] in SIDES]
     turned = {(*rest, end) for side, rest in sided for end in (side, side[0])}  # as files have it: "Arm_L"
     whole |= turned | {(side[0], *rest) for side, rest in sided}
-    own = set(split_name(brief.object_name))
-    names = [split_name(part.name) for part in brief.parts if part.name]
     last = {
-        _drop_number(name)[-1] for name in names if not (name[-1].isdigit() and own.issuperset(name[:-1]))
+        _drop_number(name)[-1] for name in names if not (name[-1].isdigit() and {*own}.issuperset(name[:-1]))
     }
-    return frozenset(whole | {(form,) for word in last for form in (word, word + "s", word + "es")})
+    words = {word for word in last if len(word) > 1}  # "chair A" is a name, and "a" alone an article
+    return frozenset(whole | {(form,) for word in words for form in (word, word + "s", word + "es")})
 
 
 def _drop_number(name: tuple[str, ...]) -> tuple[str, ...]:

@@ -227,7 +227,7 @@ class ExpectedMotion(Strict):
         leaves_place: True if a move takes the object as a whole from its place: it is thrown, it jumps, it slides or
             is carried, or it goes a told distance. False for what may as well bend an object whose foot is held.
         put_back: True if a move brings it back to where it was, or down to what it stood on.
-        may_stop_short: True if a turn over may as well end on its back: no number tells how far.
+        may_stop_short: True if a turn over may as well end on its back, and a door half open: no number tells how far.
         to_ground: True if the way ends at the ground ("bend its head down to the ground").
         counted: False if no word tells how often: ``repeats`` is then one number among many.
         jiggles: True if any change of place, tilt or shape that comes and goes is one ("wobble").

@@ -97,7 +97,8 @@ PRIORS: dict[str, Prior] = {
     ),
     "plant": Prior(
         ("plant", "ficus", "flower", "tree", "bonsai", "rose", "tulip", "carnation", "orchid", "cactus", "bush",
-         "shrub", "fern", "grass", "leaf", "sunflower", "alocasia"),
+         "shrub", "fern", "grass", "leaf", "sunflower", "alocasia", "oak", "pine", "fir", "spruce", "birch", "maple",
+         "willow", "palm", "cedar", "sapling", "conifer"),
         2.5e5, 0.3, 150.0,
         "green stems and leaves with the air between them (150 kg/m^3); stiffness chosen so that a tree of 1 m "
         "sways at between 1 and 2 Hz, as real ones do",

@@ -42,6 +42,7 @@ def found(sentence, scene=ROBOT):
         ("it collapses into a pile of wet sand", "wet sand", "collapses into a pile of wet sand"),
         ("it becomes liquid", "liquid", "becomes liquid"),
         ("the robot, made of chocolate, tips over", "chocolate", "made of chocolate"),
+        ("the gizmo is made of jelly and falls", "jelly", "made of jelly"),  # nothing else is there
     ],
 )
 def test_a_material_that_is_said_of_the_object(sentence, word, phrase):
@@ -57,6 +58,8 @@ def test_a_material_that_is_said_of_the_object(sentence, word, phrase):
         "drop it into the water",
         "it lands on a table made of wood",
         "it lands on a table, made of wood",
+        "the table is made of wood and the robot falls onto it",
+        "the arms are made of wood and wave",
         "a rubber band pulls the robot",
         "a metal rod hits the robot",
         "a metal ball hits it",

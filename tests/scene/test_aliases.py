@@ -116,6 +116,13 @@ def test_one_of_several_is_the_longest_and_all_on_a_side_are_taken():
     assert find(wheels, "press the left front tyre", "car") == {"left front tyre": "front left wheel"}
 
 
+def test_two_limbs_are_wings_before_a_rotor_is():
+    """A rotor may be called a wing where nothing else may be."""
+    rotor, (one, other) = make_parts("rotor"), make_parts("", "", roles=("arm",))
+    assert find(rotor, "wobble the wings", "airplane") == {"wings": "rotor"}
+    assert find((*rotor, one, other), "wobble the wings", "airplane") == {}
+
+
 def test_the_tallest_tree_of_trees_is_one_of_them():
     trees = make_parts(*[""] * 4, roles=("spike",))
     (alias,) = find_aliases(POINTS, trees, "bend the tallest tree", "tall trees", TOWARD)

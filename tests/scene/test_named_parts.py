@@ -98,6 +98,12 @@ def test_names_that_a_person_gave_are_told_from_machine_made_ones(raw, name):
     assert list_names([raw], ["lambert1"]) == ((name,) if name else ())
 
 
+def test_a_part_may_have_the_name_of_its_material():
+    """As cars have it: the material of all wheels is "Wheel"."""
+    told = [list_names([raw], ["Wheel"]) for raw in ("wheel_fl", "wheel", "tank_Wheel_0")]
+    assert told == [("front left wheel",), ("wheel",), ("tank",)]
+
+
 @pytest.mark.parametrize("keyword", ["g", "o"])
 def test_groups_of_an_obj_are_parts(tmp_path, keyword, figure):
     path = tmp_path / "figure.obj"

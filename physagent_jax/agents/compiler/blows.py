@@ -190,6 +190,9 @@ def _let_fall(task: Task) -> None:
     raised |= any(e.action_type is ActionType.IMPULSE and dot(e.vector, up) > 0 for e in builder.actions)
     thrown = all(effect in (*_RAISING, Effect.FALL) for effect in earlier)
     falls = thrown or builder.default_drop and Effect.STILL not in earlier
+    pose = task.event.clause.pose or task.event.motion.pose
+    if pose and pose != "down" and earlier:
+        builder.unsure.append(f"What turns it for '{task.event.text}' is not planned.")
     if falls and builder.gravity != "none":
         if not (builder.grounded and raised):
             event, height = task.event, HIGH_DROP if task.event.strength > 1 else None
@@ -202,7 +205,6 @@ def _let_fall(task: Task) -> None:
                 event.amount, height = None, MOST_DROP
             builder.drop_height = height
             builder.enable_gravity(task.event.words, "a falling object needs gravity")
-            pose = task.event.clause.pose or task.event.motion.pose
             if pose and not earlier:
                 builder.attitude = find_attitude(pose, builder.brief)
     elif not builder.grounded:

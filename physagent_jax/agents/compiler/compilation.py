@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
 from physagent_jax.agents.compiler.events import Event
 from physagent_jax.agents.compiler.interpretation import resolve_obstacles
-from physagent_jax.agents.compiler.limbs import drive_limbs, find_support
+from physagent_jax.agents.compiler.limbs import bears_all, drive_limbs, find_support
 from physagent_jax.agents.compiler.schedule import schedule
 from physagent_jax.agents.compiler.sequence import apply_holding, choose_anchor, make_events
 from physagent_jax.agents.compiler.skills import compile_slots
@@ -54,6 +54,9 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
         for each in intent.clauses
     ]
     told = [look_up(clause, list_names(brief)) for clause in clauses]
+    for event in told:
+        if bears_all(event, brief):  # "the trunk bends": so does all of the tree
+            event.parts.clear()
     known = [event for event in told if event.is_known]
     unknown = [event for event in told if not event.is_known]
     if not known and intent.held is None and intent.surroundings.gravity is None:

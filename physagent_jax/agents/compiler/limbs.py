@@ -19,7 +19,7 @@ from physagent_jax.forces.schema import ConstraintType, VelocityConstraint
 from physagent_jax.motion.detaching import detach
 from physagent_jax.motion.hinges import find_hinge
 from physagent_jax.motion.joints import Turning
-from physagent_jax.motion.limbs import LOOSE, PLACES, choose_parts, find_front, sum_directions
+from physagent_jax.motion.limbs import LOOSE, LOW, PLACES, STEMS, choose_parts, find_front, sum_directions
 from physagent_jax.motion.parts import find_named, join_rest
 from physagent_jax.motion.schema import Amount, AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.swaying import FOOT, find_fold, leads_aside, lies
@@ -29,6 +29,7 @@ _DONE = {
     ConstraintType.PARTICLE_ROTATION: "turns about its joint",
     ConstraintType.MOVING_PLATE: "is pressed by a plate of its size",
 }
+_BENDING = (Effect.LEAN, Effect.SWAY, Effect.TURN, Effect.PUSH)
 _DRIVEN = (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE)
 
 
@@ -75,6 +76,16 @@ def find_support(clauses: Sequence[Event], brief: SceneBrief, soft: bool = False
     for each in (event for event in acting if event.motion.taps):
         each.verb = replace(each.motion, effect=Effect.STRIKE)
     return AnchorRequest(kind="base", words=acting[0].words)
+
+
+def bears_all(event: Event, brief: SceneBrief) -> bool:
+    """Return whether a part that bends, sways or twists is the stem that all the rest stands on."""
+    noun = event.parts[0].text.split()[-1] if event.parts else ""
+    if noun not in STEMS or event.effect not in _BENDING or brief.object_kind == "plant":
+        return noun in STEMS and event.effect in _BENDING
+    limbs = [brief.parts[index] for index in find_limbs(event.parts[0], brief)]
+    low = [min(place[2] for place in each.moved.inside) < LOW for each in limbs if "nose" not in each.roles]
+    return low == [True] and noun not in ("stem", "stalk")  # a mushroom's bends alone
 
 
 def sticks_out(part: KnownPart) -> bool:
@@ -167,7 +178,9 @@ def _drive(
         ]
         # What was opened is closed by as much.
         angle = Amount(value=(turned or [hinge.find_angle(way, motion.strength)])[-1], unit="degrees")
-        motion = motion.model_copy(update=dict(direction=way, amount=motion.amount or angle))
+        loose = motion.amount is None and dot(way, hinge.axis) < 0  # half open is open
+        told = dict(direction=way, amount=motion.amount or angle, may_stop_short=loose)
+        motion = motion.model_copy(update=told)
     slides = part.seated and (part.origin == "place" or LOOSE.issuperset(find_roles(part.name)))
     later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > motion.window[0] + 0.5]
     return Turning(part, brief, frame_count, slides).drive(motion, min([frame_count - 1.0, *later]))

@@ -33,6 +33,7 @@ from physagent_jax.motion.windows import Window, halve, shorten
 
 SHORTEST_STROKE, _SHORTEST_SWING = 2.0, 4.0  # frames; faster ones alias in the pictures
 _PUSHED = 0.5  # of the way of what is shoved, along which it is pushed; it slides on
+_BEFORE_FALL = 0.65  # of the way, so that it has room to fall over behind it
 _DRIFTS = "The object is free and would drift on: it is braked"
 BRAKED_BEFORE = f"{_DRIFTS} before what follows."
 
@@ -226,6 +227,8 @@ def add_steady(task: Task, kind: ActionType, vector: Vector, magnitude: float) -
     gains = kind is ActionType.TORQUE and task.spin is not None or task.is_gentle or task.is_shoved
     frames = slow_down[1] - speed_up[0] if brakes else window[1] - window[0]
     magnitude *= _find_dose(task, magnitude, frames * builder.brief.frame_dt, brakes)
+    if kind is ActionType.TRANSLATION and any(each.effect is Effect.TOPPLE for each in task.after):
+        magnitude *= 1.0 if brakes or event.amount else _BEFORE_FALL
     if builder.anchored and task.is_reached_within and not task.after:
         task.act(kind, vector, magnitude, (window[0], builder.brief.last))
     elif brakes:

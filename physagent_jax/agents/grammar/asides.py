@@ -33,28 +33,11 @@ _HOVERING = (Effect.TURN, Effect.ROLL, Effect.STILL)
 _NEAR = 6  # words from a part to the one that it is on
 _REACH = 20  # words before a correction in which the corrected ones stand
 # What ends a comparison.
-_GOES_ON = (
-    MentionKind.JOIN,
-    MentionKind.TIME,
-    MentionKind.REPEAT,
-    MentionKind.QUANTITY,
-    MentionKind.SENSE,
-    MentionKind.FROM,
-    MentionKind.SOLID,
-)
+_GOES_ON = (MentionKind.JOIN, MentionKind.TIME, MentionKind.REPEAT, MentionKind.QUANTITY)
+_GOES_ON += (MentionKind.SENSE, MentionKind.FROM, MentionKind.SOLID)
 # Motions whose form is told by the verb, so that a comparison adds nothing; how fast a fall is, it would tell.
-_SHAPED = frozenset(
-    {
-        Effect.SWAY,
-        Effect.TURN,
-        Effect.LEAN,
-        Effect.TOPPLE,
-        Effect.SCALE,
-        Effect.SWELL,
-        Effect.BURST,
-        Effect.JUMP,
-    }
-)
+_SHAPED = frozenset((Effect.SWAY, Effect.TURN, Effect.LEAN, Effect.TOPPLE, Effect.SCALE, Effect.SWELL))
+_SHAPED |= {Effect.BURST, Effect.JUMP}
 
 
 def list_segments(mentions: list[Mention]) -> list[tuple[int, int]]:
@@ -114,7 +97,14 @@ def _is_done_by_another(segment: list[Mention], names: frozenset[str]) -> bool:
     another = subject > 0 and segment[subject - 1].phrase in ("a", "an", "the")
     if not told or not another or any(m.phrase in own for m in segment[:at]):
         return False
-    behind = [m.phrase for m in segment[at + 1 : at + 3]]
+    verb = segment[at].motion
+    after = segment[at + 1 : at + 6]
+    if verb is not None and verb.effect in (
+        Effect.SCALE,
+        Effect.STRIKE,
+    ):  # "a plate presses down on the robot"
+        after = [m for m in after if m.phrase not in ("down", "on", "onto", "upon", "against")]
+    behind = [m.phrase for m in after[:2]]
     thing = behind[1:] if behind and behind[0] in get_set("determiners") else behind[:1]
     return not set(thing) & (names | get_set("objects"))  # "a crane lifts the robot"
 
@@ -227,7 +217,10 @@ def _find_model(mentions: list[Mention]) -> str | None:
 
 def _is_telling(verb: Motion) -> bool:
     """Return whether a verb says what form its motion has; which way a stretch goes, a comparison may tell."""
-    shaped = verb.effect in _SHAPED or verb.direction in ("up", "down")  # "floats like a feather"
+    paced = verb.effect is Effect.PUSH and (
+        verb.strength != 1 or verb.direction == "ahead"
+    )  # "scurries", "walks"
+    shaped = paced or verb.effect in _SHAPED or verb.direction in ("up", "down")  # "floats like a feather"
     return not verb.generic and shaped and not (verb.effect is Effect.SCALE and verb.sign > 0)
 
 

@@ -270,10 +270,12 @@ def _is_locating_cause(reader: Reader, words: tuple[str, ...]) -> bool:
 
 
 def _is_describing_object(reader: Reader, at: int, size: int) -> bool:
-    """Return whether an adjective belongs to the object, as in "the heavy robot", not to a motion."""
+    """Return whether an adjective belongs to the object or a part, as in "its little wings", not to a motion."""
     behind = [reader.get_text(at + size + step) for step in range(LONGEST_GAP)]
     noun = next((word for word in behind if word not in LEXICON.intensities), "")
-    return reader.is_after_determiner(at) and noun in reader.names
+    owned = reader.is_after_determiner(at) or at > 0 and reader.tokens[at - 1].possessive
+    part = noun.removesuffix("s") in LEXICON.part_nouns or (noun,) in reader.parts
+    return owned and (noun in reader.names or part)
 
 
 def _is_asked(reader: Reader, at: int) -> bool:

@@ -62,14 +62,8 @@ def _read_once(reader: Reader, at: int) -> Mention | None:
 
 def _read_nothing(reader: Reader, at: int) -> Mention | None:
     """Reads "first nothing, then it falls": a time in which it is still."""
-    if reader.get_text(at) != "nothing" or reader.get_text(at + 1) not in (
-        ",",
-        ";",
-        ".",
-        "then",
-        "for",
-        "at",
-    ):
+    behind = (",", ";", ".", "then", "for", "at")
+    if reader.get_text(at) != "nothing" or reader.get_text(at + 1) not in behind:
         return None
     return reader.make_mention(MentionKind.VERB, LEXICON.motions["wait"], "wait", [at])
 
@@ -97,9 +91,12 @@ def _read_prevention(reader: Reader, at: int) -> Mention | None:
 def _read_state(reader: Reader, at: int) -> Mention | None:
     """An adjective that says what was before: "the fallen robot"; "the floating robot" is weightless."""
     token = reader.tokens[at]
+    verb, behind = LEXICON.motions.get(token.lemma), reader.get_text(at + 1)
+    hangs = verb is not None and verb.effect is Effect.HOLD and token.text.endswith("ing")
+    if hangs and (behind in LEXICON.parts or behind.removesuffix("s") in LEXICON.part_nouns):
+        return reader.make_mention(MentionKind.FUNCTION, None, "state", [at])  # "the lowest hanging branch"
     if not reader.is_after_determiner(at) or reader.get_text(at + 1) not in reader.names:
         return None
-    verb = LEXICON.motions.get(token.lemma)
     if verb is not None and verb.floats and token.text.endswith("ing"):
         return reader.make_mention(MentionKind.GRAVITY, "none", token.text, [at])
     done = token.text != token.lemma and not token.text.endswith(("ing", "s"))

@@ -189,6 +189,10 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
     """Merges an effect with its cause; returns it where it stays a clause of its own."""
     first, second = get_verb(cause.head), get_verb(effect.verb)
     drops = first.effect is Effect.FALL and not first.gives and second.effect in (Effect.ROLL, Effect.PUSH)
+    if first.gravity and second.effect is Effect.ROLL and effect.verb is not None:  # what is in the air turns
+        effect.verb = replace(effect.verb, value=(second := LEXICON.motions["tumble"]), phrase="tumble")
+        if cause.verb is not None and (across := LEXICON.motions.get(f"{cause.verb.phrase} across")):
+            cause.verb = replace(cause.verb, value=across)  # "throw it so that it tumbles across the floor"
     another = second.effect is Effect.TURN and first.gravity  # "toss it so that it flips"
     another |= drops  # "drop it so that it rolls"
     another = (
@@ -220,6 +224,8 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
         ends = second.effect in (Effect.STILL, Effect.RELEASE) or is_end(first, second)
         effect.join = Join.THEN if ends or drops else Join.WHILE
         return [effect]
+    if first.effect is Effect.SCALE and first.sign < 0 and second.effect is Effect.SWELL:
+        return []  # "press it until it bulges": it does so by itself
     driven = first.effect in DRIVING and first.direction is None
     sized = driven and second.effect in (Effect.SCALE, Effect.SWELL)  # "pull it until it is longer"
     _absorb(cause, effect, second.generic and not sized and not second.angle)

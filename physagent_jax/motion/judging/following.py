@@ -40,7 +40,7 @@ _REST_SHARE = {False: 0.75, True: 0.4}
 """Share of the moving end's motion that the other may show: a part drags the rest along; an excepted one hardly
 moves."""
 _PRESSED_REST = 0.15  # the same of an end that is pressed or drawn along itself
-_TO_ITS_BACK = 210.0  # [degrees] short of a whole turn, what rolls over has come to lie on its back
+_ENOUGH = 0.42  # of such an angle: what rolls over has come to lie on its back, and what opens stands open
 _OPENED = 12.0  # [degrees] that what opens or closes is turned by at least
 _ASKEW = 15.0  # [degrees] off an angle that is only told from what is foreshortened, and half of a small one
 _WORDS = read_words()
@@ -103,7 +103,7 @@ def _check_quantity(asked: Asked) -> list[Check]:
     if tolerance.unit == "degrees" and asked.askew:
         tolerance = tolerance.widened(min(_ASKEW, 0.5 * motion.amount.value))
     if tolerance.unit == "degrees" and motion.may_stop_short:
-        tolerance = dataclasses.replace(tolerance, low=min(tolerance.low, motion.amount.value - _TO_ITS_BACK))
+        tolerance = dataclasses.replace(tolerance, low=min(tolerance.low, _ENOUGH * motion.amount.value))
     until, figure = asked.until if motion.released or motion.sudden else last, asked.figure
     if tolerance.unit == "degrees" and motion.kind is not MotionKind.ROTATE:
         figure = "rotation"

@@ -6,7 +6,7 @@ Programs name what nobody has named ("Object.001", "mesh_0", "pCube3"), add word
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from physagent_jax.forces.part import MOST_LETTERS, split_name
 
@@ -24,6 +24,7 @@ _PRIMITIVES = frozenset(
     cube pcube sphere psphere cylinder pcylinder plane pplane cone pcone torus ptorus icosphere circle box capsule grid
     """.split()
 )
+_SIDES = frozenset({"left", "right", "front", "back", "rear"})
 _MOST_NUMBERS = 3  # in a name
 _RIG = frozenset(
     """
@@ -78,7 +79,7 @@ def _read_limb(raw: str) -> str:
     words = [word for word in words if word not in _RIG and word not in _MACHINE]
     if not _TRUNK.isdisjoint(words):
         return ""
-    sides = [word for word in words if word in ("left", "right", "front", "back", "rear")]
+    sides = [word for word in words if word in _SIDES]
     rest = tuple(word for word in words if word not in sides)
     if len(rest) > 1 and rest[0] == "hand":
         rest = rest[1:]  # "LeftHandThumb1"
@@ -102,12 +103,18 @@ def _read_name(raw: str, looks: set[tuple[str, ...]]) -> str:
     words = split_name(raw)
     for size in range(len(words), 0, -1):  # "lid_lambert1_0": the material's name, and a number
         if words[-size:] in looks or words[-1].isdigit() and words[-size:-1] in looks:
-            words = words[:-size]
+            if _tell(words[:-size]) or any(word.isdigit() for word in words[-size:]):
+                words = words[:-size]  # a material may have the thing's name: "wheel_fl" of "Wheel"
             break
     words = [word for word in words if word not in _MACHINE]
     if sum(word.isdigit() for word in words) > _MOST_NUMBERS:  # a checksum
         return ""
-    told = {word for word in words if not word.isdigit() and word not in ("left", "right") and len(word) > 1}
+    told = _tell(words)
     if not told or told <= _PRIMITIVES and any(word.isdigit() for word in words):
         return ""
     return " ".join(str(int(word)) if word.isdigit() else word for word in words)[:MOST_LETTERS]
+
+
+def _tell(words: Sequence[str]) -> set[str]:
+    """The words of a name that say what something is: no numbers, letters, sides or a machine's words."""
+    return {word for word in words if not word.isdigit() and word not in _SIDES | _MACHINE and len(word) > 1}

@@ -198,6 +198,12 @@ def _list_candidates(parts: Sequence[Part], noun: str, *, limbs: bool = False) -
     """Places of the parts that a noun may mean: those called so, then those of like names, then limbs if asked for."""
     named = [(index, _get_noun(part)) for index, part in enumerate(parts) if part.name]
     same, near = (read_groups(kind).get(noun, frozenset()) for kind in ("same", "near"))
+    own_roles = _read_limbs().get(noun, ())[:2]
+    pairs = (
+        [k for k, each in enumerate(parts) if not each.name and each.roles[:1] == (r,)] for r in own_roles
+    )
+    if any(len(pair) == 2 for pair in pairs):
+        near = frozenset()  # the two limbs of an airplane are its wings, whatever its rotor is called
     for wanted in ({noun}, same, near):
         found = [(index, own) for index, own in named if own in wanted]
         if found:
