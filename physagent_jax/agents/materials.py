@@ -244,14 +244,9 @@ class _Finder:
         """Return whether a noun is the object: by its name, or as one that may name it and is no place of anything."""
         noun = self._get(at)
         known = noun in self.names or (noun in self.nouns and not self._is_placed(at))
-        return known or self._is_only_subject(at)
-
-    def _is_only_subject(self, at: int) -> bool:
-        """Return whether the sentence begins with a noun that is not known and with no other name of the object."""
-        noun, begins = self._get(at), self._back(at, self.before) < 0
-        stated = self._get(at + 1) in self.around["being"]
+        only = self._get(at + 1) in self.around["being"] and self._back(at, self.before) < 0 < at
         apart = noun in self.around["parts"] or not self.names.isdisjoint(self.tokens)
-        return at > 0 and begins and stated and not apart and self._is_noun(at)
+        return known or only and not apart and self._is_noun(at)  # "the gizmo is made of jelly"
 
     def _is_placed(self, at: int) -> bool:
         """Return whether a preposition stands before a noun: it is the place of something."""

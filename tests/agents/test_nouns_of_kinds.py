@@ -14,6 +14,8 @@ NOUNS = [
     ("boat", "vehicle", "the sailboat rocks to the left"),
     ("st-peter", "object", "the saint falls over"),
     ("demosthenes", "object", "the orator falls over"),
+    ("deer", "object", "the deer head hops up"),  # of a trophy, all of it
+    ("robot", "robot", "the robot bobbles back and forth"),
 ]
 
 

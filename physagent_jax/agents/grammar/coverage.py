@@ -353,6 +353,7 @@ _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
     (_is_a_particle, False),
     (_is_a_known_word, True),
     (lambda spot: spot.word in get_set("remains") and spot.motion is not None, True),
+    (lambda s: s.word == "head" and s.mentions[s.index - 1].words in s.names and s.motion is None, True),
     (_is_a_path, False),
     (_is_heading, True),
     (_is_in_a_fragment, True),
