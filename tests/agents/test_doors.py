@@ -137,3 +137,10 @@ def test_words_that_go_with_open_tell_the_same_motion(verb):
     reply = compile_intent(read_intent(f"the door {verb}", make_wall()), make_wall())
     (motion,) = reply.expectations
     assert motion.kind is MotionKind.ROTATE and motion.repeats == 1
+
+
+def test_what_opens_may_stop_half_way_and_what_closes_may_not():
+    """No number tells how far: a lid that stands half open is open, and one that is half shut is not shut."""
+    asked = ("open the lid", "close the lid")
+    told = [compile_intent(read_intent(text, make_chest()), make_chest()).expectations for text in asked]
+    assert [[each.may_stop_short for each in motions] for motions in told] == [[True], [False]]

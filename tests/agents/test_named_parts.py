@@ -175,3 +175,29 @@ def test_a_piece_of_a_part_goes_with_it_and_is_not_moved_twice():
         arms += [whole.model_copy(update=regions), make_part(f"{side} viking arm", (x, 0, 0))]
     reply = read("the viking raises both arms", *arms)
     assert {each.limb for each in reply.expectations} == {0, 2}
+
+
+def test_a_piece_with_the_objects_own_name_is_all_of_it():
+    """A fridge's body is the node "fridge_A": it waddles with its doors, and "A glass fridge" names no part."""
+    body, door = make_part("fridge a"), make_part("door", (1, 0, 0))
+    for sentence in ("the fridge slides to the left", "A glass fridge slides to the left"):
+        limbs, doubts = find_limbs(sentence, body, door, object_name="fridge A", world="ground")
+        assert limbs == [None] and not doubts
+
+
+def test_an_adjective_of_a_part_does_not_weaken_its_motion():
+    told = [
+        read(f"the {each}tail sways", make_part("tail")).expectations for each in ("", "little ", "huge ")
+    ]
+    assert [[(each.limb, each.strength) for each in motions] for motions in told] == [[(0, 1.0)]] * 3
+
+
+@pytest.mark.parametrize("sentence", ["the trunk bends to the right", "the stem sways", "twist the trunk"])
+def test_the_stem_of_a_plant_takes_the_plant_along(sentence):
+    """All the rest stands on it: held still, it would keep the stem from moving."""
+    trunk, crown = make_part("trunk", (0, 0, -1)), make_part("crown", (0, 0, 1))
+    plant = dict(object_name="tree", object_kind="plant", world="ground", anchored="rooted")
+    assert [each.limb for each in read(sentence, trunk, crown, **plant).expectations] == [None]
+    assert [each.limb for each in read("bend the crown to the left", trunk, crown, **plant).expectations] == [
+        1
+    ]

@@ -238,3 +238,10 @@ def test_a_wheelie_is_done_and_ended():
     reply = read("the thing does a wheelie and then drops back down", stand(**LONG))
     (turn,) = reply.expectations
     assert turn.kind is MotionKind.ROTATE and turn.released and not reply.unsure
+
+
+def test_a_pose_of_a_fall_that_comes_later_is_doubted():
+    """Nothing turns it in the air: it falls as it is, and must not be called a success."""
+    assert read("it rises and then crashes down nose first", stand()).unsure
+    assert not read("it crashes down nose first", stand()).unsure
+    assert not read("it rises and then crashes down", stand()).unsure

@@ -225,3 +225,20 @@ def test_what_goes_on_at_the_landing_comes_after_the_fall(prompt, kinds):
     assert [e.kind for e in reply.expectations] == kinds.split() and reply.anchor.kind is None
     starts = [e.window[0] for e in reply.expectations]
     assert starts == sorted(starts) and starts[-1] > 0
+
+
+def test_what_slides_and_then_topples_has_room_to_fall():
+    """A whole push took it to the wall of the space that is simulated, which it then leant on."""
+    alone, before = (
+        read(text, CHESS).force_field.actions[0].magnitude
+        for text in ("the knight slides to the right", "the knight slides to the right and then topples over")
+    )
+    assert before < 0.7 * alone
+
+
+@pytest.mark.parametrize(
+    "prompt", ["the knight waddles forward like a sleepy penguin", "yank the knight up like a carrot"]
+)
+def test_a_likeness_of_a_telling_verb_is_no_doubt(prompt):
+    assert not read(prompt, CHESS).unsure
+    assert read("the knight moves like a sleepy penguin", CHESS).unsure

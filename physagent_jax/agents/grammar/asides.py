@@ -97,12 +97,9 @@ def _is_done_by_another(segment: list[Mention], names: frozenset[str]) -> bool:
     another = subject > 0 and segment[subject - 1].phrase in ("a", "an", "the")
     if not told or not another or any(m.phrase in own for m in segment[:at]):
         return False
-    verb = segment[at].motion
-    after = segment[at + 1 : at + 6]
-    if verb is not None and verb.effect in (
-        Effect.SCALE,
-        Effect.STRIKE,
-    ):  # "a plate presses down on the robot"
+    verb, after = segment[at].motion, segment[at + 1 : at + 6]
+    # "A plate presses down on the robot."
+    if verb is not None and verb.effect in (Effect.SCALE, Effect.STRIKE):
         after = [m for m in after if m.phrase not in ("down", "on", "onto", "upon", "against")]
     behind = [m.phrase for m in after[:2]]
     thing = behind[1:] if behind and behind[0] in get_set("determiners") else behind[:1]
@@ -217,9 +214,8 @@ def _find_model(mentions: list[Mention]) -> str | None:
 
 def _is_telling(verb: Motion) -> bool:
     """Return whether a verb says what form its motion has; which way a stretch goes, a comparison may tell."""
-    paced = verb.effect is Effect.PUSH and (
-        verb.strength != 1 or verb.direction == "ahead"
-    )  # "scurries", "walks"
+    # "scurries", "walks"
+    paced = verb.effect is Effect.PUSH and (verb.strength != 1 or verb.direction == "ahead")
     shaped = paced or verb.effect in _SHAPED or verb.direction in ("up", "down")  # "floats like a feather"
     return not verb.generic and shaped and not (verb.effect is Effect.SCALE and verb.sign > 0)
 
