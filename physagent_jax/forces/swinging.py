@@ -147,9 +147,9 @@ def _find_shares(frequency, ratio: float, actions: Sequence[Action], spans: Sequ
     slow = frequency * xp.min(xp.stack([xp.asarray(each) for each in spans])) >= _TURNS
     place, speed, most, least = 0.0, 0.0, 0.0, 0.0  # of a train with pushes of 1
     near, rate, shares = 0.0, 0.0, []  # of one with the shares
-    weights = [1.0] * len(actions)
-    weights[0] = xp.where(spans[0] > _AS_LONG * spans[1], 0.5, 1.0)
-    weights[-1] = xp.where(spans[-1] > _AS_LONG * spans[-2], 0.5, 1.0)
+    first = xp.where(spans[0] > _AS_LONG * spans[1], 0.5, 1.0)
+    last = xp.where(spans[-1] > _AS_LONG * spans[-2], 0.5, 1.0)
+    weights = [first, *[1.0] * (len(actions) - 2), last]
     for action, span, weight in zip(actions, spans, weights):
         side = np.sign(_find_way(action) @ _find_way(actions[0]))
         places, speeds = _answer(frequency, ratio, span, place, speed, weight * side)
