@@ -2,6 +2,7 @@
 
 import json
 import struct
+import sys
 
 import jax.numpy as jnp
 import numpy as np
@@ -321,12 +322,68 @@ def test_sparse_accessors_move_the_vertices_that_they_name(tmp_path):
     np.testing.assert_allclose(read_mesh(write(tmp_path, "a.glb", builder.glb())).bounds[1], [3, 3, 0])
 
 
-def test_compressed_gltf_is_refused_in_words(tmp_path):
+def compress(positions, faces, texture_coordinates) -> tuple[GltfBuilder, int]:
+    """A file whose mesh is compressed by Google's own encoder, and the view that holds it."""
+    DracoPy = pytest.importorskip("DracoPy")
+    data = DracoPy.encode(positions, faces, quantization_bits=16, tex_coord=texture_coordinates.astype(float))
+    packed = {each["attribute_type"]: each["unique_id"] for each in DracoPy.decode(data).attributes}
+    kinds = DracoPy.AttributeType
     builder = GltfBuilder()
-    builder.add_node(builder.add_primitive())
+    material = builder.add_material(
+        texture=builder.add_texture(np.uint8([[[255, 0, 0], [0, 0, 255]]])), doubleSided=True
+    )
+    part = builder.add_primitive(positions, faces.ravel(), material, TEXCOORD_0=texture_coordinates)
+    for accessor in builder.tree["accessors"]:
+        del accessor["bufferView"]
+    names = {"POSITION": packed[kinds.POSITION], "TEXCOORD_0": packed[kinds.TEX_COORD]}
+    view = builder.add_view(data)
+    part["extensions"] = {"KHR_draco_mesh_compression": {"bufferView": view, "attributes": names}}
+    builder.add_node(part, translation=[0, 0, 5])
     builder.tree["extensionsRequired"] = ["KHR_draco_mesh_compression"]
-    with pytest.raises(UserError, match="compressed.*KHR_draco.*without compression"):
+    return builder, view
+
+
+def make_hills() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Vertices of a hilly square, its triangles, and texture coordinates."""
+    u, v = (each.ravel() for each in np.mgrid[0:1:9j, 0:1:9j])
+    k = np.arange(81).reshape(9, 9)
+    halves = (k[:-1, :-1], k[1:, :-1], k[1:, 1:]), (k[:-1, :-1], k[1:, 1:], k[:-1, 1:])
+    faces = np.concatenate([np.stack(each, -1).reshape(-1, 3) for each in halves]).astype(np.uint16)
+    heights = np.sin(5 * u) * np.cos(3 * v)
+    return np.stack([u, heights, v], -1).astype(np.float32), faces, np.stack([u, v], -1).astype(np.float32)
+
+
+def test_draco_is_read_as_the_same_mesh_uncompressed(tmp_path):
+    positions, faces, coordinates = make_hills()
+    builder, _ = compress(positions, faces, coordinates)
+    (part,) = read_parts(write(tmp_path, "a.glb", builder.glb()))
+    assert part.faces.shape == faces.shape
+    # Vertices may come in another order; the triangles are the same ones, to the encoder's 16 bits.
+    corners = np.sort(part.vertices[part.faces].mean(1) - [0, 0, 5], axis=0)
+    np.testing.assert_allclose(corners, np.sort(positions[faces].mean(1), axis=0), atol=1e-4)
+    count = len(part.faces)
+    colours = part.look.evaluate(part.faces, np.arange(count), np.full((count, 3), 1 / 3))
+    middles = part.vertices[part.faces].mean(1)[:, 0]
+    red, blue = colours[middles < 0.2], colours[middles > 0.8]
+    assert (red[:, 0] > red[:, 2]).all() and (blue[:, 2] > blue[:, 0]).all()
+
+
+@pytest.mark.parametrize("kind", ["cut", "count", "absent"])
+def test_broken_draco_is_refused_in_words(tmp_path, monkeypatch, kind):
+    builder, view = compress(*make_hills())
+    place = builder.tree["bufferViews"][view]
+    if kind == "cut":
+        place["byteLength"] //= 3
+    if kind == "count":
+        builder.tree["accessors"][0]["count"] += 1
+    if kind == "absent":
+        monkeypatch.setitem(sys.modules, "DracoPy", None)
+    said = {"cut": "no valid glTF.*Draco", "count": "no valid glTF.*82", "absent": r"DracoPy.*\[draco\]"}
+    with pytest.raises(UserError, match=said[kind]):
         read_parts(write(tmp_path, "a.glb", builder.glb()))
+
+
+def test_compressed_gltf_is_refused_in_words(tmp_path):
     # As gltfpack writes it: the second buffer is what comes out, and nothing of it is in the file.
     tree = {
         "asset": {"version": "2.0"},

@@ -16,6 +16,7 @@ import numpy as np
 from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import check_counts, decode_json
 from physagent_jax.scene.mesh_formats.base import Neighbours
+from physagent_jax.scene.mesh_formats.gltf_draco import decode_primitives
 
 MOST_VERTICES = 50_000_000  # of all nodes together: one mesh may stand in many places
 MAGIC = b"glTF"
@@ -23,7 +24,7 @@ _TYPES = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126:
 _SHAPES = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT2": 4, "MAT3": 9, "MAT4": 16}
 _JSON = 0x4E4F534A
 _DATA_URI = "base64,"
-_COMPRESSED = ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression")
+_COMPRESSED = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -33,10 +34,12 @@ class Document:
     Attributes:
         tree: Its JSON.
         buffers: Its buffers.
+        decoded: Values of accessors that are compressed, by their index.
     """
 
     tree: dict[str, Any]
     buffers: list[bytes]
+    decoded: dict[int, np.ndarray] = dataclasses.field(default_factory=dict)
 
     def get_view(self, index: int) -> bytes:
         """Bytes of a view of a buffer."""
@@ -55,7 +58,9 @@ class Document:
         accessor = self.tree["accessors"][index]
         dtype, width = np.dtype(_TYPES[accessor["componentType"]]), _SHAPES[accessor["type"]]
         count = accessor["count"]
-        if "bufferView" in accessor:
+        if index in self.decoded:
+            values = self.decoded[index]
+        elif "bufferView" in accessor:
             stride = self.tree["bufferViews"][accessor["bufferView"]].get("byteStride", 0)
             data = self.get_view(accessor["bufferView"])
             values = _read_rows(data, accessor.get("byteOffset", 0), stride, count, width, dtype)
@@ -135,7 +140,7 @@ def read_gltf(data: bytes, place: str, beside: Neighbours, inside: list[bytes] |
         views = _check_views(tree, place, [len(buffer) for buffer in document.buffers])
         _check_accessors(tree, place, views)
         _check_nodes(tree, place)
-    return document
+        return dataclasses.replace(document, decoded=decode_primitives(tree, document.get_view, place))
 
 
 @contextlib.contextmanager
