@@ -38,7 +38,7 @@ _PLAIN = 45.0  # [degrees] that a plain word turns a limb by
 _LEAST, _MOST = 15.0, 80.0  # [degrees]
 _RAISED, _LOWERED = 15.0, -50.0  # [degrees] over the horizon, where a plain word brings a limb up or down to
 _FARTHEST = 120.0  # [degrees] that it turns by for that
-_SWAYS = 0.6  # of a plain angle, to either side of a limb that goes to and fro
+_SWAYS = 0.75  # of a plain angle, to either side of a limb that goes to and fro
 _SEEN = 0.08  # [body lengths] that its tip goes to either side at least, so that it is seen
 _WIDEST = 30.0  # [degrees] that a short one swings by for that at most
 _ALONG = 0.85  # cosine to the limb from which on a way leads along it
@@ -198,6 +198,17 @@ class Turning:
         if returns:  # what is stiff, or lies where it was brought, would not come back by itself
             made.append(self.bring(way, motion, -angle, back, until if until > back[1] else None))
         return made, motion.model_copy(update=dict(direction=course))
+
+    def undo(
+        self, done: ExpectedMotion, motion: ExpectedMotion, until: float
+    ) -> tuple[list[VelocityConstraint], ExpectedMotion]:
+        """As `drive`, for a motion that takes the limb back from where ``done`` has brought it."""
+        done = self._face(done)
+        way = done.direction or self.swing
+        angle = self.find_angle(done, None if self.part.origin == "place" else self.find_axis(way), way)
+        window, course = self._find_window(motion, until), scale(self.find_course(way, angle), -1.0)
+        made = self.bring(way, done, -angle, window, until if until > window[1] else None)
+        return [made], motion.model_copy(update=dict(direction=course))
 
     def _find_spun(self, motion: ExpectedMotion, axis: Vector) -> float:
         """The turn of a wheel about its axle, or of a dish about the upright on what bears it [degrees]; else 0."""

@@ -106,7 +106,8 @@ def explain_guess(
 
     What a person or the file names is certain. A shape tells a role; not so its place alone, a role of which it says
     that it may as well be another one, one of a pair where all are meant, or one of several where there is but one.
-    A place is certain where the word is for what is there ("the dish"), or the part alone may have the word's role.
+    A place is certain where the word is for what is there ("the dish"), or the part alone may have the word's role;
+    what alone sticks out of an object is its handle, if it has one.
 
     Args:
         text: The word in the sentence.
@@ -124,7 +125,8 @@ def explain_guess(
     several = bool(set(part.roles[:1]) & set(_SINGLE)) and len(rivals) > 1 and not plural
     faint = any(parts[index].unsure for index in guessed)
     meant = next((role for role in roles if role in part.roles), _get_noun(text))
-    own = meant not in PLACES or meant == roles[0]
+    lone = "handle" in roles and sum(each.origin == "shape" for each in parts) == 1
+    own = lone or meant not in PLACES or meant == roles[0]
     said = own and [index for index, each in enumerate(parts) if meant in each.roles] == sorted(guessed)
     clear = (said or set(part.roles[:1]).isdisjoint(PLACES)) and not faint
     if clear and not several and not (plural and len(chosen) == 1 and part.roles):

@@ -40,6 +40,7 @@ _USELESS = {
 _WHOLE = (Effect.ROLL, Effect.BURST, Effect.TOPPLE, Effect.JUMP, Effect.FALL)
 _ONCE = (Effect.FALL, Effect.TOPPLE, Effect.ROLL, Effect.BURST, Effect.RELEASE, Effect.STILL)
 _STEEP = 0.7  # cosine to the vertical
+_OWN_PARTS = {"nod": "head", "wag": "tail", "flap": "wings"}  # what does it where no part is named
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 
 
@@ -65,7 +66,12 @@ def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     event.sources["active_time"] = _describe_time(event)
     _take_part(event, brief)
     partial = bool(event.limbs or event.region)
-    able = {"": True, "limp": brief.object_kind in _LIMP, "part": partial, "whole": not partial}
+    able = {
+        "": True,
+        "limp": brief.object_kind in _LIMP or bool(event.limbs),
+        "part": partial,
+        "whole": not partial,
+    }
     if not able[event.motion.by] or event.motion.gives and event.clause.solids:
         event.doubts.append(f"How '{event.words}' is done is not understood.")
     event.obstacles += resolve_obstacles(event.clause.solids, event.direction, brief)
@@ -331,17 +337,23 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
     hinged = event.motion.manner == "hinge" and not (event.parts or event.excluded) and find_hinged(brief)
     if hinged:  # "close the laptop"
         event.parts = [KnownPart(NAMED, brief.parts[hinged[0]].name, event.words)]
+    own = _OWN_PARTS.get(event.phrase)
+    if own and not (event.parts or event.excluded):
+        part = KnownPart(read_lexicon().parts[own], own, own)
+        event.parts = [part] if find_limbs(part, brief) else []
     named = [*event.parts, *event.excluded]
     opposite = event.effect is Effect.TURN and len({each.place.names for each in event.parts}) == 2
-    if len(named) > 1 and not opposite:  # "one end against the other"
-        words = ", ".join(each.text for each in named)
+    texts = dict.fromkeys(each.text for each in named)
+    if len(texts) > 1 and not opposite:  # "one end against the other"
+        words = ", ".join(texts)
         event.doubts.append(f"Of several parts ({words}) only the first is used.")
     whole = event.effect in (Effect.FALL, Effect.TOPPLE)
     if not named or whole and named[0].place.names == ("down",) and event.parts:
         return  # "lands on its feet", as it stood
     place, event.excludes_part = named[0].place, not event.parts
     if event.parts and not (event.effect is Effect.STRIKE and named[0].phrase in read_lexicon().fronts):
-        event.limbs = hinged or find_limbs(named[0], brief)  # a blow on the belly drives all of it away
+        # A blow on the belly drives all of it away.
+        event.limbs = hinged or _find_bearers(named[0], event, brief) or find_limbs(named[0], brief)
     if event.effect is Effect.TURN:  # of all wheels, a steering wheel has no axle
         event.limbs = tuple(k for k in event.limbs if brief.parts[k].axle) or event.limbs
     if event.limbs:
@@ -393,6 +405,17 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         event.region = make_end_region(scale(event.part, -1.0), 1.0 - place.start)
     else:
         event.region = make_end_region(event.part, place.start)
+
+
+def _find_bearers(part: KnownPart, event: Event, brief: SceneBrief) -> tuple[int, ...]:
+    """The arms that wave, raise or lower hands; none if nothing of that is asked."""
+    *side, noun = part.phrase.split()
+    arm = {"hand": "arm", "hands": "arms", "fist": "arm", "fists": "arms"}.get(noun)
+    waved = event.phrase.startswith("wave") or event.effect in (Effect.PUSH, Effect.LEAN)
+    if arm is None or not waved:
+        return ()
+    names = [" ".join((*side, arm)), " ".join((*part.text.lower().split()[:-1], arm))]
+    return find_limbs(KnownPart(part.place, *names), brief)
 
 
 def _swing_on_hinge(event: Event, brief: SceneBrief) -> bool:

@@ -29,6 +29,7 @@ _DONE = {
     ConstraintType.PARTICLE_ROTATION: "turns about its joint",
     ConstraintType.MOVING_PLATE: "is pressed by a plate of its size",
 }
+_AGAINST = -0.7  # cosine of the way back
 _BENDING = (Effect.LEAN, Effect.SWAY, Effect.TURN, Effect.PUSH)
 _DRIVEN = (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE)
 
@@ -183,4 +184,16 @@ def _drive(
         motion = motion.model_copy(update=told)
     slides = part.seated and (part.origin == "place" or LOOSE.issuperset(find_roles(part.name)))
     later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > motion.window[0] + 0.5]
-    return Turning(part, brief, frame_count, slides).drive(motion, min([frame_count - 1.0, *later]))
+    until, turning = min([frame_count - 1.0, *later]), Turning(part, brief, frame_count, slides)
+    before = [e for e in asked if e.limb == motion.limb and e.window[1] <= motion.window[0] + 0.5]
+    if before and _is_undone(before[-1], motion):
+        return turning.undo(before[-1], motion, until)
+    return turning.drive(motion, until)
+
+
+def _is_undone(done: ExpectedMotion, motion: ExpectedMotion) -> bool:
+    """Return whether a motion takes a limb back where it was: it is lifted, then lowered again."""
+    ways = done.direction, motion.direction
+    plain = not (done.released or done.sudden or motion.sudden or motion.amount or done.manner == "hinge")
+    moves = done.kind is motion.kind is MotionKind.MOVE and plain and done.repeats < 2
+    return moves and None not in ways and cosine(ways[0], ways[1]) < _AGAINST

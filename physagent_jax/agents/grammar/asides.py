@@ -20,6 +20,7 @@ from physagent_jax.agents.grammar.mentions import (
     has_motion,
 )
 from physagent_jax.agents.grammar.poses import read_landings, read_poses
+from physagent_jax.agents.grammar.subjects import read_subjects
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.lexicon import Effect, Join, Motion
 
@@ -37,7 +38,7 @@ _GOES_ON = (MentionKind.JOIN, MentionKind.TIME, MentionKind.REPEAT, MentionKind.
 _GOES_ON += (MentionKind.SENSE, MentionKind.FROM, MentionKind.SOLID)
 # Motions whose form is told by the verb, so that a comparison adds nothing; how fast a fall is, it would tell.
 _SHAPED = frozenset((Effect.SWAY, Effect.TURN, Effect.LEAN, Effect.TOPPLE, Effect.SCALE, Effect.SWELL))
-_SHAPED |= {Effect.BURST, Effect.JUMP}
+_SHAPED |= {Effect.BURST, Effect.JUMP, Effect.ROLL}
 
 
 def list_segments(mentions: list[Mention]) -> list[tuple[int, int]]:
@@ -362,4 +363,5 @@ PASSES = (
     read_locations,
     read_stances,
     read_looks,
+    read_subjects,
 )

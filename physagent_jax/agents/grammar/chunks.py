@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from physagent_jax.agents.grammar.measures import make_moment
 from physagent_jax.agents.grammar.mentions import Mention, MentionKind, Reader, get_last_motion
 from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set
+from physagent_jax.agents.grammar.tokens import FORMS
 from physagent_jax.agents.lexicon import Effect, Join, Motion, Place
 
 GAP = "~"
@@ -171,8 +172,10 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
     before, text, behind = (reader.get_text(place) for place in (at - 1, at, used[-1] + 1))
     if kind is MentionKind.PLACE:
         assert isinstance(value, Place)
-        possessive = at > 0 and reader.tokens[at - 1].possessive and before not in get_set("persons")
-        owned = before in get_set("owners_of_parts") or possessive
+        owner = _find_owner(reader, at)
+        possessive = owner >= 0 and reader.tokens[owner].possessive
+        possessive &= reader.get_text(owner) not in get_set("persons")
+        owned = reader.get_text(owner) in get_set("owners_of_parts") or possessive
         # "Lifts a leg", "one arm".
         owned |= any(m.kind is MentionKind.VERB and m.first == at - 2 for m in reader.mentions)
         owned |= before == "one" and reader.get_text(at - 2) not in ("with", "by", "of")
@@ -217,6 +220,17 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
     if plural and before in get_set("before_nouns"):
         return True  # "on waves"
     return " ".join(words) in LEXICON.nouns and (described and article or before in ("the", "its", "a"))
+
+
+def _find_owner(reader: Reader, at: int) -> int:
+    """Index of the word before a noun and its adjectives: "the kid's" of "the kid's big head"."""
+    for before in range(at - 1, at - LONGEST_GAP, -1):
+        text = reader.get_text(before)
+        plain = text not in LEXICON.words | LEXICON.agents | FORMS.keys() | reader.names
+        adjective = text in LEXICON.intensities or plain and text.isalpha()
+        if before < 0 or reader.tokens[before].possessive or not adjective:
+            return before
+    return at - 1
 
 
 def _is_standing(reader: Reader, at: int) -> bool:
@@ -273,7 +287,8 @@ def _is_describing_object(reader: Reader, at: int, size: int) -> bool:
     """Return whether an adjective belongs to the object or a part, as in "its little wings", not to a motion."""
     behind = [reader.get_text(at + size + step) for step in range(LONGEST_GAP)]
     noun = next((word for word in behind if word not in LEXICON.intensities), "")
-    owned = reader.is_after_determiner(at) or at > 0 and reader.tokens[at - 1].possessive
+    owner = _find_owner(reader, at)
+    owned = reader.get_text(owner) in get_set("determiners") or owner >= 0 and reader.tokens[owner].possessive
     part = noun.removesuffix("s") in LEXICON.part_nouns or (noun,) in reader.parts
     return owned and (noun in reader.names or part)
 

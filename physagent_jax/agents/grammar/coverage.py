@@ -261,7 +261,8 @@ def _names_a_part(spot: _Spot) -> bool:
     owned = named or owner.phrase in get_set("pronouns_of_owners")
     owned |= spot.get(1) in ("of", "on") and not own.isdisjoint(map(spot.get, range(2, 6)))
     part = spot.word in LEXICON.unplaced or spot.word.removesuffix("s") in LEXICON.part_nouns
-    if after and after[0].kind is MentionKind.UNKNOWN or not (owned or part and owner.phrase == "the"):
+    noun = after and after[0].kind is MentionKind.UNKNOWN and not after[0].phrase.startswith("wide")
+    if noun or not (owned or part and owner.phrase == "the"):
         return False
     start = at - (named and get_phrase(spot.mentions, at - 1) in get_set("determiners"))
     before = spot.mentions[max(start - 1, 0)]

@@ -120,8 +120,8 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
             continue
         if clause.join is Join.COMMA:
             clause.join = _find_comma(merged, clause)
-        if clause.join is Join.RESULT and before.has(Effect.STILL):
-            clause.join = Join.THEN  # "nothing happens until it is hit"
+        if clause.join in (Join.RESULT, Join.AND) and before.has(Effect.STILL):
+            clause.join = Join.THEN  # "nothing happens until it is hit", "it stops and shakes"
         if clause.join is Join.RESULT and _is_first_of_steps(clause, clauses[index + 1 :]):
             clause.join = Join.THEN
         if clause.stays and not clause.modifiers and before.has(get_verb(clause.verb).effect):

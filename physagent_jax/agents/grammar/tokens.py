@@ -61,6 +61,9 @@ def tokenise(sentence: str) -> tuple[Token, ...]:
         dash = word in ("-", "\u2013", "\u2014") and not text[match.end() : match.end() + 1].isdigit()
         word = {"ca": "can", "wo": "will"}.get(word, word) if negated else _SIGNS.get(word, word)
         word = "," if dash else word  # "push it left - gently"
+        turns = word == "round" and bool(tokens) and tokens[-1].lemma in FORMS.values()
+        turns = turns and not text[match.end() :].startswith(" and round")
+        word = "around" if turns else word  # "spins round"
         tokens.append(Token(word, FORMS.get(word, word), match.start(), match.end(), suffix == "s"))
         if negated:
             tokens.append(Token("not", "not", match.start(), match.end()))

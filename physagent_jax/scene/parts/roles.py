@@ -31,7 +31,7 @@ _NOSE, _TRUNK = 1.5, 0.1  # slimness of a trunk, at least; share of the object, 
 _TAIL = 0.06  # length over the object's, at least
 _LEAST = 0.1  # the same of wings and arms, where no head is found
 _END = 0.18  # of the length, from the middle to what lies at an end of the object
-_EAR_END, _TOP = 0.15, 0.8  # of the length from the middle, and of the height, beyond which ears are
+_EAR_END, _TOP = 0.15, 0.75  # of the length from the middle, and of the height, beyond which ears are
 _ALIKE = 0.9  # likeness to its image from which on an object is clearly its own
 _TINY = 0.03  # share of the object, above which nothing is an ear of a head that is not found
 _UNDER = 0.15  # of the length, by which the feet of what stands on two legs may be off its middle
@@ -226,7 +226,9 @@ class Roles:
     def _name_pairs(self, found: Told) -> Told:
         """Arms, wings, and the ears of a head that is not found; larger pairs first."""
         named: Told = {}
-        for k, j in self.pairs:
+        for k, j in (*self.pairs, *self.pairs):  # ears are told by the wings or arms below them
+            if k in named:
+                continue
             limb, other, told = self.limbs[k], self.limbs[j], found | named
             if any(not is_free(self.limbs, each, told) or is_lump(self.limbs, each) for each in (k, j)):
                 continue
