@@ -29,6 +29,9 @@ _DONE = {
     ConstraintType.PARTICLE_ROTATION: "turns about its joint",
     ConstraintType.MOVING_PLATE: "is pressed by a plate of its size",
 }
+_FOLIAGE = ("leaves", "fronds", "branches", "foliage")
+_LEAVES = ("side", "arm", "wing", "ear", "horn", "tail", "spike")  # roles of shapes that a plant's may have
+_LEAF = 0.2  # share of a plant, at most
 _AGAINST = -0.7  # cosine of the way back
 _BENDING = (Effect.LEAN, Effect.SWAY, Effect.TURN, Effect.PUSH)
 _DRIVEN = (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE)
@@ -49,6 +52,12 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     adjective, _, noun = (
         part.phrase.rpartition(" ") if part.phrase not in read_lexicon().parts else ("", "", part.phrase)
     )
+    if noun in _FOLIAGE and brief.object_kind == "plant" and not adjective:
+        leaves = [
+            k for k, p in enumerate(brief.parts) if p.roles and p.roles[0] in _LEAVES and p.share < _LEAF
+        ]
+        if len(leaves) > 2:  # a palm's, a potted plant's
+            return tuple(leaves)
     said = noun if adjective else part.text.lower()
     roles = find_roles(noun) or ([said] if said not in PLACES else [])
     side, front = None, find_front(brief.parts)
@@ -193,7 +202,7 @@ def _drive(
 
 def _is_undone(done: ExpectedMotion, motion: ExpectedMotion) -> bool:
     """Return whether a motion takes a limb back where it was: it is lifted, then lowered again."""
-    ways = done.direction, motion.direction
+    first, then = done.direction, motion.direction
     plain = not (done.released or done.sudden or motion.sudden or motion.amount or done.manner == "hinge")
     moves = done.kind is motion.kind is MotionKind.MOVE and plain and done.repeats < 2
-    return moves and None not in ways and cosine(ways[0], ways[1]) < _AGAINST
+    return moves and first is not None and then is not None and cosine(first, then) < _AGAINST

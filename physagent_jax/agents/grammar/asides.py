@@ -20,7 +20,7 @@ from physagent_jax.agents.grammar.mentions import (
     has_motion,
 )
 from physagent_jax.agents.grammar.poses import read_landings, read_poses
-from physagent_jax.agents.grammar.subjects import read_subjects
+from physagent_jax.agents.grammar.subjects import read_subjects, sticks_out
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.lexicon import Effect, Join, Motion
 
@@ -306,6 +306,14 @@ def read_locations(mentions: list[Mention], _names: frozenset[str]) -> list[Ment
     """
     result, hinged = list(mentions), False
     for at, mention in enumerate(mentions):
+        behind = next((m for m in mentions[at + 1 :] if m.kind is not MentionKind.FUNCTION), mention)
+        if (
+            at > 0
+            and mention.form == "of"
+            and mentions[at - 1].kind is MentionKind.PLACE
+            and sticks_out(behind)
+        ):
+            result[at - 1] = empty(mentions[at - 1])  # "the tip of its tail": that turns
         hinged |= mention.motion is not None and mention.motion.manner == "hinge"
         on = at > 0 and mention.form == "on" and mentions[at - 1].kind is MentionKind.PLACE
         if not on and not (hinged and mention.form in ("onto", "against", "over")):

@@ -194,7 +194,7 @@ def _is_a_particle(spot: _Spot) -> bool:
     falls = spot.motion is not None and spot.motion.effect in (Effect.FALL, Effect.TOPPLE)
     lifted = spot.word == "off" and spot.motion is not None and spot.motion.bound
     behind = {m.kind for m in spot.mentions[spot.index : spot.index + 4]}
-    told = MentionKind.SOLID in behind or spot.get(1) == "to" and MentionKind.DIRECTION in behind
+    told = MentionKind.SOLID in behind or spot.get(1)[:2] == "to" and MentionKind.DIRECTION in behind
     return spot.word in get_set("particles") and not (falls or lifted or told)
 
 
@@ -321,7 +321,7 @@ def _is_in_a_fragment(spot: _Spot) -> bool:
 
 def _is_describing(spot: _Spot) -> bool:
     """An adjective: "the old robot", "the polished floor", "the howling wind", "the slender neck"."""
-    noun = spot.skip(1)
+    noun = spot.skip(1, frozenset(LEXICON.intensities))
     if noun is None:
         return False
     known = noun.phrase in spot.names | get_set("stand_ins") or noun.form in LEXICON.scene_nouns

@@ -23,6 +23,8 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
         segment = mentions[begin:end]
         verb = next((at for at, each in enumerate(segment) if each.kind is MentionKind.VERB), None)
         places = [at for at, each in enumerate(segment) if each.kind is MentionKind.PLACE]
+        if part is not None or places:  # "it raises one arm and points up"
+            segment = [empty(each) if each.form in ("point", "points") else each for each in segment]
         if part is not None and places and segment[places[0]].words.lower().endswith(" one"):
             segment[places[0]] = _name_one(segment[places[0]], part)
             if verb is None and is_plural(
@@ -38,9 +40,9 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
                 verb += at <= verb and not taken
                 places = [at]
         leads = bool(places) and verb is not None and places[0] < verb
-        if places and _sticks_out(segment[places[0]]):
+        if places and sticks_out(segment[places[0]]):
             part, subject = replace(segment[places[0]]), leads
-        if leads and verb is not None and _sticks_out(segment[places[0]]):
+        if leads and verb is not None and sticks_out(segment[places[0]]):
             segment = _let_droop(segment, places[0], verb)
         before = {each.phrase for each in segment[:verb]} if verb is not None else set()
         own = not leads and bool(before & (names | get_set("pronouns"))) or own and not before
@@ -48,8 +50,9 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
     return result
 
 
-def _sticks_out(mention: Mention) -> bool:
-    own = mention.value
+def sticks_out(mention: Mention) -> bool:
+    """Return whether a mention names a part that sticks out of the object, and no end of it."""
+    own = mention.value if mention.kind is MentionKind.PLACE else None
     place = own if own == NAMED else LEXICON.parts.get(_get_noun(mention), own)
     return isinstance(place, Place) and bool(place.role) and place.names != ("down",)
 
