@@ -80,7 +80,7 @@ _WHEELED, _FAST = 360.0, 2.0  # [degrees] that it turns a wheel; times that, of 
 _NECKED = frozenset(("head", "face", "neck"))  # words for what does not turn so far
 _CURLING = frozenset(("curl", "coil"))  # begins of words for what bends over all of its length
 _JAWS = frozenset(("jaw", "mouth"))  # words for what opens downwards
-_OWN_WAYS = dict(forward=1.0, forwards=1.0, backward=-1.0, backwards=-1.0)  # as it looks, and the other way
+_OWN_WAYS = dict(forward=1.0, forwards=1.0, backward=-1.0, backwards=-1.0, back=-1.0)  # as it looks, and the other way
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them
 _TIME = 1.0  # [s] in which a limb gets where it goes, at most; less strongly is slower
 Window = tuple[float, float]

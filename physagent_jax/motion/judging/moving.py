@@ -40,6 +40,7 @@ _SEEN_OFF = (
 _SINKS = 0.4  # share of what its middle sinks by as it tips over that is seen at least
 _ALL_BACK = 1.25  # of the way that it had come: something that is put back where it was may go so far
 _ASIDE = 0.22  # [body lengths] that it may wander to either side as it tips over
+_TOPPLED = 60.0  # [degrees] off the way down that its middle may go as it tips over
 _LANDED = 0.8  # of its way down, from where on what topples lies
 _TURNED = 0.6  # of its way that is enough of a limb which is seen to turn
 _MIDDLE = 0.5  # of the way down of its top that its middle goes as it tips over
@@ -225,7 +226,8 @@ def check_fall(asked: Asked) -> list[Check]:
             way = reject(way, across, -_ASIDE, _ASIDE)
     checks = []
     if norm(way) >= view.visible:
-        checks.append(compare_direction(asked, "which way does it fall?", way, wanted=down))
+        within = _TOPPLED if topples else SAME_WAY  # where it lands then, its lean tells
+        checks.append(compare_direction(asked, "which way does it fall?", way, wanted=down, within=within))
     words = f"{fallen:.2g} body lengths downwards"
     if motion.amount is None or motion.amount.unit == "seconds":
         checks.append(compare_amount(asked, "how far does it fall?", tolerance, fallen, words))

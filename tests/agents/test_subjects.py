@@ -1,0 +1,159 @@
+"""Sentences that go on with a part they have named, and parts that fall, hang or are told by what they do."""
+
+import pytest
+
+from physagent_jax.forces.schema import ConstraintType
+from physagent_jax.motion.schema import MotionKind
+from physagent_jax.motion.vectors import cosine, dot
+from tests.agents.scenes import brief
+from tests.agents.scenes import read as read_whole
+from tests.agents.test_limbs import HEAD, LEFT_ARM, RIGHT_ARM, make_part, read
+
+DOWN = (0.0, 0.0, -1.0)
+MOVE, SWAY = MotionKind.MOVE, MotionKind.SWAY
+
+
+def list_limbs(reply):
+    """The kind of each expected motion with its limb."""
+    return [(each.kind, each.limb) for each in reply.expectations]
+
+
+@pytest.mark.parametrize(
+    ("sentence", "told"),
+    [
+        ("the robot's arms rise and wobble", [(MOVE, 0), (MOVE, 1), (SWAY, 0), (SWAY, 1)]),
+        ("someone pulls its arms up and they wobble", [(MOVE, 0), (MOVE, 1), (SWAY, 0), (SWAY, 1)]),
+        ("its arms flap three times, then bend down", [(SWAY, 0), (SWAY, 1), (MOVE, 0), (MOVE, 1)]),
+        ("the robot lifts its left arm and lowers it again", [(MOVE, 0), (MOVE, 0)]),
+        ("its left arm hangs down limply while the right one flaps", [(MOVE, 0), (SWAY, 1)]),
+        ("its arms twitch quickly, first the left one, then the right one", [(SWAY, 0), (SWAY, 1)]),
+        ("it raises its left arm and points up at the sky", [(MOVE, 0)]),
+        ("the tip of its left arm rises", [(MOVE, 0)]),
+    ],
+)
+def test_a_part_is_not_named_twice(sentence, told):
+    reply = read(sentence)
+    assert sorted(list_limbs(reply), key=str) == sorted(told, key=str)
+    assert not reply.unsure
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "someone hits the robot's head and it falls over",
+        "the robot waves its left arm and jumps",
+        "push its left arm down, then the robot slides to the right",
+    ],
+)
+def test_the_object_itself_is_no_part(sentence):
+    assert list_limbs(read(sentence))[-1][1] is None
+
+
+@pytest.mark.parametrize(
+    "verb", ["drops down", "flops down", "falls to its side", "hangs down limply", "collapses"]
+)
+def test_a_part_that_falls_or_hangs_turns_down_about_its_joint(verb):
+    reply = read(f"its left arm {verb}")
+    (motion,), (made,) = reply.expectations, reply.force_field.constraints
+    assert (motion.kind, motion.limb) == (MOVE, 0) and dot(motion.direction, DOWN) > 0.5
+    assert made.constraint_type is ConstraintType.PARTICLE_ROTATION
+    assert not reply.unsure
+
+
+def test_what_falls_on_a_part_falls():
+    reply = read("the robot falls on its left arm")
+    assert MotionKind.FALL in [each.kind for each in reply.expectations]
+
+
+def test_a_part_that_is_lowered_again_goes_back_by_as_much():
+    reply = read("the robot lifts its left arm and lowers it again")
+    up, down = reply.expectations
+    assert up.window[1] <= down.window[0] + 0.5 and cosine(up.direction, down.direction) < -0.99
+    first, second = reply.force_field.constraints
+    turns = [each.magnitude * (each.active_time[1] - each.active_time[0]) for each in (first, second)]
+    axes = cosine(first.vector, second.vector)
+    assert turns[0] * turns[1] * axes < 0 and abs(turns[0]) == pytest.approx(abs(turns[1]), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    ["the robot's big shiny head wobbles", "its huge round head wobbles", "the robot's head wobbles"],
+)
+def test_adjectives_may_stand_between_an_owner_and_a_part(sentence):
+    assert list_limbs(read(sentence)) == [(SWAY, 2)]
+
+
+@pytest.mark.parametrize(
+    ("sentence", "name"),
+    [
+        ("the robot waves its left hand", "left arm"),
+        ("the robot raises its left hand", "left arm"),
+        ("its left hand twists", "left hand"),
+    ],
+)
+def test_hands_are_waved_and_raised_by_arms(sentence, name):
+    parts = [LEFT_ARM.model_copy(update=dict(name=each, roles=())) for each in ("left arm", "left hand")]
+    (limb,) = {each.limb for each in read(sentence, *parts).expectations}
+    assert parts[limb].name == name
+
+
+def test_what_a_head_does_is_done_by_the_head_where_there_is_one():
+    assert list_limbs(read("the robot nods twice")) == [(SWAY, 2)]
+    assert list_limbs(read("the robot nods twice", LEFT_ARM, RIGHT_ARM)) == [(SWAY, None)]
+
+
+def test_the_leaves_of_a_plant_move_one_by_one():
+    sides = [(1, 0, 0.2), (-1, 0, 0.2), (0, 1, 0.2), (0, -1, 0.2)]
+    fronds = [make_part("arm", tuple(0.3 * c for c in side), tuple(c / 1.02 for c in side)) for side in sides]
+    reply = read("the leaves droop down", *fronds, object_kind="plant")
+    assert [each.limb for each in reply.expectations] == [0, 1, 2, 3]
+    assert all(dot(each.direction, DOWN) > 0.5 for each in reply.expectations)
+    few = read("the leaves droop down", *fronds[:2], object_kind="plant")  # the rest of them is not found
+    assert [each.limb for each in few.expectations] == [None]
+
+
+@pytest.mark.parametrize("word", ["handle", "end of the handle"])
+def test_what_alone_sticks_out_is_the_handle(word):
+    side, rim = make_part("side", (0.3, 0, 0), (1, 0, 0)), make_part("side", (0, 0.3, 0), (0, 1, 0))
+    assert not read(f"push the {word} up", side).unsure
+    assert read(f"push the {word} up", side, rim).unsure
+
+
+def test_the_rest_stays_still_where_a_part_moves_alone():
+    assert not read("the robot turns its head while the rest of the body stays still").unsure
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "the robot rolls away like a barrel",
+        "the chubby little robot falls over",
+        "drop the robot so that it clangs",
+        "the robot hops on the spot",
+    ],
+)
+def test_what_tells_no_motion_is_no_doubt(sentence):
+    reply = read_whole(sentence)
+    assert not reply.unsure and reply.expectations
+
+
+def test_round_is_around():
+    turned = [read_whole(f"the robot spins {word} twice").expectations for word in ("round", "around")]
+    assert turned[0] == turned[1] and turned[0][0].amount.value == 720
+
+
+def test_what_stops_and_shakes_stops_first():
+    still, shakes = read_whole("the robot slides to the right, then stops and shakes").expectations[1:]
+    assert (still.kind, shakes.kind) == (MotionKind.STILL, SWAY)
+    assert still.window[1] <= shakes.window[0] + 1
+
+
+def test_a_noun_of_its_kind_is_the_object_on_the_spot():
+    scene = brief(object_name="skater male", object_kind="object", object_nouns=("boy", "spot"))
+    (leap, *_) = read_whole("boy hops on the spot three times", scene).expectations
+    assert (leap.kind, leap.repeats) == (MOVE, 3)
+
+
+def test_a_mouth_that_is_not_known_is_asked_for():
+    reply = read("it opens its mouth wide", LEFT_ARM, HEAD)
+    assert any("mouth" in each for each in reply.unsure + reply.unknown_parts)
