@@ -40,7 +40,7 @@ _RAISED, _LOWERED = 15.0, -50.0  # [degrees] over the horizon, where a plain wor
 _FARTHEST = 120.0  # [degrees] that it turns by for that
 _SWAYS = 0.75  # of a plain angle, to either side of a limb that goes to and fro
 _SEEN = 0.08  # [body lengths] that its tip goes to either side at least, so that it is seen
-_WIDEST = 30.0  # [degrees] that a short one swings by for that at most
+_WIDEST = 40.0  # [degrees] that a short one swings by for that at most
 _ALONG = 0.85  # cosine to the limb from which on a way leads along it
 _REACH = 0.3  # of its length, by which a plain word moves a limb along itself
 _DENTED = 0.6  # the same of a region that is pressed into what it is one skin with
@@ -72,6 +72,7 @@ _WIDE = 4.0  # standard deviations of a disc in its diameter
 _ZONE = 1.25  # widths of the limb, over which it bends beside its joint
 _SHORT = 0.6  # of its length, at most
 _STRAIN = 0.85  # [1] of the skin on the outside of a bend, at most
+_CREASED = 30.0  # [degrees] that it is turned by though its skin creases, so that it is seen
 _WRUNG = 40.0  # [degrees] that what is twisted is turned by, as the rest below it is twisted as well
 _STEEPEST = 1.5  # slope of u^2 (3 - 2 u) in its middle
 _BORDER = 3.0  # standard deviations of the neck, within which the rest borders on the part
@@ -80,7 +81,10 @@ _WHEELED, _FAST = 360.0, 2.0  # [degrees] that it turns a wheel; times that, of 
 _NECKED = frozenset(("head", "face", "neck"))  # words for what does not turn so far
 _CURLING = frozenset(("curl", "coil"))  # begins of words for what bends over all of its length
 _JAWS = frozenset(("jaw", "mouth"))  # words for what opens downwards
-_OWN_WAYS = dict(forward=1.0, forwards=1.0, backward=-1.0, backwards=-1.0, back=-1.0)  # as it looks, and the other way
+_SLOW = ("slow", "gradual", "lazi")  # begins of words for the pace alone
+_OWN_WAYS = dict(
+    forward=1.0, forwards=1.0, backward=-1.0, backwards=-1.0, back=-1.0
+)  # as it looks, and the other way
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them
 _TIME = 1.0  # [s] in which a limb gets where it goes, at most; less strongly is slower
 Window = tuple[float, float]
@@ -278,15 +282,16 @@ class Turning:
         """
         if motion.amount is not None and motion.amount.unit == "degrees":
             return motion.amount.value
-        angle = clamp(
-            (_CURLED if self.curls else _PLAIN) * motion.strength, _LEAST, _CURLED if self.curls else _MOST
-        )
+        slow = any(each.startswith(_SLOW) for each in split_name(motion.words))
+        strength = max(motion.strength, 1.0) if slow else motion.strength  # as far as else, in more time
+        plain, most = (_CURLED, _CURLED) if self.curls else (_PLAIN, _MOST)
+        angle = clamp(plain * strength, _LEAST, most)
         rise = 0.0 if way is None else dot(way, self.brief.directions.up)
         if axis is None:
             return angle
         if abs(rise) > _ALONG and not motion.sudden and "leg" not in self.part.roles[:1]:
             wanted = _RAISED - self.height if rise > 0 else self.height - _LOWERED
-            angle = clamp(wanted * min(motion.strength, 1.0), angle, _FARTHEST)
+            angle = clamp(wanted * min(strength, 1.0), angle, _FARTHEST)
         if motion.to_ground and rise < -_ALONG:
             return min(self._find_way_down(axis), self._find_zone(axis)[1])
         curls = _CURLS if self.supple and not self.curls else 1.0
@@ -334,7 +339,7 @@ class Turning:
         if not width:
             return 0.0, math.inf
         depth = length if self.supple else min(_ZONE * width, _SHORT * length)
-        least = _WRUNG if across is None else _LEAST
+        least = _WRUNG if across is None else _CREASED
         return depth, max(math.degrees(2 * _STRAIN * depth / (_STEEPEST * width)), least)
 
     def _bend(self, made: VelocityConstraint, depth: float) -> VelocityConstraint:

@@ -41,6 +41,7 @@ _WHOLE = (Effect.ROLL, Effect.BURST, Effect.TOPPLE, Effect.JUMP, Effect.FALL)
 _ONCE = (Effect.FALL, Effect.TOPPLE, Effect.ROLL, Effect.BURST, Effect.RELEASE, Effect.STILL)
 _STEEP = 0.7  # cosine to the vertical
 _OWN_PARTS = {"nod": "head", "wag": "tail", "flap": "wings"}  # what does it where no part is named
+_BEARERS = dict(hand="arm", hands="arms", fist="arm", fists="arms", head="neck")
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 
 
@@ -367,8 +368,10 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
             return
         limb = Turning(part, brief, brief.frame_count)
         assumed = event.sources["vector"].why.endswith(BY_DEFAULT)
+        beside = any("side to side" in each.text.lower() for each in event.clause.repetitions)
+        assumed |= beside and not {"tail", "head"}.isdisjoint(roles[:1])  # to its own sides
         kicks = event.effect is Effect.STRIKE and "leg" in roles[:1] and not event.pick(*WAYS)
-        if kicks or assumed and event.effect is Effect.SWAY and event.motion.direction is None:
+        if kicks or assumed and event.effect is Effect.SWAY and (beside or event.motion.direction is None):
             _turn(event, limb.swing, "across the part")
         elif assumed and (event.motion.wrings or part.axle and event.effect is Effect.TURN):
             _turn(event, part.axle or limb.arm, "about the part's own line")
@@ -408,14 +411,23 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
 
 
 def _find_bearers(part: KnownPart, event: Event, brief: SceneBrief) -> tuple[int, ...]:
-    """The arms that wave, raise or lower hands; none if nothing of that is asked."""
+    """The arms that wave, raise or lower hands, the neck that does a head; none if nothing of that is asked."""
     *side, noun = part.phrase.split()
-    arm = {"hand": "arm", "hands": "arms", "fist": "arm", "fists": "arms"}.get(noun)
+    bearer, steep = (
+        _BEARERS.get(noun),
+        abs(dot(event.direction or brief.directions.right, brief.directions.up)),
+    )
     waved = event.phrase.startswith("wave") or event.effect in (Effect.PUSH, Effect.LEAN)
-    if arm is None or not waved:
+    if (
+        bearer is None
+        or not waved
+        or bearer == "neck"
+        and (event.effect is not Effect.PUSH or steep < _STEEP)
+    ):
         return ()
-    names = [" ".join((*side, arm)), " ".join((*part.text.lower().split()[:-1], arm))]
-    return find_limbs(KnownPart(part.place, *names), brief)
+    phrase, text = (" ".join((*words, bearer)) for words in (side, part.text.lower().split()[:-1]))
+    limbs = find_limbs(KnownPart(part.place, phrase, text), brief)
+    return limbs if bearer != "neck" or any(brief.parts[k].name == bearer for k in limbs) else ()
 
 
 def _swing_on_hinge(event: Event, brief: SceneBrief) -> bool:
