@@ -81,6 +81,10 @@ _WHEELED, _FAST = 360.0, 2.0  # [degrees] that it turns a wheel; times that, of 
 _NECKED = frozenset(("head", "face", "neck"))  # words for what does not turn so far
 _CURLING = frozenset(("curl", "coil"))  # begins of words for what bends over all of its length
 _JAWS = frozenset(("jaw", "mouth"))  # words for what opens downwards
+_LIMP, _CREASES = (
+    ("droop", "flop", "hang", "wilt", "fall", "drop"),
+    60.0,
+)  # begins of words; [degrees] for them
 _SLOW = ("slow", "gradual", "lazi")  # begins of words for the pace alone
 _OWN_WAYS = dict(
     forward=1.0, forwards=1.0, backward=-1.0, backwards=-1.0, back=-1.0
@@ -295,7 +299,8 @@ class Turning:
         if motion.to_ground and rise < -_ALONG:
             return min(self._find_way_down(axis), self._find_zone(axis)[1])
         curls = _CURLS if self.supple and not self.curls else 1.0
-        return min(angle * curls, self._find_zone(axis)[1])
+        limp = _CREASES * any(each.startswith(_LIMP) for each in split_name(motion.words))
+        return min(angle * curls, max(self._find_zone(axis)[1], limp))
 
     def _find_way_down(self, axis: Vector) -> float:
         """The angle about an axis at which it meets the ground, or is nearly as low as it can be [degrees]."""

@@ -1,5 +1,6 @@
 """Sentences that go on with a part they have named, and parts that fall, hang or are told by what they do."""
 
+import numpy as np
 import pytest
 
 from physagent_jax.forces.schema import ConstraintType
@@ -7,7 +8,7 @@ from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import cosine, dot
 from tests.agents.scenes import brief
 from tests.agents.scenes import read as read_whole
-from tests.agents.test_limbs import HEAD, LEFT_ARM, RIGHT_ARM, make_part, read
+from tests.agents.test_limbs import HEAD, LEFT_ARM, RIGHT_ARM, find_turn, make_part, read
 
 DOWN = (0.0, 0.0, -1.0)
 MOVE, SWAY = MotionKind.MOVE, MotionKind.SWAY
@@ -157,3 +158,32 @@ def test_a_noun_of_its_kind_is_the_object_on_the_spot():
 def test_a_mouth_that_is_not_known_is_asked_for():
     reply = read("it opens its mouth wide", LEFT_ARM, HEAD)
     assert any("mouth" in each for each in reply.unsure + reply.unknown_parts)
+
+
+def test_a_head_is_lowered_by_the_neck_that_bears_it():
+    neck = make_part("head", (-0.2, 0, 0.2), (-0.8, 0, 0.6)).model_copy(update=dict(name="neck"))
+    head = make_part("head", (-0.1, 0, 0), (-1, 0, 0)).model_copy(update=dict(name="head"))
+    assert list_limbs(read("the horse lowers its head", neck, head)) == [(MOVE, 0)]
+    assert read("the horse turns its head to the left", neck, head).expectations[0].limb == 1
+    assert list_limbs(read("the horse lowers its head", head)) == [(MOVE, 0)]
+
+
+def measure_turn(reply):
+    """The angle [degrees] that the first constraint turns by, and the frames that it takes."""
+    made = reply.force_field.constraints[0]
+    return float(np.linalg.norm(find_turn(made))), made.active_time[1] - made.active_time[0]
+
+
+def test_what_turns_slowly_turns_as_far():
+    (plain, short), (slow, long), (slight, _) = (
+        measure_turn(read(f"the robot {word} raises its left arm")) for word in ("", "slowly", "slightly")
+    )
+    assert slow == pytest.approx(plain, rel=0.05) and long > 1.2 * short
+    assert slight < 0.8 * plain
+
+
+def test_a_tail_goes_to_its_own_sides():
+    """It points away from the viewer's left and right where the object stands so."""
+    tail = make_part("tail", (0.3, 0, 0), (1, 0, 0))
+    assert abs(read("it swishes its tail from side to side", tail).expectations[0].direction[1]) > 0.9
+    assert abs(read("it swishes its tail up and down", tail).expectations[0].direction[2]) > 0.9

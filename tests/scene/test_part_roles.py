@@ -78,6 +78,11 @@ BIG_EARS = [
     *(((0, 0.15 * k, 0.1), (0, 0.28 * k, -0.1), 0.04) for k in SIDES),
     *(((-0.02, 0.1 * k, -0.3), (0.12, 0.1 * k, -0.3), 0.07) for k in SIDES),
 ]
+IMP = [
+    ((0, 0, 0), (0.3, 0.3, 0.32)),
+    *(((0, 0.17 * k, 0.22), (0, 0.36 * k, 0.4), 0.07) for k in SIDES),
+    *(((-0.12, 0.42 * k, 0.05), (0.025, 0.2, 0.1)) for k in SIDES),
+]
 TRUNK = ((0.2, 0, 0.4), (0.38, 0, 0.12), 0.05)
 CACTUS = [
     ((0, 0, -0.5), (0, 0, 0.5), 0.15),
@@ -113,9 +118,10 @@ def list_roles(points):
         (FIGURE, "arm arm ear ear head leg leg"),
         (BIG_EARS, "arm arm ear ear head leg leg"),
         (FISH, "nose tail wing wing"),
+        (IMP, "ear ear wing wing"),
         (CAKE, "spike spike spike spike spike"),
     ],
-    ids="cat plane figure big_ears fish cake".split(),
+    ids="cat plane figure big_ears fish imp cake".split(),
 )
 def test_limbs_are_called_what_a_person_calls_them(shapes, roles, degrees):
     """A tail that stands up is no head, a tailplane no wing, an arm no ear; whichever way the thing is turned."""

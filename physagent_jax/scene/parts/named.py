@@ -31,9 +31,6 @@ _WHEELS = frozenset("wheel wheels tyre tire tyres tires gear cog pulley roller r
 _JOINTED = frozenset(
     "arm arms forearm leg legs shin foot hand wing wings tail head neck ear horn trunk antenna finger thumb".split()
 )  # words for what turns about its joint, however short it is
-_HINGED = frozenset(
-    ("tail", "ear", "horn", "arm", "wing", "nose", "leg")
-)  # roles of what turns about a joint
 _FORELEG = re.compile(r"\barm$")
 _SAME = 0.5  # overlap (intersection over union) from which on a shape is the part that is named
 
@@ -203,12 +200,7 @@ def join_parts(points: np.ndarray, named: Sequence[Part], shapes: Sequence[Part]
         same = int(np.argmax(overlaps)) if overlaps and max(overlaps) > _SAME else None
         if same is not None:
             taken.add(same)
-            shape = shapes[same]
-            part = part.model_copy(update=dict(roles=shape.roles))  # its name is certain
-            if part.seated and not shape.seated and _HINGED.issuperset(part.roles[:1]):
-                # What touches the rest beside its joint, as a tail that hangs down.
-                told = dict(joint=shape.joint, arm=shape.arm, seated=False)
-                part = part.model_copy(update=told)
+            part = part.model_copy(update=dict(roles=shapes[same].roles))  # its name is certain
             if part.roles[:1] == ("leg",):  # rigs of animals have arms in front
                 part = part.model_copy(update=dict(name=_FORELEG.sub("front leg", part.name)))
         found.append(part)
