@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from physagent_jax.agents.grammar.mentions import LOOSE, Mention, MentionKind, empty
 from physagent_jax.agents.grammar.tables import LEXICON, get_set
@@ -14,40 +14,52 @@ _BESIDE = (*LOOSE, MentionKind.FUNCTION, MentionKind.PACE)
 _LIMP = "droop"
 
 
+@dataclass(frozen=True)
+class _Part:
+    """The part that was named last.
+
+    Attributes:
+        mention: Its mention.
+        leads: Whether it moved by itself: "the horns bend".
+        own: Whether the object itself moved it: "the horse lifts its leg".
+    """
+
+    mention: Mention
+    leads: bool
+    own: bool
+
+    @property
+    def several(self) -> bool:
+        """Return whether it is a plural."""
+        return is_plural(self.mention.words)
+
+
 def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
     """Names the part again that a verb goes on with, and lets a part that falls droop: it hangs on the rest."""
     result: list[Mention] = []
-    part, subject, own = None, False, False
+    part: _Part | None = None
     begins = [0, *(at for at, mention in enumerate(mentions) if mention.kind is MentionKind.JOIN)]
     for begin, end in zip(begins, [*begins[1:], len(mentions)]):
         segment = mentions[begin:end]
-        verb = next((at for at, each in enumerate(segment) if each.kind is MentionKind.VERB), None)
-        places = [at for at, each in enumerate(segment) if each.kind is MentionKind.PLACE]
-        if part is not None or places:  # "it raises one arm and points up"
+        if part is not None:
+            if part.several and _chooses_one(segment):  # "its ears twitch, first the left one"
+                result = [empty(each) if each == part.mention else each for each in result]
+            segment = _name_again(_name_one(segment, part.mention), part, names)
+        verb, place = _find(segment, MentionKind.VERB), _find(segment, MentionKind.PLACE)
+        if place is not None or part is not None:  # "it raises one arm and points up"
             segment = [empty(each) if each.form in ("point", "points") else each for each in segment]
-        if part is not None and places and segment[places[0]].words.lower().endswith(" one"):
-            segment[places[0]] = _name_one(segment[places[0]], part)
-            if verb is None and is_plural(
-                part.words
-            ):  # "its ears twitch, first the left one, then the right one"
-                result = [empty(each) if each == part else each for each in result]
-        if verb is not None and part is not None and not (places and places[0] < verb):
-            at = _find_reference(segment, verb, part, subject, own, names)
-            if at is not None:
-                again = replace(part, first=segment[verb if at < verb else at].first)
-                taken = at < len(segment) and segment[at].form in get_set("pronouns") | get_set("objects")
-                segment[at : at + taken] = [again]
-                verb += at <= verb and not taken
-                places = [at]
-        leads = bool(places) and verb is not None and places[0] < verb
-        if places and sticks_out(segment[places[0]]):
-            part, subject = replace(segment[places[0]]), leads
-        if leads and verb is not None and sticks_out(segment[places[0]]):
-            segment = _let_droop(segment, places[0], verb)
-        before = {each.phrase for each in segment[:verb]} if verb is not None else set()
-        own = not leads and bool(before & (names | get_set("pronouns"))) or own and not before
+        if place is not None and sticks_out(segment[place]):
+            leads = verb is not None and place < verb
+            segment = _let_droop(segment, place, verb) if verb is not None and leads else segment
+            before = {each.phrase for each in segment[:verb]} if verb is not None else set()
+            itself = not before.isdisjoint(names | get_set("pronouns"))
+            part = _Part(segment[place], leads, itself and not leads)
         result += segment
     return result
+
+
+def _find(segment: list[Mention], kind: MentionKind) -> int | None:
+    return next((at for at, each in enumerate(segment) if each.kind is kind), None)
 
 
 def sticks_out(mention: Mention) -> bool:
@@ -61,55 +73,57 @@ def _get_noun(mention: Mention) -> str:
     return mention.phrase.split()[-1]
 
 
-def _name_one(mention: Mention, part: Mention) -> Mention:
-    """The part that "the right one" is, of those that a part before names."""
-    side, noun = " ".join(mention.words.split()[:-1]), _get_noun(part)
+def _is_one(mention: Mention) -> bool:
+    return mention.kind is MentionKind.PLACE and mention.words.lower().endswith(" one")
+
+
+def _chooses_one(segment: list[Mention]) -> bool:
+    return any(map(_is_one, segment)) and _find(segment, MentionKind.VERB) is None
+
+
+def _name_one(segment: list[Mention], part: Mention) -> list[Mention]:
+    """The segment with the part that "the right one" is, of those that a part before names."""
+    noun = _get_noun(part)
     noun = noun if noun in LEXICON.part_nouns else noun.removesuffix("s")
-    names = mention.value.names if isinstance(mention.value, Place) else ()
-    place = Place(names, LEXICON.part_nouns.get(noun, 2 / 3))
-    return replace(mention, value=place, words=f"{side} {noun}", phrase=f"{side.lower()} {noun}")
+
+    def name(one: Mention) -> Mention:
+        words = f"{one.words[: -len('one')]}{noun}"
+        names = one.value.names if isinstance(one.value, Place) else ()
+        place = Place(names, LEXICON.part_nouns.get(noun, 2 / 3))
+        return replace(one, value=place, words=words, phrase=words.lower())
+
+    return [name(each) if _is_one(each) else each for each in segment]
 
 
 def _hangs(motion: Motion) -> bool:
     return motion.effect is Effect.HOLD and motion.holds == "top"
 
 
-def _find_reference(
-    segment: list[Mention], verb: int, part: Mention, subject: bool, own: bool, names: frozenset[str]
-) -> int | None:
-    """Index at which a segment without a part goes on with the one before; None if it is of something else.
-
-    Args:
-        segment: The mentions between two connectives.
-        verb: Index of its verb.
-        part: The last part that was named.
-        subject: Whether that moved by itself.
-        own: Whether the object itself moved it.
-        names: Words for the object.
-    """
-    motion, several = segment[verb].motion, is_plural(part.words)
-    moves = motion is not None and (motion.effect in _MOVED or _hangs(motion))
-    if not moves or any(each.phrase in names for each in segment):
-        return None
-    pronouns = [at for at, each in enumerate(segment) if each.form in ("it", "they", "them")]
-    if pronouns:
-        at = pronouns[0]
-        if (segment[at].form != "it") != several:
-            return None
-        moved = several or at > verb and own and not _has_subject(segment[:verb])
-        return at if moved else None
-    return verb if subject and not _has_subject(segment[:verb]) else None
+def _name_again(segment: list[Mention], part: _Part, names: frozenset[str]) -> list[Mention]:
+    """The segment with the part where it goes on with that: for a pronoun, or before a verb without a subject."""
+    verb, place = _find(segment, MentionKind.VERB), _find(segment, MentionKind.PLACE)
+    motion = None if verb is None else segment[verb].motion
+    if verb is None or motion is None or place is not None and place < verb:
+        return segment
+    if not (motion.effect in _MOVED or _hangs(motion)) or any(each.phrase in names for each in segment):
+        return segment
+    begins = not _has_subject(segment[:verb])
+    for at, each in enumerate(segment):
+        if each.form in ("it", "they", "them"):
+            alike = (each.form != "it") is part.several
+            if not alike or not part.several and not (part.own and begins and at > verb):
+                return segment  # "its head is hit, and it falls"
+            return [*segment[:at], replace(part.mention, first=each.first), *segment[at + 1 :]]
+    if not (part.leads and begins):
+        return segment
+    return [*segment[:verb], replace(part.mention, first=segment[verb].first), *segment[verb:]]
 
 
 def _has_subject(before: list[Mention]) -> bool:
     """Return whether something else than auxiliaries and adverbs stands before a verb."""
     idle = get_set("auxiliaries") | LEXICON.joins.keys() | {"get", "gets", "keep", "keeps", "start", "starts"}
-    return any(
-        each.kind not in (*LOOSE, MentionKind.JOIN)
-        and each.form not in idle
-        or each.kind is MentionKind.UNKNOWN
-        for each in before
-    )
+    beside = (MentionKind.JOIN, MentionKind.INTENSITY, MentionKind.DEGREE)
+    return any(each.kind not in beside and each.form not in idle for each in before)
 
 
 def _let_droop(segment: list[Mention], place: int, verb: int) -> list[Mention]:
@@ -117,9 +131,8 @@ def _let_droop(segment: list[Mention], place: int, verb: int) -> list[Mention]:
     motion, between = segment[verb].motion, segment[place + 1 : verb]
     if motion is None or any(each.kind not in _BESIDE for each in between):
         return segment
-    if not _hangs(motion) and (
-        motion.effect not in (Effect.FALL, Effect.TOPPLE) or motion.lands or motion.manner
-    ):
+    falls = motion.effect in (Effect.FALL, Effect.TOPPLE) and not (motion.lands or motion.manner)
+    if not (falls or _hangs(motion)):
         return segment
     droop = replace(segment[verb], value=LEXICON.motions[_LIMP], phrase=_LIMP)
     rests = (MentionKind.PLACE, MentionKind.SIDES)
