@@ -71,3 +71,17 @@ def test_what_stands_beside_the_part_stays():
     bend = bend.model_copy(update=dict(rest=region, joint=tuple((np.array([0.0, 0.0, 1.0]) - low) / size)))
     twist = find_twist(bend, both, UP, 4 * FULL)
     assert twist is not None and twist.led.max() < len(x)
+
+
+def test_what_hangs_beside_the_rest_swings_and_twists_nothing():
+    """A tail touches the rump all along, so that the way out of the rest is across it."""
+    tail = fill(0.08, 0.2, 0.9) + [0.38, 0, 0]
+    x = np.concatenate([fill(0.3, 0.0, 1.0), tail])
+    low, size = x.min(0), np.ptp(x, axis=0)
+    body, seed, joint = (
+        (np.array(place) - low) / size for place in ([0.2, 0, 0.5], [0.4, 0, 0.5], [0.38, 0, 0.85])
+    )
+    region = CellsRegion(inside=(tuple(body),), outside=(tuple(seed),))
+    bend = Bend(joint=tuple(joint), rest=region, reach=2.0, depth=0.1)
+    out = np.array([1.0, 0.0, 0.0])
+    assert find_twist(bend, x, out, 0.25 * np.pi) is None

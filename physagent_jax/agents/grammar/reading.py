@@ -43,7 +43,8 @@ def _read_at(reader: Reader, at: int) -> Mention:
     before, one = reader.get_text(at - 1), token.text.removesuffix("s")
     if one != token.text and one in reader.names and NUMBERS.get(before, 0.0) > 1:  # there is one object
         return reader.make_mention(MentionKind.UNKNOWN, None, f"{before} {token.text}", [at])
-    if token.text in reader.names and (token.lemma not in LEXICON.motions or reader.is_after_determiner(at)):
+    noun = reader.is_after_determiner(at) or reader.get_text(at + 1) in reader.names  # "race car"
+    if token.text in reader.names and (noun or token.lemma not in LEXICON.motions):
         return reader.make_mention(MentionKind.FUNCTION, None, token.text, [at])
     found = (read(reader, at) for read in _READERS)
     return next((mention for mention in found if mention is not None), None) or read_word(reader, at)
