@@ -18,7 +18,7 @@ from physagent_jax.mpm.pieces import label_pieces
 
 TORN = 3.0  # [1] of shear, beyond which matter looks torn
 _ALONG = 0.8  # component of an axis along the way out of the rest, from which on a turn about it twists
-_SWINGS = 0.35  # of a part's reach, that its middle is off the axis, from which on it swings: a tail beside the legs
+_OFF = 0.15  # of a part's reach from its joint, that its middle is off the axis where it swings: a tail beside legs
 _FOOT = 0.1  # of the way from the object's end to the part, that stays
 _FAR = 3.0  # [1] of shear, which is as bad as to turn all of the object but its foot
 _SECTIONS = 32  # across the axis
@@ -61,7 +61,7 @@ def find_twist(bend: Bend, rest: np.ndarray, axis: np.ndarray, angle: float) -> 
     out = (inside[bends] - still[nearest]).mean(0) @ axis
     if abs(out) < _ALONG * np.linalg.norm((inside[bends] - still[nearest]).mean(0)):
         return None
-    if _measure_swing(bend, x, inside, axis) > _SWINGS:
+    if _swings(bend, x, inside, axis):
         return None
     height = np.copysign(1.0, out) * (x @ axis)
     border = float(np.median(height[~part][nearest]))
@@ -78,11 +78,11 @@ def find_twist(bend: Bend, rest: np.ndarray, axis: np.ndarray, angle: float) -> 
     return Twist(led, grown, x[between].mean(0))
 
 
-def _measure_swing(bend: Bend, x: np.ndarray, inside: np.ndarray, axis: np.ndarray) -> float:
-    """The distance of a part's middle from the axis through its joint, over the part's reach from there [1]."""
+def _swings(bend: Bend, x: np.ndarray, inside: np.ndarray, axis: np.ndarray) -> bool:
+    """Return whether a part goes around the axis through its joint rather than turns on it."""
     arms = inside - (x.min(0) + np.asarray(bend.joint) * np.ptp(x, axis=0))
-    across = np.linalg.norm(np.cross(arms.mean(0), axis))
-    return float(across / max(np.linalg.norm(arms, axis=1).max(), 1e-12))
+    across, along = np.linalg.norm(np.cross(arms.mean(0), axis)), abs(arms.mean(0) @ axis)
+    return bool(across > max(_OFF * np.linalg.norm(arms, axis=1).max(), 2 * along))
 
 
 def _find_radius(x: np.ndarray, axis: np.ndarray) -> float:

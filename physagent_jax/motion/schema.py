@@ -95,6 +95,7 @@ class SceneBrief(Strict):
         world: "ground": gravity acts and the object stands on the ground, unless the sentence says otherwise; "free":
             it floats at rest in empty space.
         reach: Distance from its middle to the nearest wall of the space that is simulated [body lengths].
+        rigid: Whether it is simulated as a rigid body, whose shape cannot change.
         directions: The direction table.
     """
 
@@ -112,6 +113,7 @@ class SceneBrief(Strict):
     edges: tuple[FootEdge, ...] = ()
     world: Literal["ground", "free"] = "free"
     reach: float = Field(default=1e5, ge=0, le=1e6)
+    rigid: bool = False
     directions: DirectionTable
     parts: tuple[Part, ...] = ()
 

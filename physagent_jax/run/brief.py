@@ -7,6 +7,7 @@ from physagent_jax.motion.parts import label_parts
 from physagent_jax.motion.schema import DirectionTable, FootEdge, SceneBrief
 from physagent_jax.scene.broad_side import find_edges, find_extents, find_long_axis
 from physagent_jax.scene.camera import find_viewer_directions
+from physagent_jax.scene.config import MaterialModel
 from physagent_jax.scene.placement import WALL_CELLS
 from physagent_jax.scene.priors import list_nouns
 from physagent_jax.scene.template import SceneTemplate
@@ -45,6 +46,7 @@ def make_brief(
         ),
         world="ground" if template.world.gravity == "down" and template.world.ground else "free",
         reach=max(reach / extent, 0.0),
+        rigid=template.material.model is MaterialModel.RIGID,
         directions=directions,
         parts=label_parts(parts, directions),
     )
