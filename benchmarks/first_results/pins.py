@@ -21,21 +21,23 @@ class PinnedFile:
     """A file of somebody else that sentences are tried on.
 
     Attributes:
-        name: Its name, as it was published.
+        name: Its name, as it was published or as a person would call it.
         folder: Repository, commit and folder that it is in.
         sha256: Hash of the whole file.
         credit: Kind of asset, author and licence.
+        published: The name that it was published under; empty = its own.
     """
 
     name: str
     folder: str
     sha256: str
     credit: str
+    published: str = ""
 
     @property
     def url(self) -> str:
         """The address of the file at its commit."""
-        return f"{_SITE}{self.folder}/{self.name}"
+        return f"{_SITE}{self.folder}/{self.published or self.name}"
 
     def is_in(self, path: Path) -> bool:
         """Return whether ``path`` is this very file."""

@@ -20,11 +20,26 @@ from benchmarks.first_results.held_back import (
     sixty,
     tenth,
     third,
+    thirteenth,
     twelfth,
 )
 from benchmarks.first_results.pins import PinnedFile
 
-_LOTS = (sixty, again, third, fourth, fifth, sixth, seventh, eighth, ninth, tenth, eleventh, twelfth)
+_LOTS = (
+    sixty,
+    again,
+    third,
+    fourth,
+    fifth,
+    sixth,
+    seventh,
+    eighth,
+    ninth,
+    tenth,
+    eleventh,
+    twelfth,
+    thirteenth,
+)
 
 FILES: Mapping[str, PinnedFile] = {name: file for lot in _LOTS for name, file in lot.FILES.items()}
 THINGS: Mapping[str, Thing] = {name: thing for lot in _LOTS for name, thing in lot.THINGS.items()}
