@@ -22,8 +22,8 @@ def figure(tmp_path_factory):
 @pytest.mark.parametrize(
     ("prompt", "azimuth", "turned"),
     [
-        ("the figure nods its head", None, True),
-        ("the figure nods its head", 0.0, False),
+        ("the head of the figure bends towards us", None, True),
+        ("the head of the figure bends towards us", 0.0, False),
         ("push the head of the figure to the left", None, False),
         ("push the figure away from us", None, False),
     ],

@@ -226,7 +226,8 @@ def check_fall(asked: Asked) -> list[Check]:
             way = reject(way, across, -_ASIDE, _ASIDE)
     checks = []
     if norm(way) >= view.visible:
-        within = _TOPPLED if topples else SAME_WAY  # where it lands then, its lean tells
+        forth = all(dot(way, each) >= -_ASIDE for each in view.find_topples())
+        within = _TOPPLED if topples and forth else SAME_WAY  # where it lands then, its lean tells
         checks.append(compare_direction(asked, "which way does it fall?", way, wanted=down, within=within))
     words = f"{fallen:.2g} body lengths downwards"
     if motion.amount is None or motion.amount.unit == "seconds":
