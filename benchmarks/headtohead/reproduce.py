@@ -57,7 +57,7 @@ class Release:
 
 RELEASES: Mapping[str, Release] = {
     "2026-11": Release(
-        commitment="6a232c00e5a057064cb262b5af6b6ef85aff224e939e141dac3eb53deb9fac67",
+        commitment="7f84746e0eb53b41a7224785ebbe7ed53834afe74552f58963561b55100ae421",
         count=35,
         methods=(
             "direction_only",
