@@ -42,17 +42,20 @@ ABLATION = (
 
 
 def answer(questions: Sequence[Question], groups: Mapping[str, Rows]) -> str:
-    """A line for each question whose methods were measured, as Markdown; p values are corrected over all of them."""
+    """A line for each question whose methods were measured, as Markdown; p values are corrected over all of them.
+
+    The last mark that both have may be one that another question names: that is one question.
+    """
     asked = [each for each in questions if each.one in groups and each.other in groups]
     asked = [
         each
         for each in asked
         if each.mark is None or all(is_measured(groups[label], each.mark) for label in (each.one, each.other))
     ]
-    pairs = [compare(groups[each.one], groups[each.other], each.mark) for each in asked]
-    known = [(each, pair) for each, pair in zip(asked, pairs) if pair is not None]
-    corrected = correct([pair.successes for _, pair in known])
-    lines = [state(each.one, each.other, pair, p) for (each, pair), p in zip(known, corrected)]
+    pairs = [(each, compare(groups[each.one], groups[each.other], each.mark)) for each in asked]
+    known = {(each.one, each.other, pair.mark): pair for each, pair in pairs if pair is not None}
+    corrected = correct([pair.successes for pair in known.values()])
+    lines = [state(one, other, pair, p) for ((one, other, _), pair), p in zip(known.items(), corrected)]
     return "".join(f"- {line}\n" for line in lines)
 
 

@@ -2,14 +2,16 @@
 
 import dataclasses
 import json
+import math
 
 import pytest
 
 from baselines.suite import commit_seed
-from baselines.tasks import TaskSpec, load_tasks
+from baselines.tasks import TaskSpec, load_tasks, make_task
 from benchmarks.harness import Job
-from benchmarks.headtohead import reproduce
+from benchmarks.headtohead import leaderboard, reproduce
 from benchmarks.headtohead.__main__ import TASKS
+from benchmarks.headtohead.jobs import verify
 from benchmarks.headtohead.markdown import condense, write_tables
 
 NAME, RELEASE = next(iter(reproduce.RELEASES.items()))
@@ -78,6 +80,24 @@ def test_the_seed_is_the_one_that_was_committed(tmp_path, monkeypatch, capsys):
         assert message in capsys.readouterr().err
     assert reproduce.main(["--release", "2020-01", "--json", str(tmp_path / "rows.json")]) == 2
     assert NAME in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("family", ["drop", "recovery"])
+def test_lines_of_the_published_board_are_judged_again_as_they_say(family, tmp_path):
+    """Its best and its worst line of a family, whose tasks are those of the told seed."""
+    folder = TASKS / "suites" / NAME
+    told = json.loads((folder / "suite.json").read_text())
+    assert (
+        commit_seed(told["seed"]) == told["commitment"] == RELEASE.commitment and told["seed"] == RELEASE.seed
+    )
+    specs = {spec.name: spec for spec in load_tasks(folder) if spec.family == family}
+    assert len(specs) == RELEASE.count // 7
+    lines = [each for each in leaderboard.read(folder / "board.jsonl") if each.task in specs]
+    assert len(lines) == len(specs) * len(RELEASE.methods) and {each.split for each in lines} == {"test"}
+    lines.sort(key=lambda each: math.inf if each.error is None else each.error)
+    for line in (lines[0], lines[-1]):
+        task = make_task(specs[line.task], tmp_path)
+        assert verify(leaderboard.as_row(line), task)[0]["good"]
 
 
 def test_a_row_without_a_hash_of_its_code_is_stale(made):
