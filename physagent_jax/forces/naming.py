@@ -9,6 +9,9 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.forces.skills import get_skill
 
 _PLACE = re.compile(r"\b(?P<list>actions|constraints)\[(?P<index>\d+)\](?:\.(?P<value>[a-z_]+))?")
+_MANY = re.compile(
+    r"((?:actions|constraints)\[\d+\](?:\.[a-z_]+)?)((?:, (?:actions|constraints)\[\d+\](?:\.[a-z_]+)?){3,})"
+)
 _VALUES = {
     "action_type": "kind",
     "constraint_type": "kind",
@@ -22,12 +25,15 @@ _ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth")
 def name_places(text: str, field: ForceField | None, words: Mapping[str, str] | None = None) -> str:
     """Text in which every "actions[0].vector" is named by its skill: "the direction of the translation 'push left'".
 
+    Of a list of more than three the first is named, and the others are counted.
+
     Args:
         text: Text of an agent.
         field: The force field that the places are of; None = it is not known.
         words: Words of the sentence that led to an entry, by its place.
     """
-    return _PLACE.sub(lambda found: _name(found, field, words or {}), text)
+    short = _MANY.sub(lambda found: f"{found[1]} and {found[2].count(', ')} more", text)
+    return _PLACE.sub(lambda found: _name(found, field, words or {}), short)
 
 
 def _name(found: re.Match[str], field: ForceField | None, words: Mapping[str, str]) -> str:

@@ -96,14 +96,16 @@ def _bears(region: Region, body: Body) -> bool:
 
 
 def _is_end(part: Part, parts: Sequence[Part]) -> bool:
-    """Return whether it is a piece at an end of something stiff, low down, by which the whole is tilted.
+    """Return whether it is a piece at an end of something stiff, low down, by which the whole is tilted, or a handle.
 
     What has a joint is raised alone: a limb, a lid; and so is what a figure holds.
     """
     if any(not _FIGURE.isdisjoint(find_roles(each.name)) for each in parts if each.name):
         return False
-    level = float(np.hypot(*part.side[:2]))
-    plain = set(find_roles(part.name)) <= {*PLACES, "stern", "bow"}
+    level, roles = float(np.hypot(*part.side[:2])), find_roles(part.name)
+    if "handle" in (*roles[:1], *part.roles):  # a pot's, a pan's; a bail on top turns
+        return level > _ASIDE
+    plain = set(roles) <= {*PLACES, "stern", "bow"}
     return part.origin == "file" and part.moved.rigid and plain and level > _ASIDE and part.side[2] < _LOW
 
 

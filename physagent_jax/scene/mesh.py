@@ -25,6 +25,7 @@ TONE = (0.80, 0.77, 0.72)  # of a surface that declares no colour, sRGB
 # Objects with more shape, as a cow, are measured to 2 degrees without any.
 GRAIN = 0.04  # share by which that tone varies, too fine and faint to be seen as a pattern
 _GRAINS = 40.0  # of them along the longest side
+_PLAIN, _LEVELS = 24, 16  # colours at most of a piece that is painted plainly, told apart at so many levels
 _MOST_DRAWS = 64  # draws of points, on a surface that is mostly cut out
 
 
@@ -41,8 +42,8 @@ def sample_mesh(
     """Samples flat Gaussians evenly on a mesh's surface.
 
     Colours are those that the file declares (textures, colours of vertices and faces, factors). Surfaces without any
-    get one quiet tone with a faint grain. Where a texture is transparent there are no Gaussians, where it is blended
-    they let through what it does. Light is baked in from the normals.
+    get one quiet tone; they, and pieces of few colours, get a faint grain. Where a texture is transparent there are no
+    Gaussians, where it is blended they let through what it does. Light is baked in from the normals.
 
     Args:
         path: .obj, .ply with faces, .glb, .gltf, .stl or .off.
@@ -122,20 +123,22 @@ def _find_colours(
     """Colours of points on the joined parts, and the light that the surface stops there.
 
     Returns:
-        Colours in [0, 1], shape (k, 3); factors of the grain, 1 where the file declares a colour, shape (k,); share of
-        light that the surface stops, 0 where it is cut out, shape (k,).
+        Colours in [0, 1], shape (k, 3); factors of the grain, 1 where the file declares many colours, shape (k,);
+        share of light that the surface stops, 0 where it is cut out, shape (k,).
     """
     rgb, grain, alpha = np.empty((len(faces), 3)), np.ones(len(faces)), np.ones(len(faces))
     first = np.cumsum([0] + [len(part.faces) for part in parts])
     for part, start, stop in zip(parts, first[:-1], first[1:]):
         mine = (faces >= start) & (faces < stop)
+        grained = 1 + GRAIN * (2 * value_noise(points[mine], _GRAINS / size, seed, octaves=2) - 1)
         if part.look is None:
-            noise = value_noise(points[mine], _GRAINS / size, seed, octaves=2)
-            rgb[mine], grain[mine] = TONE, 1 + GRAIN * (2 * noise - 1)
+            rgb[mine], grain[mine] = TONE, grained
             continue
         own = faces[mine] - start
         rgba = part.look.evaluate(part.faces[own], own, bary[mine])
         rgb[mine] = rgba[:, :3]
+        if len(np.unique((_LEVELS * rgba[:, :3]).astype(int), axis=0)) <= _PLAIN:
+            grain[mine] = grained
         if part.look.cutoff is not None:
             there = rgba[:, 3] >= part.look.cutoff
             alpha[mine] = there * (rgba[:, 3] if part.look.blended else 1.0)

@@ -109,6 +109,8 @@ def test_the_leaves_of_a_plant_move_one_by_one():
     reply = read("the leaves droop down", *fronds, object_kind="plant")
     assert [each.limb for each in reply.expectations] == [0, 1, 2, 3]
     assert all(dot(each.direction, DOWN) > 0.5 for each in reply.expectations)
+    fruit = read("the leaves on top of it sway", *fronds, object_kind="food")  # a pineapple's
+    assert [each.limb for each in fruit.expectations] == [0, 1, 2, 3] and not fruit.unsure
     few = read("the leaves droop down", *fronds[:2], object_kind="plant")  # the rest of them is not found
     assert [each.limb for each in few.expectations] == [None]
 
@@ -187,3 +189,24 @@ def test_a_tail_goes_to_its_own_sides():
     tail = make_part("tail", (0.3, 0, 0), (1, 0, 0))
     assert abs(read("it swishes its tail from side to side", tail).expectations[0].direction[1]) > 0.9
     assert abs(read("it swishes its tail up and down", tail).expectations[0].direction[2]) > 0.9
+
+
+@pytest.mark.parametrize("words", ["the robot at the waist", "the middle of the robot", "the robot"])
+def test_what_is_twisted_at_its_middle_is_wrung(words):
+    reply = read_whole(f"someone twists {words}", brief(world="ground"))
+    ways = [each.direction for each in reply.expectations if each.kind is MotionKind.ROTATE]
+    assert len(ways) == 2 and cosine(*ways) < -0.99
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "it gets dropped from way up high and smashes into the ground",
+        "it falls from way up there and slams onto the hard floor",
+        "drop it from really high up",
+    ],
+)
+def test_a_fall_from_high_up_goes_down_and_ends_on_the_ground(sentence):
+    reply = read_whole(sentence, brief(world="ground"))
+    assert [each.kind for each in reply.expectations] == [MotionKind.FALL]
+    assert reply.force_field.default_drop and not reply.force_field.actions and not reply.unsure

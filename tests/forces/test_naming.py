@@ -32,6 +32,7 @@ FIELD = ForceField(
         ),
         ("constraints[0].active_time is longer", "the time of the particle rotation is longer"),
         ("actions[9]", "the 10th action"),
+        ("turn actions[0], actions[1], actions[2], constraints[0]", "turn the first translation and 3 more"),
         ("transactions [0] and actions", "transactions [0] and actions"),
     ],
 )

@@ -97,6 +97,31 @@ def test_what_is_high_up_is_raised_alone(car):
     assert read(*car, "lift the roof").force_field.constraints[0].region is not None
 
 
+def test_a_bucket_is_raised_alone(tmp_path):
+    """By its own joint, under whatever name the file gives it."""
+    digger = {name: CAR[name] for name in ("body", "wheels")} | {"shovel": CAR["front bumper"]}
+    path = write_obj(tmp_path / "digger.obj", digger, "o")
+    template = resolve(spec(path, "x")).template
+    body = make_body(template.source, template.preset.filling, template.preset.domain, ".")
+    reply = read(path, body, "the digger raises its bucket")
+    assert [each.region is None for each in reply.force_field.constraints] == [False]
+    assert reply.expectations[0].limb is not None and not reply.unsure
+
+
+def test_something_is_tilted_by_one_of_its_handles(tmp_path):
+    """A pot of one mesh: both handles are found by their shape alone, and neither bends."""
+    pot = trimesh.creation.cylinder(0.4, 0.5)
+    handles = [trimesh.creation.torus(0.16, 0.04).apply_translation((x, 0, 0.1)) for x in (-0.46, 0.46)]
+    path = tmp_path / "pot.obj"
+    trimesh.util.concatenate([pot, *handles]).export(path)
+    template = resolve(spec(path, "x")).template
+    body = make_body(template.source, template.preset.filling, template.preset.domain, ".")
+    reply = read(path, body, "someone grabs the pot by one handle and lifts that side up so it is tilted")
+    (turn,), (motion,) = reply.force_field.constraints, reply.expectations
+    assert turn.region is None and turn.held_until and motion.kind is MotionKind.ROTATE
+    assert abs(turn.vector[1]) > 0.9 and not reply.unsure
+
+
 def test_wheels_that_are_pushed_take_the_car_along(car):
     reply = read(*car, "push the wheels to the left")
     assert not reply.force_field.constraints and reply.anchor.kind is None

@@ -165,3 +165,15 @@ def test_a_mesh_without_colours_is_plain_for_people_and_grained_for_perception(b
     shades = np.unique(np.round(np.asarray(plain.sh[:, 0, 0], np.float64), 4))
     assert len(shades) <= 6, "one shade per side of the box"
     assert len(np.unique(np.round(np.asarray(grained.sh[:, 0, 0], np.float64), 4))) > 100
+
+
+def test_a_mesh_in_plain_paint_is_grained_for_perception_too(tmp_path):
+    """Paint of few colours gives optical flow no more to follow than none."""
+    box = trimesh.creation.box((1, 1, 1))
+    box.visual.face_colors = [200, 40, 40, 255]
+    box.export(tmp_path / "red.ply")
+    grained, plain = sample_mesh(tmp_path / "red.ply", count=2000, smooth=False)
+    shades = [
+        len(np.unique(np.round(np.asarray(each.sh[:, 0, 0], np.float64), 4))) for each in (plain, grained)
+    ]
+    assert shades[0] <= 6 and shades[1] > 100

@@ -12,7 +12,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.cloud import Splats
 from physagent_jax.gaussians.covariance import quats_scales_to_covariances
 from physagent_jax.render import look_at, render
-from physagent_jax.scene.mesh import GRAIN, TONE, gaussians_from_mesh
+from physagent_jax.scene.mesh import GRAIN, TONE, gaussians_from_mesh, sample_mesh
 from physagent_jax.scene.mesh_files import read_mesh, read_named_parts, read_parts
 from physagent_jax.scene.mesh_formats import FORMATS, find_mesh_format
 from physagent_jax.scene.mesh_formats.look import as_rgba, decode_srgb, encode_srgb
@@ -24,8 +24,8 @@ RED, GREEN, BLUE, GREY = [200, 20, 10], [10, 180, 30], [20, 30, 190], [90, 90, 9
 
 
 def sampled(path, count=300):
-    """Positions and unlit colours of the Gaussians of a file of squares that face +z."""
-    cloud = gaussians_from_mesh(path, count=count, smooth=False)
+    """Positions and unlit colours, without perception's grain, of the Gaussians of a file of squares that face +z."""
+    cloud = sample_mesh(path, count=count, smooth=False)[1]
     return np.asarray(cloud.means, float), (np.asarray(cloud.sh)[:, 0] * SH_DC + 0.5) / LIGHT
 
 

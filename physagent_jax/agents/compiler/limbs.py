@@ -30,8 +30,17 @@ _DONE = {
     ConstraintType.MOVING_PLATE: "is pressed by a plate of its size",
 }
 _FOLIAGE = ("leaves", "fronds", "branches", "foliage")
-_LEAVES = ("side", "arm", "wing", "ear", "horn", "tail", "spike")  # roles of shapes that a plant's may have
-_LEAF = 0.2  # share of a plant, at most
+_LEAVES = (
+    "side",
+    "arm",
+    "wing",
+    "ear",
+    "horn",
+    "tail",
+    "spike",
+    "top",
+)  # roles of shapes that leaves may have
+_LEAF = 0.2  # share of the object, at most
 _AGAINST = -0.7  # cosine of the way back
 _BENDING = (Effect.LEAN, Effect.SWAY, Effect.TURN, Effect.PUSH)
 _DRIVEN = (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE)
@@ -52,11 +61,11 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     adjective, _, noun = (
         part.phrase.rpartition(" ") if part.phrase not in read_lexicon().parts else ("", "", part.phrase)
     )
-    if noun in _FOLIAGE and brief.object_kind == "plant" and not adjective:
+    if noun in _FOLIAGE and not adjective:
         leaves = [
             k for k, p in enumerate(brief.parts) if p.roles and p.roles[0] in _LEAVES and p.share < _LEAF
         ]
-        if len(leaves) > 2:  # a palm's, a potted plant's
+        if len(leaves) > 2:  # a palm's, a potted plant's, a pineapple's
             return tuple(leaves)
     said = noun if adjective else part.text.lower()
     roles = find_roles(noun) or ([said] if said not in PLACES else [])

@@ -195,8 +195,8 @@ def _compile_turn(task: Task) -> None:
         windows = divide(task.window, shares)
         _alternate(task, ActionType.TORQUE, event.strength, windows)
         task.expect(MotionKind.ROTATE, event.direction, windows[0], repeats=count)
-    elif event.motion.wrings and event.part is None and event.region is None:
-        _compile_twist(task)
+    elif event.motion.wrings and event.part is None:  # at its waist: one half against the other
+        _compile_twist(replace(task, event=replace(event, region=None)))
     else:
         _turn_steadily(task)
 

@@ -17,6 +17,10 @@ from physagent_jax.motion.schema import Check, Judgement, MotionKind, Stage, Ver
 
 HIGHEST_FAILURE = 0.99
 """Score of a FAIL, at most."""
+_PAIR, _SOME = (
+    2,
+    1 / 3,
+)  # share of more parts than that, of those that are seen, which tells that all of them move
 _SMALL = 0.3
 """Share of the volume of another part of the same words below which one says little."""
 _UNDERSTOOD = "What is understood of the sentence is seen."
@@ -82,7 +86,7 @@ def _leave_to_fellows(view: View, checks: list[Check]) -> list[Check]:
     """Checks without those of a part that says little beside another of the same words, which is seen to move.
 
     Of two wings one may be behind the body, and lost from sight; of arms some may be small pieces at the shoulders. A
-    viewer goes by the others.
+    viewer goes by the others. Of many leaves some go as the sentence says.
     """
     parts = {index for index, each in enumerate(view.expectations) if each.limb is not None}
     lost = {check.expectation for check in checks if check.passed is None} & parts
@@ -96,6 +100,11 @@ def _leave_to_fellows(view: View, checks: list[Check]) -> list[Check]:
         beside = [shares[other] for other in parts - lost - {index} if say(other) == say(index)]
         if beside and (index in lost or shares[index] < _SMALL * max(beside)):
             left.add(index)
+    failed = {check.expectation for check in checks if not check.passed}
+    for words in map(say, parts):
+        members = {index for index in parts if say(index) == words}
+        if len(members) > _PAIR and len(members - left - failed) >= _SOME * len(members - left):
+            left |= members & failed
     return [check for check in checks if check.passed is True or check.expectation not in left]
 
 

@@ -110,7 +110,7 @@ class _Search:
         roles = {*row.get("role", "").split()}
         told = [part for part in self.parts if roles & {*part.roles[:1]} and not part.unsure]
         likely = [part for part in self.parts if roles & {*part.roles}]
-        told += likely if row.get("pair") and len(likely) == 2 else []  # two that may be it are the pair
+        told += likely if len(likely) == 2 else []  # two that may be it are the pair
         return any(not self.shells.are_cut(~make_region_mask(each.rest, self.points)) for each in told)
 
     def guess(self, noun: str, row: dict[str, Any], *, several: bool) -> list[Part]:
