@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from physagent_jax.forces.schema import ForceField
+from physagent_jax.forces.schema import Action, ActionType, ForceField
+from physagent_jax.motion.landing import is_landing
 from physagent_jax.motion.matching import Cause
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.tolerances import round_window
@@ -58,8 +59,13 @@ class Wish:
 
 
 def replace_items(field: ForceField, causes: Sequence[Cause], items: Sequence) -> ForceField:
-    """``field`` with each cause's entry replaced; None removes it."""
+    """``field`` with each cause's entry replaced; None removes it. Landings of other blows than these go."""
     groups = {"actions": list(field.actions), "constraints": list(field.constraints)}
     for cause, item in zip(causes, items):
         groups[cause.group][cause.index] = item
+    blows = [each.item for each in causes if isinstance(each.item, Action)]
+    if any(blow.action_type is ActionType.IMPULSE for blow in blows):
+        groups["constraints"] = [
+            each for each in groups["constraints"] if each is None or not is_landing(each)
+        ]
     return field.model_copy(update={k: tuple(i for i in v if i is not None) for k, v in groups.items()})

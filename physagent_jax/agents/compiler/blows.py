@@ -25,6 +25,7 @@ from physagent_jax.forces.schema import Action, ActionType
 from physagent_jax.motion.attitudes import find_attitude
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_held_magnitude, find_lengths
+from physagent_jax.motion.landing import land
 from physagent_jax.motion.schema import Amount, MotionKind
 from physagent_jax.motion.tipping import tip
 from physagent_jax.motion.vectors import add, dot, normalise, scale
@@ -123,6 +124,20 @@ def _find_blow(task: Task, count: int, rises: bool) -> float:
 
 
 def compile_jump(task: Task) -> None:
+    """Leaps after each of which it stands, if it comes down onto the ground as it was."""
+    builder, before = task.builder, len(task.builder.actions)
+    leap(task)
+    jumps, event = builder.actions[before:], task.event
+    falls = any(each.effect in (Effect.FALL, Effect.TOPPLE) for each in task.after)
+    bounces = event.motion.tumbles or event.verb is not None and event.verb.bounces
+    if not builder.grounded or builder.anchored or event.region or event.limbs or falls or bounces:
+        return
+    begins = [jump.active_time[0] for jump in jumps if jump.active_time]
+    landings = [land(*pair, task.brief) for pair in zip(jumps, [*begins[1:], task.window[1]])]
+    builder.constraints += [each for each in landings if each is not None]
+
+
+def leap(task: Task) -> None:
     """An impulse upwards, and along the direction if there is one."""
     up = task.brief.directions.up
     direction = normalise(add([up, task.direction])) or up

@@ -9,6 +9,7 @@ from physagent_jax.agents.compiler.blows import (
     compile_jump,
     compile_strike,
     compile_topple,
+    leap,
     spin_aloft,
 )
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
@@ -204,12 +205,12 @@ def _compile_turn(task: Task) -> None:
 def _turn_steadily(task: Task) -> None:
     motion, builder = task.event.motion, task.builder
     if motion.leaps and builder.grounded and not builder.anchored and not builder.earlier:
-        leap, told = read_lexicon().motions["jump"], task.event.pick(WayKind.TO)
+        jump, told = read_lexicon().motions["jump"], task.event.pick(WayKind.TO)
         names = (
             told[0].names if told and told[0].names != ("away",) else ("up",)
         )  # "backwards" is how it turns
         way = normalise(sum_directions(names, task.brief))
-        compile_jump(replace(task, event=replace(task.event, motion=leap, direction=way, amount=None)))
+        leap(replace(task, event=replace(task.event, motion=jump, direction=way, amount=None)))
     if spin_aloft(task, task.direction):
         return
     acted = add_steady(task, ActionType.TORQUE, task.direction, task.event.strength)

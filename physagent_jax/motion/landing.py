@@ -1,0 +1,48 @@
+"""Landings: what jumps stands where it comes down.
+
+Soft matter springs up again by nearly half as much: of who jumps twice a viewer counts three jumps, the second the
+higher. Knees take that up; here the object is stopped as its feet touch the ground.
+"""
+
+from __future__ import annotations
+
+import math
+
+from physagent_jax.forces.calibration import GAIN_MIN, GRAVITY, MAGNITUDE_MIN
+from physagent_jax.forces.schema import Action, ConstraintType, VelocityConstraint
+from physagent_jax.motion.schema import SceneBrief
+from physagent_jax.motion.vectors import dot
+
+_TOUCHES = 0.75  # frames after a body without a foot would be down, when it stands on its own
+_STANDS = 3.0  # frames for which it is stopped
+
+
+def land(jump: Action, until: float, brief: SceneBrief) -> VelocityConstraint | None:
+    """The stop of what jumps where it comes down; None if it does not before something else begins.
+
+    Args:
+        jump: The blow that throws it up by M body lengths against its weight.
+        until: Frame at which the next motion begins, or the clip's last.
+        brief: The scene, with a ground.
+    """
+    rise = jump.magnitude * dot(jump.vector, brief.directions.up) * brief.size
+    if jump.active_time is None or rise <= 0:
+        return None
+    aloft = 2.0 * math.sqrt(2.0 * rise / GRAVITY) / brief.frame_dt
+    at = round(jump.active_time[1] + aloft + _TOUCHES, 3)
+    if at + 2.0 > until:
+        return None
+    return VelocityConstraint(
+        constraint_type=ConstraintType.PARTICLE_TRANSLATION,
+        vector=brief.directions.down,
+        magnitude=MAGNITUDE_MIN,
+        gain=GAIN_MIN,
+        active_time=(at, at + 1.0),
+        held_until=min(at + _STANDS, until),
+    )
+
+
+def is_landing(entry: Action | VelocityConstraint) -> bool:
+    """Return whether an entry is a stop that `land` made."""
+    whole = isinstance(entry, VelocityConstraint) and entry.region is None and entry.held_until is not None
+    return whole and entry.constraint_type is ConstraintType.PARTICLE_TRANSLATION and entry.gain == GAIN_MIN

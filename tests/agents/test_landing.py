@@ -1,0 +1,42 @@
+"""What jumps stands where it comes down, until something else begins."""
+
+import pytest
+
+from physagent_jax.forces.schema import ActionType
+from physagent_jax.motion.landing import is_landing
+from tests.agents.scenes import brief, read
+
+
+def list_landings(sentence, **more):
+    reply = read(sentence, brief(world="ground", **more))
+    landings = [each for each in reply.force_field.constraints if is_landing(each)]
+    blows = [each for each in reply.force_field.actions if each.action_type is ActionType.IMPULSE]
+    return blows, landings
+
+
+def test_each_jump_ends_in_a_stop_before_the_next_begins():
+    blows, landings = list_landings("the robot jumps twice")
+    assert len(blows) == len(landings) == 2
+    assert (
+        blows[0].active_time[1]
+        < landings[0].active_time[0]
+        < landings[0].held_until
+        <= blows[1].active_time[0]
+    )
+
+
+@pytest.mark.parametrize("share", [0.5, 1.0])
+def test_it_comes_down_when_a_body_in_free_flight_does(share):
+    """It rises by M lengths against its weight: 2 sqrt(2 h / g)."""
+    blows, (landing,) = list_landings(f"the robot jumps up by {share} body lengths")
+    rise = blows[0].magnitude * brief().size
+    aloft = 2 * (2 * rise / 9.8) ** 0.5 / brief().frame_dt
+    assert landing.active_time[0] - blows[0].active_time[1] == pytest.approx(aloft, abs=1.0)
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    ["the robot jumps and lands on its back", "the robot does a backflip", "throw the robot into the air"],
+)
+def test_what_falls_over_turns_or_is_thrown_is_not_stopped(sentence):
+    assert not list_landings(sentence)[1]
