@@ -44,5 +44,6 @@ def land(jump: Action, until: float, brief: SceneBrief) -> VelocityConstraint | 
 
 def is_landing(entry: Action | VelocityConstraint) -> bool:
     """Return whether an entry is a stop that `land` made."""
-    whole = isinstance(entry, VelocityConstraint) and entry.region is None and entry.held_until is not None
-    return whole and entry.constraint_type is ConstraintType.PARTICLE_TRANSLATION and entry.gain == GAIN_MIN
+    if not isinstance(entry, VelocityConstraint) or entry.region is not None or entry.held_until is None:
+        return False
+    return entry.constraint_type is ConstraintType.PARTICLE_TRANSLATION and entry.gain == GAIN_MIN

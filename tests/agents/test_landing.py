@@ -1,4 +1,4 @@
-"""What jumps stands where it comes down, until something else begins."""
+"""Landings: a jump ends on its feet, until something else begins."""
 
 import pytest
 

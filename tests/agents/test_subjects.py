@@ -29,6 +29,8 @@ def list_limbs(reply):
         ("its left arm hangs down limply while the right one flaps", [(MOVE, 0), (SWAY, 1)]),
         ("its arms twitch quickly, first the left one, then the right one", [(SWAY, 0), (SWAY, 1)]),
         ("it raises its left arm and points up at the sky", [(MOVE, 0)]),
+        ("the robot raises its left arm and lets it drop again", [(MOVE, 0), (MOVE, 0)]),
+        ("the robot lets its left arm fall", [(MOVE, 0)]),
         ("the tip of its left arm rises", [(MOVE, 0)]),
     ],
 )
@@ -210,3 +212,9 @@ def test_a_fall_from_high_up_goes_down_and_ends_on_the_ground(sentence):
     reply = read_whole(sentence, brief(world="ground"))
     assert [each.kind for each in reply.expectations] == [MotionKind.FALL]
     assert reply.force_field.default_drop and not reply.force_field.actions and not reply.unsure
+
+
+def test_what_runs_into_the_object_hits_it():
+    for words in ("A heavy ball smashes into the robot from the left.", "a ball slams into it"):
+        (motion,) = read_whole(words, brief(world="ground")).expectations
+        assert motion.kind is MOVE and motion.sudden

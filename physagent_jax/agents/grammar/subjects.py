@@ -49,6 +49,10 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
         if place is not None or part is not None:  # "it raises one arm and points up"
             segment = [empty(each) if each.form in ("point", "points") else each for each in segment]
         if place is not None and sticks_out(segment[place]):
+            if verb is not None and verb < place and segment[verb].phrase.startswith("let "):
+                let, own = segment[verb], replace(segment[place], first=segment[verb].first)  # "lets it drop"
+                segment = [*segment[:verb], own, let, *segment[verb + 1 : place], *segment[place + 1 :]]
+                place, verb = verb, verb + 1
             leads = verb is not None and place < verb
             segment = _let_droop(segment, place, verb) if verb is not None and leads else segment
             before = {each.phrase for each in segment[:verb]} if verb is not None else set()
