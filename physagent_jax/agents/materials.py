@@ -174,7 +174,7 @@ class _Finder:
                 found = None if self._get(at - 1) in self.before else (at, at + length, True)
             elif length:
                 found = self._read(at, at + length, word in adjectives)
-            elif self._is_noun(at) and (begin := self._find_made(at) or self._find_make(at)) is not None:
+            elif self._is_noun(at) and (begin := self._find_made(at)) is not None:
                 found = (begin, at + 1, False)
                 word = self.tokens[at]
             if found is not None and word not in told and not self._is_negated(found[0]):
@@ -195,7 +195,7 @@ class _Finder:
 
     def _read(self, begin: int, end: int, adjective: bool) -> tuple[int, int, bool] | None:
         """The phrase of tokens in which a material is said of the object, and whether the object turns to it."""
-        looks = [self._find_made, self._find_make, self._find_of]
+        looks = [self._find_made, self._find_of]
         if self._ends(end):
             looks += [self._find_turn, self._find_likeness, *([self._find_predicate] if adjective else [])]
         for look in looks:
@@ -225,25 +225,24 @@ class _Finder:
         return place
 
     def _find_made(self, at: int) -> int | None:
-        """The beginning of "made of" before this token, if it is said of the object; None = there is none."""
+        """The beginning of "made of" or "make it of" before this token, if it is said of the object; None = of none."""
         link = self._back(at, self.within)
         place = self._back(link, self.around["of"])
-        if self._get(link) not in ("of", "from") or self._get(place) not in self.around["made"]:
+        if self._get(link) not in ("of", "from"):
             return None
+        if self._get(place) not in self.around["made"]:
+            return self._find_make(place)
         owner = self._back(place, self.around["fillers"] | {",", "it", "itself"}, 6)
         alone = not self._get(owner).isalpha() or self._get(owner) == "like"
         between = {*self.tokens[owner + 1 : place]}
         told = {"if", "though", "it"} & between or "," in between and not self._is_other_noun(owner)
         return place if alone or told or self._is_object(owner) else None
 
-    def _find_make(self, at: int) -> int | None:
-        """The beginning of "make it out of" before this token, if the object is what is made; None = there is none."""
-        link = self._back(at, self.within)
-        owner = self._back(link, self.around["of"])
+    def _find_make(self, owner: int) -> int | None:
+        """The "make" before the object, if that is what stands here."""
         verb = self._back(owner, self.before)
-        if self._get(link) not in ("of", "from") or self._get(verb) not in self.around["make"]:
-            return None
-        return verb if self._is_object(owner) or self._get(owner) in self.around["objects"] else None
+        meant = self._is_object(owner) or self._get(owner) in self.around["objects"]
+        return verb if meant and self._get(verb) in self.around["make"] else None
 
     def _is_other_noun(self, at: int) -> bool:
         """Return whether a word with an article is a thing and no way: "a table", but not "away" or "the left"."""

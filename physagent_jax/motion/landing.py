@@ -13,6 +13,7 @@ from physagent_jax.forces.schema import Action, ConstraintType, VelocityConstrai
 from physagent_jax.motion.schema import SceneBrief
 from physagent_jax.motion.vectors import dot
 
+LANDED = "'{}': it is stopped where it comes down, as knees would, and does not spring up again."
 _TOUCHES = 0.75  # frames after a body without a foot would be down, when it stands on its own
 _STANDS = 3.0  # frames for which it is stopped
 

@@ -107,7 +107,7 @@ def explain_guess(
     What a person or the file names is certain. A shape tells a role; not so its place alone, a role of which it says
     that it may as well be another one, one of a pair where all are meant, or one of several where there is but one.
     A place is certain where the word is for what is there ("the dish"), or the part may have the word's role alone or
-    as one of a pair, and where more than two are meant. What alone sticks out of an object is its handle, if it has
+    as one of a pair, and of leaves where more than two are. What alone sticks out of an object is its handle, if it has
     one.
 
     Args:
@@ -131,7 +131,7 @@ def explain_guess(
     alike = [index for index, each in enumerate(parts) if meant in each.roles]
     said = own and (alike == sorted(guessed) or len(alike) == 2 and {*guessed} <= {*alike})
     clear = (said or set(part.roles[:1]).isdisjoint(PLACES)) and not faint
-    many = plural and len(guessed) > 2 and not faint  # leaves, spikes
+    many = plural and len(guessed) > 2 and not (faint or roles)  # leaves, which have no shape of their own
     if many or clear and not several and not (plural and len(chosen) == 1 and part.roles):
         return None
     label, number = part.label or part.name or part.roles[0], guessed[0] + 1

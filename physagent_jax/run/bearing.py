@@ -14,7 +14,7 @@ from physagent_jax.agents.compiler.limbs import find_roles
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.forces.calibration import GAIN_MAX, MAGNITUDE_MAX, MAGNITUDE_MIN, TRAVEL, find_magnitude
 from physagent_jax.forces.driving import PartDriver
-from physagent_jax.forces.part import Part
+from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.forces.schema import Action, ActionType, CellsRegion, Region, VelocityConstraint
 from physagent_jax.motion.limbs import PLACES
@@ -63,7 +63,7 @@ def carry_along(reply: SemanticReply, body: Body, parts: Sequence[Part], frame_d
             reply = dent(reply, body, part, frame_dt)
         if len(set(limbs)) != 1 or len(limbs) != len(kept) or not all(_goes(each) for each in kept):
             return reply
-        if len(kept) == 1 and _is_end(part, parts) and (kept[0].direction or _NO_WAY)[2] > _UP:
+        if len(kept) == 1 and _is_end(part, parts, kept[0].words) and (kept[0].direction or _NO_WAY)[2] > _UP:
             return _tilt_whole(reply, kept[0], part, frame_dt)
         return _lead_whole(reply, part.moved, frame_dt) if _bears(part.moved, body) else reply
     regions = [each.region for each in reply.force_field.actions if _is_borne_by(each, body)]
@@ -95,17 +95,17 @@ def _bears(region: Region, body: Body) -> bool:
     return bool(make_region_mask(region, x)[feet].mean() >= BORNE)
 
 
-def _is_end(part: Part, parts: Sequence[Part]) -> bool:
+def _is_end(part: Part, parts: Sequence[Part], words: str) -> bool:
     """Return whether it is a piece at an end of something stiff, low down, by which the whole is tilted, or a handle.
 
-    What has a joint is raised alone: a limb, a lid; and so is what a figure holds.
+    What has a joint is raised alone: a limb, a lid, a lever; and so is what a figure holds. ``words`` name the part.
     """
     if any(not _FIGURE.isdisjoint(find_roles(each.name)) for each in parts if each.name):
         return False
-    level, roles = float(np.hypot(*part.side[:2])), find_roles(part.name)
-    if "handle" in (*roles[:1], *part.roles):  # a pot's, a pan's; a bail on top turns
+    level = float(np.hypot(*part.side[:2]))
+    if "handle" in split_name(words):  # a pot's, a pan's; a bail on top turns
         return level > _ASIDE
-    plain = set(roles) <= {*PLACES, "stern", "bow"}
+    plain = set(find_roles(part.name)) <= {*PLACES, "stern", "bow"}
     return part.origin == "file" and part.moved.rigid and plain and level > _ASIDE and part.side[2] < _LOW
 
 

@@ -130,18 +130,16 @@ def _find_colours(
     first = np.cumsum([0] + [len(part.faces) for part in parts])
     for part, start, stop in zip(parts, first[:-1], first[1:]):
         mine = (faces >= start) & (faces < stop)
-        grained = 1 + GRAIN * (2 * value_noise(points[mine], _GRAINS / size, seed, octaves=2) - 1)
-        if part.look is None:
-            rgb[mine], grain[mine] = TONE, grained
-            continue
-        own = faces[mine] - start
-        rgba = part.look.evaluate(part.faces[own], own, bary[mine])
-        rgb[mine] = rgba[:, :3]
-        if len(np.unique((_LEVELS * rgba[:, :3]).astype(int), axis=0)) <= _PLAIN:
-            grain[mine] = grained
-        if part.look.cutoff is not None:
-            there = rgba[:, 3] >= part.look.cutoff
-            alpha[mine] = there * (rgba[:, 3] if part.look.blended else 1.0)
+        rgb[mine] = TONE
+        if part.look is not None:
+            own = faces[mine] - start
+            rgba = part.look.evaluate(part.faces[own], own, bary[mine])
+            rgb[mine] = rgba[:, :3]
+            if part.look.cutoff is not None:
+                there = rgba[:, 3] >= part.look.cutoff
+                alpha[mine] = there * (rgba[:, 3] if part.look.blended else 1.0)
+        if len(np.unique((_LEVELS * rgb[mine]).astype(int), axis=0)) <= _PLAIN:
+            grain[mine] = 1 + GRAIN * (2 * value_noise(points[mine], _GRAINS / size, seed, octaves=2) - 1)
     return rgb, grain, alpha
 
 

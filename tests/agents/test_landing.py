@@ -4,6 +4,8 @@ import pytest
 
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.motion.landing import is_landing
+from physagent_jax.motion.matching import Cause
+from physagent_jax.motion.wishes import replace_items
 from tests.agents.scenes import brief, read
 
 
@@ -40,3 +42,13 @@ def test_it_comes_down_when_a_body_in_free_flight_does(share):
 )
 def test_what_falls_over_turns_or_is_thrown_is_not_stopped(sentence):
     assert not list_landings(sentence)[1]
+
+
+def test_the_stop_is_said_and_goes_with_the_jump_that_it_was_made_for():
+    """A higher jump comes down later: at the old time it would hang in the air."""
+    reply = read("the robot jumps twice", brief(world="ground"))
+    assert any("stopped where it comes down" in note for note in reply.notes)
+    field = reply.force_field
+    causes = [Cause("actions", index, item) for index, item in enumerate(field.actions)]
+    higher = [each.model_copy(update={"magnitude": 1.2}) for each in field.actions]
+    assert field.constraints and not replace_items(field, causes, higher).constraints

@@ -9,7 +9,7 @@ from physagent_jax.motion.schema import Verdict
 from physagent_jax.perception.schema import Box, PartMotion
 from physagent_jax.scene.priors import list_nouns
 from tests.agents.scenes import IDENTITY, brief, judge, make_report, read
-from tests.agents.test_limbs import HEAD, LEFT_ARM, RIGHT_ARM
+from tests.agents.test_limbs import HEAD, LEFT_ARM, RIGHT_ARM, make_part
 
 FRAMES = 49
 SWING = np.sin(np.arange(FRAMES) / 48 * 4 * np.pi)
@@ -122,9 +122,14 @@ def test_what_rolls_over_may_end_on_its_back(degrees, verdict):
     assert judge("the robot rolls over", reading, seen, scene).judgement.verdict is Verdict(verdict)
 
 
-def judge_arms(left, right, sentence="raise both arms"):
+def judge_arms(left, right):
     """The judgement of two arms whose middles rise as told, frame by frame; None where one is not seen."""
-    scene = brief(parts=(LEFT_ARM, RIGHT_ARM), anchored="all but the parts")
+    return judge_parts("raise both arms", (LEFT_ARM, left), (RIGHT_ARM, right))
+
+
+def judge_parts(sentence, *told):
+    """The judgement of parts, each with the height of its middle, frame by frame; None where it is not seen."""
+    scene = brief(parts=tuple(part for part, _ in told), anchored="all but the parts")
     reading = read_sentence(sentence, scene)
     seen = make_report(
         [(0.0, 0.0, 0.0)] * FRAMES,
@@ -137,7 +142,7 @@ def judge_arms(left, right, sentence="raise both arms"):
             centroid=tuple(None if z is None else (0.0, 0.0, float(z)) for z in heights),
             rotation=((0.0, 0.0, 0.0),) * FRAMES,
         )
-        for limb, part, heights in ((0, LEFT_ARM, left), (1, RIGHT_ARM, right))
+        for limb, (part, heights) in enumerate(told)
     ]
     return judge(sentence, reading, seen.model_copy(update={"parts": (*seen.parts, *limbs)}), scene).judgement
 
@@ -154,6 +159,14 @@ def test_one_of_a_pair_that_is_hidden_is_judged_by_the_other():
 def test_a_pair_is_no_success_by_one_that_is_hidden_or_moves_otherwise(right):
     left = HIDDEN if right is HIDDEN else RAISED
     assert judge_arms(left, right).verdict is Verdict.FAIL
+
+
+@pytest.mark.parametrize(("rising", "verdict"), [(4, "SUCCESS"), (2, "SUCCESS"), (1, "FAIL"), (0, "FAIL")])
+def test_of_many_leaves_a_third_that_goes_as_said_tells(rising, verdict):
+    sides = [(1, 0, 0.2), (-1, 0, 0.2), (0, 1, 0.2), (0, -1, 0.2)]
+    leaves = [make_part("arm", tuple(0.3 * c for c in side), tuple(c / 1.02 for c in side)) for side in sides]
+    told = [(leaf, RAISED if k < rising else list(0 * RAMP)) for k, leaf in enumerate(leaves)]
+    assert judge_parts("the leaves rise", *told).verdict is Verdict(verdict)
 
 
 @pytest.mark.parametrize(("roles", "certain"), [(("top", "crown"), True), (("top",), False)])

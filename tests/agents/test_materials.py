@@ -29,6 +29,8 @@ def found(sentence, scene=ROBOT):
         ("Made entirely of soft rubber, the robot bounces", "rubber", "Made entirely of soft rubber"),
         ("the robot, which is made out of wood, tips over", "wood", "made out of wood"),
         ("make the robot out of jelly and drop it", "jelly", "make the robot out of jelly"),
+        ("Made of unobtainium, the robot falls", "unobtainium", "Made of unobtainium"),
+        ("make the robot out of unobtainium", "unobtainium", "make the robot out of unobtainium"),
         ("Make him out of soft rubber and push him", "rubber", "Make him out of soft rubber"),
         ("it moves as if it were made of rubber", "rubber", "made of rubber"),
         ("a robot carved from stone", "stone", "carved from stone"),

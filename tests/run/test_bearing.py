@@ -108,6 +108,16 @@ def test_a_bucket_is_raised_alone(tmp_path):
     assert reply.expectations[0].limb is not None and not reply.unsure
 
 
+def test_a_lever_is_raised_alone(tmp_path):
+    """It is a handle too, and has a joint."""
+    machine = {name: CAR[name] for name in ("body", "wheels")} | {"lever": CAR["front bumper"]}
+    path = write_obj(tmp_path / "machine.obj", machine, "o")
+    template = resolve(spec(path, "x")).template
+    body = make_body(template.source, template.preset.filling, template.preset.domain, ".")
+    reply = read(path, body, "the lever goes up")
+    assert [each.region is None for each in reply.force_field.constraints] == [False]
+
+
 def test_something_is_tilted_by_one_of_its_handles(tmp_path):
     """A pot of one mesh: both handles are found by their shape alone, and neither bends."""
     pot = trimesh.creation.cylinder(0.4, 0.5)

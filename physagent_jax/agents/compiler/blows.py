@@ -25,7 +25,7 @@ from physagent_jax.forces.schema import Action, ActionType
 from physagent_jax.motion.attitudes import find_attitude
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_held_magnitude, find_lengths
-from physagent_jax.motion.landing import land
+from physagent_jax.motion.landing import LANDED, land
 from physagent_jax.motion.schema import Amount, MotionKind
 from physagent_jax.motion.tipping import tip
 from physagent_jax.motion.vectors import add, dot, normalise, scale
@@ -134,7 +134,9 @@ def compile_jump(task: Task) -> None:
         return
     begins = [jump.active_time[0] for jump in jumps if jump.active_time]
     landings = [land(*pair, task.brief) for pair in zip(jumps, [*begins[1:], task.window[1]])]
-    builder.constraints += [each for each in landings if each is not None]
+    made = [each for each in landings if each is not None]
+    builder.constraints += made
+    builder.notes += [LANDED.format(event.text)] if made else []
 
 
 def leap(task: Task) -> None:

@@ -30,16 +30,8 @@ _DONE = {
     ConstraintType.MOVING_PLATE: "is pressed by a plate of its size",
 }
 _FOLIAGE = ("leaves", "fronds", "branches", "foliage")
-_LEAVES = (
-    "side",
-    "arm",
-    "wing",
-    "ear",
-    "horn",
-    "tail",
-    "spike",
-    "top",
-)  # roles of shapes that leaves may have
+# Roles of shapes that leaves may have.
+_LEAVES = ("side", "arm", "wing", "ear", "horn", "tail", "spike", "top")
 _LEAF = 0.2  # share of the object, at most
 _AGAINST = -0.7  # cosine of the way back
 _BENDING = (Effect.LEAN, Effect.SWAY, Effect.TURN, Effect.PUSH)

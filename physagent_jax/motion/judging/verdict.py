@@ -17,10 +17,9 @@ from physagent_jax.motion.schema import Check, Judgement, MotionKind, Stage, Ver
 
 HIGHEST_FAILURE = 0.99
 """Score of a FAIL, at most."""
-_PAIR, _SOME = (
-    2,
-    1 / 3,
-)  # share of more parts than that, of those that are seen, which tells that all of them move
+_PAIR = 2
+_SOME = 1 / 3
+"""Share of more parts than a pair, of those that are seen, which tells that all of them move."""
 _SMALL = 0.3
 """Share of the volume of another part of the same words below which one says little."""
 _UNDERSTOOD = "What is understood of the sentence is seen."
@@ -101,9 +100,10 @@ def _leave_to_fellows(view: View, checks: list[Check]) -> list[Check]:
         if beside and (index in lost or shares[index] < _SMALL * max(beside)):
             left.add(index)
     failed = {check.expectation for check in checks if not check.passed}
-    for words in map(say, parts):
-        members = {index for index in parts if say(index) == words}
-        if len(members) > _PAIR and len(members - left - failed) >= _SOME * len(members - left):
+    for said in {say(index) for index in parts}:
+        members = {index for index in parts if say(index) == said}
+        seen = members - left
+        if len(members) > _PAIR and len(seen - failed) >= _SOME * len(seen):
             left |= members & failed
     return [check for check in checks if check.passed is True or check.expectation not in left]
 
