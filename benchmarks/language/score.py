@@ -105,7 +105,8 @@ def _score_reading(reading: Reading, reply: SemanticReply | None, brief: SceneBr
 def _score_motions(reading: Reading, reply: SemanticReply, brief: SceneBrief) -> Fields:
     """The best assignment of the reply's motions, in the order of time, to the clauses."""
     clauses = [clause for group in reading.groups for clause in group]
-    found = sorted(reply.expectations, key=lambda motion: motion.window)
+    asked = [motion for motion in reply.expectations if not motion.means]
+    found = sorted(asked, key=lambda motion: motion.window)
     if len(found) != len(clauses):
         pairs = list(itertools.zip_longest(clauses, found))[: max(len(clauses), 1)]
         fields: Fields = [("kind", False)]

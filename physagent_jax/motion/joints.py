@@ -81,6 +81,7 @@ _WHEELED, _FAST = 360.0, 2.0  # [degrees] that it turns a wheel; times that, of 
 _NECKED = frozenset(("head", "face", "neck"))  # words for what does not turn so far
 _CURLING = frozenset(("curl", "coil"))  # begins of words for what bends over all of its length
 _JAWS = frozenset(("jaw", "mouth"))  # words for what opens downwards
+_ASIDE = frozenset(("left", "right"))  # words for a side that a limb is brought to
 _LIMP, _CREASES = (
     ("droop", "flop", "hang", "wilt", "fall", "drop"),
     60.0,
@@ -210,12 +211,20 @@ class Turning:
     def undo(
         self, done: ExpectedMotion, motion: ExpectedMotion, until: float
     ) -> tuple[list[VelocityConstraint], ExpectedMotion]:
-        """As `drive`, for a motion that takes the limb back from where ``done`` has brought it."""
+        """As `drive`, for a motion that takes the limb back from where ``done`` has brought it.
+
+        Where it is told a side ("to the left, then to the right"), it goes on by as much to there.
+        """
         done = self._face(done)
         way = done.direction or self.swing
         angle = self.find_angle(done, None if self.part.origin == "place" else self.find_axis(way), way)
         window, course = self._find_window(motion, until), scale(self.find_course(way, angle), -1.0)
-        made = self.bring(way, done, -angle, window, until if until > window[1] else None)
+        aside = not _ASIDE.isdisjoint(split_name(motion.words)[-1:]) and "back" not in split_name(
+            motion.words
+        )
+        made = self.bring(
+            way, done, -2.0 * angle if aside else -angle, window, until if until > window[1] else None
+        )
         return [made], motion.model_copy(update=dict(direction=course))
 
     def _find_spun(self, motion: ExpectedMotion, axis: Vector) -> float:

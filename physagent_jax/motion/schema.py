@@ -233,6 +233,7 @@ class ExpectedMotion(Strict):
         to_ground: True if the way ends at the ground ("bend its head down to the ground").
         counted: False if no word tells how often: ``repeats`` is then one number among many.
         jiggles: True if any change of place, tilt or shape that comes and goes is one ("wobble").
+        means: True if it only makes possible what is asked, as a lift before a drop.
         manner: How it goes on.
         amount: A quantity that the sentence names; None = none.
     """
@@ -256,6 +257,7 @@ class ExpectedMotion(Strict):
     to_ground: bool = False
     counted: bool = True
     jiggles: bool = False
+    means: bool = False
     manner: SeenManner = ""
     amount: Amount | None = None
     words: str = ""

@@ -72,6 +72,22 @@ def test_names_of_the_file_go_before_shapes_of_the_same_role():
     ] == [1]
 
 
+def test_the_whole_body_is_the_object():
+    body = make_part("body", seated=True)
+    assert find_limbs("the whole body moves to the left", body)[0] == [None]
+    assert find_limbs("the body moves to the left", body)[0] == [0]
+
+
+@pytest.mark.parametrize("side", [(1, 0, 0), (0, -1, 0)])
+@pytest.mark.parametrize(("verb", "sign"), [("poke", -1), ("a ball hits", -1), ("push", -1), ("pull", 1)])
+def test_what_faces_aside_is_pressed_into_the_rest_or_pulled_out(verb, sign, side):
+    """An eye, a door; what lies on top goes aside, as all else does."""
+    (motion,) = read(f"{verb} the button", make_part("button", side, seated=True)).expectations
+    assert motion.direction == pytest.approx(tuple(sign * c for c in side))
+    (motion,) = read(f"{verb} the button", make_part("button", seated=True)).expectations
+    assert motion.direction[0] < -0.7
+
+
 def test_the_objects_own_name_is_the_object():
     assert find_limbs("push the pot to the left", object_name="pot")[0] == [None]
     assert find_limbs("turn the lid", object_name="pot with lid")[0] == [0]

@@ -166,3 +166,16 @@ def test_lying_down_needs_no_invention():
     """Refuse what is put on something else than a side: it is no toppling."""
     with pytest.raises(UserError):
         read("put it on its shelf", ground())
+
+
+@pytest.mark.parametrize(
+    ("prompt", "told"),
+    [
+        ("drop it, so it squashes and jiggles", ["fall", "sway left x4"]),
+        ("it falls to the floor and flattens", ["fall"]),
+        ("it falls and squashes flat when it lands", ["fall"]),
+        ("drop it, then squash it flat", ["fall", "squeeze up"]),
+    ],
+)
+def test_what_falls_is_squashed_by_the_ground_alone(prompt, told):
+    assert [tell(each) for each in plan(prompt).expectations] == told

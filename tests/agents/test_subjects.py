@@ -32,6 +32,8 @@ def list_limbs(reply):
         ("the robot raises its left arm and lets it drop again", [(MOVE, 0), (MOVE, 0)]),
         ("the robot lets its left arm fall", [(MOVE, 0)]),
         ("the tip of its left arm rises", [(MOVE, 0)]),
+        ("it bends its left arm up, then down", [(MOVE, 0), (MOVE, 0)]),
+        ("it tilts its head to the left, then to the right", [(MOVE, 2), (MOVE, 2)]),
     ],
 )
 def test_a_part_is_not_named_twice(sentence, told):
@@ -76,6 +78,18 @@ def test_a_part_that_is_lowered_again_goes_back_by_as_much():
     turns = [each.magnitude * (each.active_time[1] - each.active_time[0]) for each in (first, second)]
     axes = cosine(first.vector, second.vector)
     assert turns[0] * turns[1] * axes < 0 and abs(turns[0]) == pytest.approx(abs(turns[1]), rel=1e-6)
+
+
+def test_what_is_brought_to_the_other_side_goes_past_where_it_was():
+    there, back = (
+        [each.magnitude * each.gain * (each.active_time[1] - each.active_time[0]) for each in constraints]
+        for constraints in (
+            read(f"it tilts its head to the left, then {way}").force_field.constraints
+            for way in ("to the right", "back")
+        )
+    )
+    assert abs(there[1]) == pytest.approx(2 * abs(there[0]), rel=1e-3)
+    assert abs(back[1]) == pytest.approx(abs(back[0]), rel=1e-3)
 
 
 @pytest.mark.parametrize(

@@ -294,3 +294,47 @@ def test_what_is_put_down_goes_as_far_as_it_was_lifted(back, met):
 
     failed = find_failures("lift the statue slowly, then put it down again", show)
     assert ("how far does it move?" not in failed) == met
+
+
+@pytest.mark.parametrize(
+    "prompt", ["turn it a quarter turn to the left and then drop it", "it spins, then falls"]
+)
+def test_what_stands_is_lifted_before_it_is_dropped(prompt):
+    """Nothing falls that stands on the ground; the lift is a means, and "falls" alone is a fall over."""
+    motions = compile_whole(prompt).expectations
+    lifted = [each.kind for each in motions if each.means]
+    assert lifted == ([MotionKind.MOVE] if "drop" in prompt else [])
+    assert [each.kind for each in compile_whole("lift it and then drop it").expectations if each.means] == []
+
+
+def test_what_is_tipped_and_let_rock_back_is_tilted_by_as_much_as_is_told():
+    reply = compile_whole(
+        "tip the statue halfway over to the left, then let it rock back upright", extents=BROAD
+    )
+    (motion,) = reply.expectations
+    assert motion.kind is MotionKind.ROTATE and motion.released
+    assert motion.amount is not None and motion.amount.value == pytest.approx(45.0)
+
+
+def test_what_loses_its_balance_and_topples_does_so_once():
+    falls = compile_whole(
+        "the statue loses its balance on its foot and topples over to the right"
+    ).expectations
+    turned = [each for each in falls if each.kind is MotionKind.ROTATE]
+    assert [each.direction for each in turned] == [RIGHT]
+
+
+@pytest.mark.parametrize(
+    ("prompt", "moves"),
+    [
+        ("someone shoves the statue to the left and it falls over, stiff as a board", False),
+        ("push the statue to the left and it topples", False),
+        ("push the statue to the left, then it falls over", True),
+        ("push the statue to the left and tip it over to the right", True),
+        ("the statue slides to the left and falls over to the left", True),
+    ],
+)
+def test_a_push_until_it_falls_over_is_how_it_does(prompt, moves):
+    reply = compile_whole(prompt)
+    assert (MotionKind.MOVE in [each.kind for each in reply.expectations]) is moves
+    assert not reply.unsure

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from physagent_jax.forces.part import list_parts
+from physagent_jax.scene.parts import named
 from physagent_jax.scene.parts.aliases import find_aliases, read_groups
 from physagent_jax.scene.parts.cells import fit_part
 from tests.scene.test_part_roles import make
@@ -23,6 +24,12 @@ def make_parts(*names, roles=()):
     return tuple(
         fit_part(POINTS, m, joined=True).model_copy(update=told | dict(name=n)) for n, m in zip(names, masks)
     )
+
+
+def make_parts_of(points, name, mask):
+    """The part that a file calls so."""
+    (part,) = named.make_parts(points, [named.Group(name, mask, False)])
+    return part
 
 
 def find(parts, sentence, name="thing"):
@@ -73,6 +80,11 @@ def test_a_word_is_the_part_that_the_file_calls_otherwise(names, sentence, found
 
 def test_the_objects_own_name_is_no_part():
     assert find(make_parts("windmill blades", "tower"), "the fan turns", name="fan") == {}
+
+
+def test_a_part_that_is_called_as_the_object_is_none_of_another_name():
+    parts = make_parts("wind turbine 1", "wind turbine 1 blades")
+    assert find(parts, "the rotor turns", name="wind-turbine") == {"rotor": "wind turbine 1 blades"}
 
 
 @pytest.mark.parametrize(
@@ -168,6 +180,18 @@ def test_a_wheel_turns_about_its_thin_axis(half, axle):
     part = fit_part(points, points[:, 2] > -0.45, joined=False)
     assert part.axle == (None if axle is None else pytest.approx(axle, abs=0.05))
     assert axle is None or part.seated
+
+
+def test_blades_turn_about_their_hub_though_they_fill_no_disc():
+    rods = [
+        ((0, 0, 0), (0.9 * np.sin(a), 0, 0.9 * np.cos(a)), 0.06) for a in np.radians((10.0, 130.0, 250.0))
+    ]
+    points = make([*rods, ((0, 0.3, 0), (0, 0.3, -2.0), 0.1)], 6000)
+    axle, other = (
+        fit_part(points, points[:, 1] < 0.15, joined=False, blades=blades).axle for blades in (True, False)
+    )
+    assert np.abs(axle) == pytest.approx((0, 1, 0), abs=0.05) and other is None
+    assert make_parts_of(points, "turbine blades", points[:, 1] < 0.15).axle == axle
 
 
 def test_what_is_called_a_wheel_may_be_thick():

@@ -89,6 +89,7 @@ class Event:
         amount: A quantity that the sentence names.
         rebounds: How often it comes up again from what it falls onto.
         obstacles: Solids that it meets.
+        means: Whether it only makes possible what is asked, as a lift before a drop.
         sources: Where each value comes from.
     """
 
@@ -118,6 +119,7 @@ class Event:
     amount: Amount | None = None
     rebounds: int = 0
     obstacles: list[ObstacleRequest] = field(default_factory=list)
+    means: bool = False
     sources: dict[str, ValueSource] = field(default_factory=dict)
 
     @property

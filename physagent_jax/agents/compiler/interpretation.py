@@ -13,7 +13,7 @@ from physagent_jax.agents.lexicon import NAMED, Effect, Motion, Repeat, read_lex
 from physagent_jax.agents.materials import LIMP
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.part import is_plural, split_name
+from physagent_jax.forces.part import Part, is_plural, split_name
 from physagent_jax.forces.slabs import make_end_region, make_middle_region
 from physagent_jax.motion.attitudes import has_back_on_top
 from physagent_jax.motion.axes import find_lean_axis
@@ -375,6 +375,12 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
             _turn(event, limb.swing, "across the part")
         elif assumed and (event.motion.wrings or part.axle and event.effect is Effect.TURN):
             _turn(event, part.axle or limb.arm, "about the part's own line")
+        elif assumed and _meets_face(
+            event, part, limb.arm, brief
+        ):  # "poke its eye", "a ball hits the backrest"
+            _turn(
+                event, scale(limb.arm, 1.0 if event.motion.pulls else -1.0), "out of or into the part's face"
+            )
         elif (
             event.effect is Effect.SCALE
             and event.motion.sign < 0
@@ -408,6 +414,12 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         event.region = make_end_region(scale(event.part, -1.0), 1.0 - place.start)
     else:
         event.region = make_end_region(event.part, place.start)
+
+
+def _meets_face(event: Event, part: Part, out: Vector, brief: SceneBrief) -> bool:
+    """Return whether a blow, a push or a pull without a way goes into what faces aside and has no joint of its own."""
+    acts = event.effect is Effect.STRIKE or event.effect is Effect.PUSH and not event.motion.generic
+    return acts and part.seated and abs(dot(out, brief.directions.up)) < _STEEP
 
 
 def _find_bearers(part: KnownPart, event: Event, brief: SceneBrief) -> tuple[int, ...]:

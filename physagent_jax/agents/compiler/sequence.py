@@ -77,9 +77,10 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         builder.notes.append(f"'{event.words}' is taken to be said of the part that comes off.")
         return  # "its head falls off and rolls away"
     falls = event.effect is Effect.FALL or any(each.effect in (*_ALOFT, *_UPSETTING) for each in events)
-    if event.motion.gives and falls and any(each.effect not in _RESTING for each in events):
+    yields = event.motion.gives or bool(events) and events[-1].effect is Effect.FALL and _yields(event)
+    if yields and falls and any(each.effect not in _RESTING for each in events):
         events[-1].doubts += event.doubts
-        return  # "it falls and shatters"
+        return  # "it falls and shatters", "it falls and flattens"
     if event.verb is not None and event.verb.bounces and event.effect in (Effect.FALL, Effect.JUMP):
         bouncing = events[-1] if events and events[-1].effect is Effect.FALL else event
         bouncing.rebounds = event.repeat.count or _REBOUNDS
@@ -124,18 +125,54 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     above = event.is_upwards and not event.clause.quantities  # "from a metre up"
     if event.effect is Effect.FALL and builder.gravity is None and above:
         builder.gravity = "up"  # "it falls upwards"
+    if before and event.clause.order == "then" and _needs_lift(event, events, builder):
+        plain = event.clause.model_copy(update=dict(pose=None, quantities=[]))
+        way = builder.brief.directions.up
+        events.append(
+            replace(
+                _make_another(event, "lift"),
+                clause=plain,
+                when=Timing(),
+                amount=None,
+                direction=way,
+                means=True,
+            )
+        )
+        builder.notes.append(f"'{event.words}': it stands on the ground, so it is lifted first.")
     events.append(event)
+
+
+def _needs_lift(event: Event, events: list[Event], builder: ForceFieldBuilder) -> bool:
+    """Return whether all of what stands is dropped, and nothing before has raised it: "turn it, then drop it"."""
+    drops = event.effect is Effect.FALL and not (
+        event.motion.topples or event.motion.lands or event.motion.gives
+    )
+    whole = not (event.parts or event.limbs or event.motion.bounces or any(each.limbs for each in events))
+    raised = any(e.effect in _ALOFT or e.motion.gravity or _is_lifted([e], builder) for e in events)
+    return drops and whole and builder.grounded and not (builder.anchored or raised)
+
+
+def _yields(event: Event) -> bool:
+    """Return whether a change of shape is what the ground does as it is met: it is told of no later time."""
+    shapes = event.effect is Effect.SCALE and event.motion.sign < 0
+    return shapes and event.clause.order != "then" and not (event.ways or event.parts)
 
 
 def _goes_over(before: Event, event: Event) -> bool:
     """Return whether a lean, or a push until then, is how it tips over: "it tilts to the left and falls over"."""
-    whole = not (before.parts or before.repeat.count or before.amount or before.stays)
+    placed = (
+        before.parts and before.effect is not Effect.TOPPLE
+    )  # "it loses its balance on its tip and falls over"
+    whole = not (placed or before.repeat.count or before.amount or before.stays)
     untold = any(each.sources["vector"].why.endswith(BY_DEFAULT) for each in (before, event))
     same = untold or dot(before.direction or (0, 0, 0), event.direction or (0, 0, 0)) > _LEVEL
     timed = before.is_timed or event.is_timed or event.clause.pace == "sudden"
     until = event.clause.order == "together" or "so" in before.clause.strength
     slowly = event.clause.order != "then" or before.strength < SLOW
-    until |= before.is_in_wind and event.clause.order != "then"  # "a strong wind hits it and knocks it over"
+    pushed = (
+        before.effect is Effect.PUSH and not before.motion.generic
+    )  # "someone shoves it and it falls over"
+    until |= (before.is_in_wind or pushed) and event.clause.order != "then"
     goes = before.motion.manner == "rock" and slowly if before.effect is Effect.LEAN else until
     goes = goes if before.effect in (Effect.LEAN, Effect.PUSH) else before.effect is Effect.TOPPLE
     return event.effect is Effect.TOPPLE and goes and whole and same and not timed
@@ -233,6 +270,8 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
             continue
         elif acted:
             result.append(event)
+            if result[-2].effect is Effect.TOPPLE and not event.motion.lets_go:
+                result[-2] = _stop_halfway(result[-2])  # "tip it over, then let it rock back upright"
         elif event.motion.alone and after is not None and after.clause.order == "together":
             continue  # "it recoils as it is hit"
         elif (phrase := event.motion.alone) and (
@@ -246,6 +285,11 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
         else:
             builder.unsure.append(f"What '{event.text}' comes back from is not understood.")
     return result
+
+
+def _stop_halfway(event: Event) -> Event:
+    """The fall over as a lean that it comes back from, by the angle that is told."""
+    return replace(event, motion=read_lexicon().motions["tip"], phrase="tip")
 
 
 def _is_lifted(events: list[Event], builder: ForceFieldBuilder) -> bool:

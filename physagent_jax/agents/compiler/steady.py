@@ -100,6 +100,7 @@ class Task:
             "stays": event.stays,
             "manner": event.motion.manner,
             "jiggles": event.motion.jiggles,
+            "means": event.means,
             "counted": any(each.times is not None for each in event.clause.repetitions),
             "even": (event.clause.pace == "even" or event.motion.floats or event.is_quick)
             and kind in (MotionKind.MOVE, MotionKind.ROTATE),
@@ -201,9 +202,10 @@ class Task:
 
     @property
     def _is_measured(self) -> bool:
-        """Return whether a free object is to go so far, or turn by so much, and no further."""
+        """Return whether a free object is to go so far, or turn by so much, and no further; a lean may come back."""
         effort = find_effort(self.event.amount, self.event.effect, self.brief)
-        return not self.builder.anchored and effort is not None
+        leaves = self.event.effect is Effect.LEAN and self._is_let_go
+        return not (self.builder.anchored or leaves) and effort is not None
 
     def limit_count(self, count: int, shortest: float = _SHORTEST_SWING) -> int:
         """``count`` limited to what the pictures can show, at ``shortest`` frames each, and the list can hold."""

@@ -19,6 +19,7 @@ from physagent_jax.agents.grammar.mentions import (
     get_last_motion,
     has_motion,
 )
+from physagent_jax.agents.grammar.missiles import read_missiles
 from physagent_jax.agents.grammar.poses import read_landings, read_poses
 from physagent_jax.agents.grammar.subjects import read_subjects, sticks_out
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
@@ -100,7 +101,8 @@ def _is_done_by_another(segment: list[Mention], names: frozenset[str]) -> bool:
         return False
     verb, after = segment[at].motion, segment[at + 1 : at + 6]
     # "A plate presses down on the robot."
-    if verb is not None and verb.effect in (Effect.SCALE, Effect.STRIKE):
+    pushes = verb is not None and verb.effect is Effect.PUSH and not verb.generic
+    if verb is not None and (pushes or verb.effect in (Effect.SCALE, Effect.STRIKE)):
         after = [m for m in after if m.phrase not in ("down", "on", "onto", "upon", "against")]
     behind = [m.phrase for m in after[:2]]
     thing = behind[1:] if behind and behind[0] in get_set("determiners") else behind[:1]
@@ -181,7 +183,7 @@ def read_comparisons(mentions: list[Mention], _names: frozenset[str]) -> list[Me
 
     Where the verb says nothing by itself ("moves"), a thing known for one motion does ("like a pendulum").
     """
-    result = list(mentions)
+    result = _drop_similes(mentions)
     at: int | None = None
     for index, mention in enumerate(mentions):
         at = index if mention.kind is MentionKind.VERB else at
@@ -204,6 +206,17 @@ def read_comparisons(mentions: list[Mention], _names: frozenset[str]) -> list[Me
         done = supposes and any(mentions[i].kind in MOTIONS for i in range(index, end))
         for place in inside if done else range(index, end):
             result[place] = empty(mentions[place], "comparison")
+    return result
+
+
+def _drop_similes(mentions: list[Mention]) -> list[Mention]:
+    """The mentions without "as a board" of "stiff as a board", and without an adjective that means nothing here."""
+    result = list(mentions)
+    for at in range(1, len(mentions) - 2):
+        before, article = mentions[at - 1], mentions[at + 1]
+        if mentions[at].form == "as" and article.form in ("a", "an") and before.kind is not MentionKind.VERB:
+            first = at - 1 if before.kind is MentionKind.UNKNOWN else at
+            result[first : at + 3] = [empty(each, "comparison") for each in mentions[first : at + 3]]
     return result
 
 
@@ -359,6 +372,7 @@ def _read_as(mention: Mention, word: str) -> Mention:
 
 
 PASSES = (
+    read_missiles,
     drop_others,
     read_corrections,
     mark_exceptions,

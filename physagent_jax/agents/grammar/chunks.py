@@ -198,6 +198,9 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         return over or begins_longer_phrase(reader, used[-1])
     described = before in LEXICON.intensities and not before.endswith("ly")
     article = reader.get_text(at - 2) in ("the", "its", "a", "an")
+    if text == reader.tokens[at].lemma and reader.is_after_determiner(at):
+        if behind in LEXICON.part_nouns or behind in reader.names:
+            return True  # "on the narrow tip"
     counted = before in NUMBERS and text.endswith("s") and reader.tokens[at].lemma in LEXICON.causes
     if counted:  # "three blows"
         return True

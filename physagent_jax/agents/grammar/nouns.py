@@ -31,7 +31,8 @@ def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
     name = [word for word in _split(brief.object_name) if word not in parts]  # "pot with lid": pot, lid
     name = name if is_telling(" ".join(name)) else _split(brief.object_name)
     own = set(_add_plurals([*name, *_split(brief.object_kind)]))
-    nouns = _find_unmistakable(brief.object_nouns) - parts
+    others = LEXICON.agents if is_telling(brief.object_name) else frozenset()  # an anvil falls on a robot
+    nouns = _find_unmistakable(brief.object_nouns) - parts - others
     tokens = tokenise(sentence)
     texts = [token.text for token in tokens]
     own |= _find_halves(name, texts)
@@ -100,8 +101,10 @@ def read_named_part(reader: Reader, at: int) -> Mention | None:
             phrase[0] in reader.names or phrase[0] in LEXICON.part_adjectives or phrase[0] in LEXICON.parts
         )
         if size > 1 or not known and (phrase[0] not in FORMS or reader.is_after_determiner(at)):
-            gripped, used = reader.is_gripped(at), list(range(at, at + size))
-            kind, value = (MentionKind.FUNCTION, None) if gripped else (MentionKind.PLACE, NAMED)
+            used = list(range(at, at + size))
+            whole = phrase == ("body",) and reader.get_text(at - 1) in ("whole", "entire")  # of a truck
+            aside = whole or reader.is_gripped(at)
+            kind, value = (MentionKind.FUNCTION, None) if aside else (MentionKind.PLACE, NAMED)
             return reader.make_mention(kind, value, " ".join(phrase), used)
     return None
 

@@ -15,6 +15,7 @@ from physagent_jax.agents.grammar.clauses import (
     tell_result,
 )
 from physagent_jax.agents.grammar.mentions import WAYS, Mention, MentionKind
+from physagent_jax.agents.grammar.subjects import sticks_out
 from physagent_jax.agents.grammar.tables import LEXICON
 from physagent_jax.agents.grammar.tokens import is_participle
 from physagent_jax.agents.intent import Quantity
@@ -107,6 +108,8 @@ def _take_over(clause: Clause, before: Clause) -> None:
         clause.modifiers = [*again, *clause.modifiers]
     elif clause.select(MentionKind.SENSE) and not clause.select(MentionKind.AXIS, MentionKind.VIEW):
         clause.modifiers += before.select(MentionKind.AXIS, MentionKind.VIEW)  # about the same axis
+    if not clause.select(MentionKind.PLACE):  # "it tilts its head to the left, then to the right"
+        clause.modifiers += [each for each in before.select(MentionKind.PLACE) if sticks_out(each)]
 
 
 def _merge_results(clauses: list[Clause]) -> list[Clause]:
@@ -188,7 +191,8 @@ def _is_moving_beside(before: Clause, clause: Clause) -> bool:
 def _relate(cause: Clause, effect: Clause) -> list[Clause]:
     """Merges an effect with its cause; returns it where it stays a clause of its own."""
     first, second = get_verb(cause.head), get_verb(effect.verb)
-    drops = first.effect is Effect.FALL and not first.gives and second.effect in (Effect.ROLL, Effect.PUSH)
+    falls = first.effect is Effect.FALL and not first.gives
+    drops = falls and second.effect in (Effect.ROLL, Effect.PUSH, Effect.SWAY)
     if first.gravity and second.effect is Effect.ROLL and effect.verb is not None:  # what is in the air turns
         effect.verb = replace(effect.verb, value=(second := LEXICON.motions["tumble"]), phrase="tumble")
         if cause.verb is not None and (across := LEXICON.motions.get(f"{cause.verb.phrase} across")):
@@ -224,8 +228,9 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
         ends = second.effect in (Effect.STILL, Effect.RELEASE) or is_end(first, second)
         effect.join = Join.THEN if ends or drops else Join.WHILE
         return [effect]
-    if first.effect is Effect.SCALE and first.sign < 0 and second.effect is Effect.SWELL:
-        return []  # "press it until it bulges": it does so by itself
+    yields = second.effect in (Effect.SCALE, Effect.SWELL) and not effect.select(*WAYS)
+    if falls and yields or first.effect is Effect.SCALE and first.sign < 0 and second.effect is Effect.SWELL:
+        return []  # "press it until it bulges", "drop it, so it squashes": it does so by itself
     driven = first.effect in DRIVING and first.direction is None
     sized = driven and second.effect in (Effect.SCALE, Effect.SWELL)  # "pull it until it is longer"
     _absorb(cause, effect, second.generic and not sized and not second.angle)

@@ -110,7 +110,8 @@ def _find_at(
         return []
     first = words[at - 1] if _is_compound(words, at, own) else ""
     found = []
-    for index in _list_candidates(parts, noun):
+    others = [part if _get_noun(part) not in own else part.model_copy(update=dict(name="")) for part in parts]
+    for index in _list_candidates(others, noun):  # the stand of "wind turbine 1" is no rotor
         before, after = _find_rest(parts[index])
         found.append((" ".join(each for each in (*before, first, said, *after) if each), index))
     return found

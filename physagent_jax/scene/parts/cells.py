@@ -25,7 +25,13 @@ _JOINT = 0.3  # of the way from joint to tip that bends, of what is one skin wit
 
 
 def fit_part(
-    points: np.ndarray, mask: np.ndarray, *, joined: bool, wheel: bool = False, limb: bool = False
+    points: np.ndarray,
+    mask: np.ndarray,
+    *,
+    joined: bool,
+    wheel: bool = False,
+    blades: bool = False,
+    limb: bool = False,
 ) -> Part:
     """The part that some of the particles are.
 
@@ -38,6 +44,7 @@ def fit_part(
         mask: Those of the part, shape (n,); neither none nor all.
         joined: Whether it is of one skin with the rest.
         wheel: Whether it is called a wheel: then it may be nearly as thick as it is broad.
+        blades: Whether it is called blades that turn together, as a rotor's: they need not fill a disc.
         limb: Whether it is called as what has a joint, however short it is.
     """
     low, high = points.min(0), points.max(0)
@@ -50,7 +57,7 @@ def fit_part(
     length = float(np.linalg.norm(tip - joint))
     width = float(np.sqrt(((contact - joint) ** 2).sum(1).mean()))
     off = float(np.linalg.norm(centre - joint))
-    axle = _find_axle(own, _THICK if wheel else _FLAT)
+    axle = _find_axle(own, _THICK if wheel else _FLAT, filled=not blades)
     rolls = axle is not None and not joined
     if (
         limb and not joined and off < _OFF * length
@@ -109,13 +116,14 @@ def _find_ends(own: np.ndarray, middle: np.ndarray) -> tuple[np.ndarray, np.ndar
     return near, far
 
 
-def _find_axle(own: np.ndarray, flat: float) -> tuple[float, float, float] | None:
-    """The thin axis of what is round and at most so ``flat``, as a unit vector; None if it is not."""
+def _find_axle(own: np.ndarray, flat: float, filled: bool) -> tuple[float, float, float] | None:
+    """The thin axis of what is at most so ``flat``, and ``filled`` like a disc, as a unit vector; None if it is not."""
     spread, axes = np.linalg.eigh(np.cov(own.T) if len(own) > 3 else np.eye(3))
-    if spread[0] > flat**2 * spread[1] or spread[1] < _ROUND**2 * spread[2]:
+    if spread[0] > flat**2 * spread[1]:
         return None
     away = np.hypot(*((own - own.mean(0)) @ axes[:, 1:]).T)
-    if np.quantile(away, 0.98) > _RIM * np.sqrt(2 * spread[1:].sum()):
+    ragged = np.quantile(away, 0.98) > _RIM * np.sqrt(2 * spread[1:].sum())
+    if filled and (spread[1] < _ROUND**2 * spread[2] or ragged):
         return None
     axle = axes[:, 0] * np.sign(axes[np.abs(axes[:, 0]).argmax(), 0])
     x, y, z = np.round(axle, 4).tolist()

@@ -28,6 +28,9 @@ _SKIN = 4  # edges that a part's surface shares with others, from which on they 
 _TOLD = 0.9  # share of the object that named parts cover, from which on the file names all of it
 _WITHIN = 0.8  # share of a shape in a named part, from which on it is a part of that
 _WHEELS = frozenset("wheel wheels tyre tire tyres tires gear cog pulley roller rotor propeller fan".split())
+_BLADES = frozenset(
+    "blades rotor propeller airscrew fan turbine".split()
+)  # words for what turns about their hub
 _JOINTED = frozenset(
     "arm arms forearm leg legs shin foot hand wing wings tail head neck ear horn trunk antenna finger thumb".split()
 )  # words for what turns about its joint, however short it is
@@ -146,10 +149,11 @@ def make_parts(points: np.ndarray, groups: Sequence[Group]) -> tuple[Part, ...]:
         groups: Groups with the file's names.
     """
     rolls = [not _WHEELS.isdisjoint(split_name(group.name)) for group in groups]
+    fans = [not _BLADES.isdisjoint(split_name(group.name)[-1:]) for group in groups]
     limbs = [not _JOINTED.isdisjoint(split_name(group.name)[-1:]) for group in groups]
     told = [
-        fit_part(points, g.mask, joined=g.joined, wheel=wheel, limb=limb)
-        for g, wheel, limb in zip(groups, rolls, limbs)
+        fit_part(points, g.mask, joined=g.joined, wheel=wheel, blades=fan, limb=limb)
+        for g, wheel, fan, limb in zip(groups, rolls, fans, limbs)
     ]
     return tuple(
         part.model_copy(update=dict(name=group.name, origin="file")) for part, group in zip(told, groups)
