@@ -111,21 +111,28 @@ def stands_on_legs(parts: Sequence[Part]) -> bool:
 def find_level_line(brief: SceneBrief) -> Vector:
     """The level line through something from end to end, about which it rolls over (unit vector).
 
-    It is longest along it, or looks along it, or has two like parts on either side of it (wings); else it points at the
-    viewer.
+    It is longest along it, or looks along it, or has two like parts on either side of it (wings, or a left and a right
+    arm); else it points at the viewer.
     """
     long = brief.long_axis
     if long is not None and abs(long[2]) < _LEVEL:
         return long
     pairs = [
-        (math.dist(one.side, other.side), add([one.side, scale(other.side, -1.0)]))
+        (math.dist(one.side, other.side), _is_right(one) - _is_right(other), one, other)
         for one, other in itertools.combinations(brief.parts, 2)
         if _are_alike(one, other)
     ]
-    across = max(pairs, default=(0.0, (0.0, 0.0, 0.0)))[1]
+    _, sided, one, other = max(pairs, key=lambda pair: pair[0], default=(0.0, 0, None, None))
+    across = (0.0, 0.0, 0.0) if one is None or other is None else add([one.side, scale(other.side, -1.0)])
     beside = normalise(cross(brief.directions.up, across))
+    if beside is not None and (sided or cosine(beside, brief.directions.toward)) < 0:
+        beside = scale(beside, -1.0)
     told = find_front(brief.parts) or find_named_front(brief.parts)
     return told or (beside if abs(across[2]) < _LEVEL else None) or brief.directions.toward
+
+
+def _is_right(part: Part) -> bool:
+    return "right" in split_name(part.name)
 
 
 def _are_alike(one: Part, other: Part) -> bool:

@@ -109,6 +109,19 @@ def test_forward_is_where_what_walks_looks():
     assert walks.direction in (LEFT, (1.0, 0.0, 0.0)) and pushed.direction == side.directions.toward
 
 
+@pytest.mark.parametrize("names", [("left arm", "right arm"), ("right arm", "left arm")])
+def test_a_figure_with_a_left_and_a_right_arm_walks_where_it_looks(names):
+    """Its own left is on the viewer's right where it looks at the viewer, and on their left where it looks away."""
+    for way in (1.0, -1.0):
+        sides = {"left arm": (way, 0.0, 0.0), "right arm": (-way, 0.0, 0.0)}
+        box = CellsRegion(inside=((0.5, 0.5, 0.2),), outside=((0.5, 0.5, 0.8),))
+        told = dict(moved=box, rest=box, joint=(0.5, 0.5, 0.5), share=0.1, origin="file")
+        parts = tuple(Part(name=name, arm=sides[name], side=sides[name], **told) for name in names)
+        scene = brief(world="ground", parts=parts)
+        (walks,) = read("it walks forward", scene).expectations
+        assert walks.direction == pytest.approx(tuple(way * c for c in scene.directions.toward))
+
+
 def test_every_one_of_several_leaps_is_a_rise():
     """Each is strengthened with the others, so that they stay alike."""
     rise, fall = read("the robot hops three times", ground()).expectations

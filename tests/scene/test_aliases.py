@@ -182,6 +182,19 @@ def test_a_wheel_turns_about_its_thin_axis(half, axle):
     assert axle is None or part.seated
 
 
+def test_a_thick_wheel_turns_about_the_line_across_the_vehicle():
+    """What fills a vehicle belongs to its nearest surface; no wheel is up on the roof, nor under what is square."""
+    wheels = [((x, y, 0.25), (0.25, 0.25, 0.25)) for x in (-0.7, 0.7) for y in (-0.25, 0.25)]
+    car = make([((0, 0, 0.8), (1.0, 0.5, 0.3)), *wheels], 8000)
+    front = (car[:, 2] < 0.45) & (car[:, 0] > 0.4) & (car[:, 1] < 0)
+    wheel = make_parts_of(car, "front left wheel", front)
+    assert np.abs(wheel.axle) == pytest.approx((0, 1, 0), abs=0.05) and wheel.seated
+    assert make_parts_of(car, "front left foot", front).axle is None
+    for points in (car * (1, 1, -1), car * (0.5, 1, 1)):
+        axle = make_parts_of(points, "front left wheel", front).axle
+        assert axle is None or abs(axle[1]) < 0.5
+
+
 def test_blades_turn_about_their_hub_though_they_fill_no_disc():
     rods = [
         ((0, 0, 0), (0.9 * np.sin(a), 0, 0.9 * np.cos(a)), 0.06) for a in np.radians((10.0, 130.0, 250.0))

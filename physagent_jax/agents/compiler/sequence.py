@@ -23,9 +23,11 @@ from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.schema import AnchorRequest
 from physagent_jax.motion.swaying import lies
 from physagent_jax.motion.tipping import SLOW
-from physagent_jax.motion.vectors import dot
+from physagent_jax.motion.vectors import dot, scale
 
 _AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
+_ROCKING = ("let", "rock", "swing", "sway", "tip")  # begins of phrases for what comes back by itself
+_OVER = 120.0  # [degrees] from where on it is turned over
 _LEVEL = 0.5  # cosine to the vertical below which what stands falls aside
 _ALOFT = (Effect.FALL, Effect.JUMP)  # or thrown, or lifted
 _FLYING = (Effect.FALL, Effect.ROLL, Effect.PUSH, Effect.JUMP)  # what has come off
@@ -77,6 +79,9 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         builder.notes.append(f"'{event.words}' is taken to be said of the part that comes off.")
         return  # "its head falls off and rolls away"
     falls = event.effect is Effect.FALL or any(each.effect in (*_ALOFT, *_UPSETTING) for each in events)
+    if events and events[-1].effect is Effect.TOPPLE and event.effect is Effect.SWAY:
+        if event.clause.order == "and":  # "it falls over sideways and rocks until it stops"
+            event.clause = event.clause.model_copy(update=dict(order="then"))
     yields = event.motion.gives or bool(events) and events[-1].effect is Effect.FALL and _yields(event)
     if yields and falls and any(each.effect not in _RESTING for each in events):
         events[-1].doubts += event.doubts
@@ -268,9 +273,12 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
             result.append(_make_another(event, "fall"))
         elif after is not None and after.effect in (Effect.FALL, Effect.TOPPLE):
             continue
+        elif acted and _is_turned_over(result[-1]) and not event.motion.lets_go:
+            back = scale(result[-1].direction, -1.0) if result[-1].direction else None
+            result.append(replace(result[-1], clause=event.clause, when=event.when, direction=back))
         elif acted:
             result.append(event)
-            if result[-2].effect is Effect.TOPPLE and not event.motion.lets_go:
+            if result[-2].effect is Effect.TOPPLE and event.phrase.startswith(_ROCKING):
                 result[-2] = _stop_halfway(result[-2])  # "tip it over, then let it rock back upright"
         elif event.motion.alone and after is not None and after.clause.order == "together":
             continue  # "it recoils as it is hit"
@@ -285,6 +293,13 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
         else:
             builder.unsure.append(f"What '{event.text}' comes back from is not understood.")
     return result
+
+
+def _is_turned_over(event: Event) -> bool:
+    """Return whether all of it was turned over, so that it does not come back by itself: "then set it upright"."""
+    told = event.amount is not None and event.amount.unit == "degrees" and event.amount.value > _OVER
+    level = event.direction is not None and abs(event.direction[2]) < _LEVEL
+    return event.effect is Effect.TURN and told and level and not (event.parts or event.limbs)
 
 
 def _stop_halfway(event: Event) -> Event:

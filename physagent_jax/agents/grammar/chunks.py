@@ -198,6 +198,10 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         return over or begins_longer_phrase(reader, used[-1])
     described = before in LEXICON.intensities and not before.endswith("ly")
     article = reader.get_text(at - 2) in ("the", "its", "a", "an")
+    strange = any(m.first == at - 1 and m.kind is MentionKind.UNKNOWN for m in reader.mentions)
+    placed = reader.get_text(at - 3) in get_set("prepositions") and text == reader.tokens[at].lemma
+    if strange and article and placed and text in LEXICON.part_nouns:
+        return True  # "on the rusty tip"
     if text == reader.tokens[at].lemma and reader.is_after_determiner(at):
         if behind in LEXICON.part_nouns or behind in reader.names:
             return True  # "on the narrow tip"

@@ -28,6 +28,9 @@ _SKIN = 4  # edges that a part's surface shares with others, from which on they 
 _TOLD = 0.9  # share of the object that named parts cover, from which on the file names all of it
 _WITHIN = 0.8  # share of a shape in a named part, from which on it is a part of that
 _WHEELS = frozenset("wheel wheels tyre tire tyres tires gear cog pulley roller rotor propeller fan".split())
+_ROLLING = frozenset("wheel wheels tyre tyres tire tires".split())
+_UPRIGHT = 0.5  # cosine to the vertical, from which on an axle carries no wheel that bears
+_BEARING, _SHORTER = 0.1, 0.95  # of a vehicle's height over its lowest point; its breadth over its length
 _BLADES = frozenset(
     "blades rotor propeller airscrew fan turbine".split()
 )  # words for what turns about their hub
@@ -155,9 +158,29 @@ def make_parts(points: np.ndarray, groups: Sequence[Group]) -> tuple[Part, ...]:
         fit_part(points, g.mask, joined=g.joined, wheel=wheel, blades=fan, limb=limb)
         for g, wheel, fan, limb in zip(groups, rolls, fans, limbs)
     ]
+    told = [_give_axle(part, points, group) for part, group in zip(told, groups)]
     return tuple(
         part.model_copy(update=dict(name=group.name, origin="file")) for part, group in zip(told, groups)
     )
+
+
+def _give_axle(part: Part, points: np.ndarray, group: Group) -> Part:
+    """The part with an axle across a vehicle where it is called a wheel, bears it, and its shape shows no axle.
+
+    What fills a vehicle belongs to its nearest surface, so that a wheel is as thick as it is broad.
+    """
+    height = float(np.ptp(points[:, 2]))
+    bears = float(points[group.mask, 2].min() - points[:, 2].min()) < _BEARING * height
+    told = part.axle is not None and abs(part.axle[2]) < _UPRIGHT
+    if told or group.joined or not bears or _ROLLING.isdisjoint(split_name(group.name)):
+        return part
+    spread, axes = np.linalg.eigh(np.cov(points[:, :2].T))
+    if spread[0] > _SHORTER**2 * spread[1]:
+        return part
+    own, low = points[group.mask], points.min(0)
+    hub = (0.5 * (own.min(0) + own.max(0)) - low) / np.maximum(np.ptp(points, axis=0), 1e-12)
+    axle = (*np.round(axes[:, 0], 4).tolist(), 0.0)
+    return part.model_copy(update=dict(axle=axle, joint=tuple(np.round(hub, 5).tolist()), seated=True))
 
 
 def find_pieces(
