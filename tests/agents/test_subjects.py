@@ -138,6 +138,12 @@ def test_what_alone_sticks_out_is_the_handle(word):
     assert read(f"push the {word} up", side, rim).unsure
 
 
+@pytest.mark.parametrize("rest", ["nothing else moves", "everything else stays still", "all else is still"])
+def test_that_nothing_else_moves_is_no_motion(rest):
+    reply = read(f"the robot lifts its left arm, {rest}")
+    assert list_limbs(reply) == [(MOVE, 0)] and not reply.unsure
+
+
 def test_the_rest_stays_still_where_a_part_moves_alone():
     assert not read("the robot turns its head while the rest of the body stays still").unsure
 

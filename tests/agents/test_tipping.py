@@ -358,3 +358,9 @@ def test_what_falls_over_rocks_when_it_lies():
     falls = [each for each in reply.expectations if each.kind is MotionKind.ROTATE]
     (sways,) = [each for each in reply.expectations if each.kind is MotionKind.SWAY]
     assert sways.window[0] >= falls[0].window[1] - 0.5
+
+
+def test_what_has_reared_up_hangs_there_in_the_air():
+    """It hangs from nothing: no top is held."""
+    prompt = "the statue rears up on its back wheels, hangs there for a moment, then comes down again"
+    assert compile_whole(prompt, extents=BROAD).anchor.kind is None

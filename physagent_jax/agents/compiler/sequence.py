@@ -396,7 +396,7 @@ def _hangs_in_the_air(event: Event, last: Event | None) -> bool:
         return False
     if last is None or last.clause.negated or event.pick(WayKind.FROM, WayKind.PLANE):
         return False
-    return last.effect in _RISING
+    return last.effect in (*_RISING, Effect.LEAN)  # thrown up, or reared up
 
 
 def _wait(event: Event) -> Event:

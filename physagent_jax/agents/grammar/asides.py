@@ -8,6 +8,7 @@ later pass meets it.
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 from physagent_jax.agents.grammar.mentions import (
     LOOSE,
@@ -31,6 +32,7 @@ OTHER = "other"
 _REPLACED = {kind: (kind,) for kind in (MentionKind.PLACE, MentionKind.SENSE, MentionKind.QUANTITY)} | {
     way: WAYS for way in WAYS
 }
+_REST = {("nothing", "else"), ("everything", "else"), ("all", "else")}
 _HOVERING = (Effect.TURN, Effect.ROLL, Effect.STILL)
 _NEAR = 6  # words from a part to the one that it is on
 _REACH = 20  # words before a correction in which the corrected ones stand
@@ -49,15 +51,17 @@ def list_segments(mentions: list[Mention]) -> list[tuple[int, int]]:
 
 
 def drop_others(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
-    """Empties what the camera does, and what another thing than the object does by itself.
+    """Empties what the camera does, what another thing than the object does by itself, and that nothing else moves.
 
-    "Pan the camera to the left", "a bird flies past the robot": the motion and all that is told of it.
+    "Pan the camera to the left", "a bird flies past the robot", "everything else stays still": the motion and all that
+    is told of it.
     """
     result = list(mentions)
     named = any(mention.phrase in names | get_set("pronouns") for mention in mentions)
     for begin, end in list_segments(mentions):
         segment = mentions[begin:end]
-        if _is_filmed(segment, names) or named and _is_done_by_another(segment, names):
+        rest = {(a.form, b.form) for a, b in pairwise(segment)} & _REST
+        if rest or _is_filmed(segment, names) or named and _is_done_by_another(segment, names):
             result[begin:end] = [
                 empty(m, OTHER if m.kind in MOTIONS or m.form in get_set("camera_verbs") else "aside")
                 for m in segment
