@@ -141,6 +141,7 @@ def test_the_sentences_are_many_different_and_of_every_kind():
         ("twelfth", 20, 5, "cdd46dabe9be7e94"),
         ("thirteenth", 20, 5, "fd143df9f31932e2"),
         ("fourteenth", 20, 5, "04a04c0e454b02de"),
+        ("fifteenth", 20, 5, "900b044c0525abca"),
     ],
 )
 def test_pairs_that_were_held_back_are_as_they_were_written(group, pairs, things, digest):
