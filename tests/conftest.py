@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import dataclasses
 import functools
@@ -40,7 +41,10 @@ QUICK_TO_COMPILE = "--xla_backend_optimization_level=1" + (
 
 
 RARELY = (100_000, 20, 50)
-"""Thresholds of the garbage collector: with Python's own, a seventh of the suite's time went into collecting."""
+"""Thresholds of the garbage collector: with Python's own, a seventh of the suite's time went into collecting.
+
+A process that does little but trace and compile spends a third of its time so.
+"""
 
 
 def compile_quickly() -> None:
@@ -118,6 +122,7 @@ def keep_freed_memory() -> None:
 def compile_as_tests_do() -> None:
     """Compile quickly in a process that a test run has started; do nothing in others."""
     if _SHARED in os.environ:
+        gc.set_threshold(*RARELY)
         compile_quickly()
         compile_what_runs_once_least()
         lower_in_few_contexts()
@@ -209,14 +214,28 @@ def parts_found_once():
         yield
 
 
-@pytest.fixture
-def least_optimised():
-    """Compile a test's programs with the fewest optimisations, where compiling takes much longer than running."""
+@contextlib.contextmanager
+def optimising_least():
+    """Compile programs with the fewest optimisations, where compiling takes much longer than running."""
     config: Any = jax.config  # its flags are not typed
     before = config.read("jax_disable_most_optimizations")
     config.update("jax_disable_most_optimizations", True)
     yield
     config.update("jax_disable_most_optimizations", before)
+
+
+@pytest.fixture
+def least_optimised():
+    """`optimising_least`, for a test."""
+    with optimising_least():
+        yield
+
+
+@pytest.fixture(scope="module")
+def module_least_optimised():
+    """`optimising_least`, for the tests of a module and for what they share."""
+    with optimising_least():
+        yield
 
 
 @pytest.fixture

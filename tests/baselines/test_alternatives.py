@@ -16,7 +16,7 @@ from physagent_jax.scene.procedural import make_jelly
 from tests.baselines.tiny import act
 
 pytestmark = pytest.mark.usefixtures(
-    "least_optimised"
+    "module_least_optimised"
 )  # derivatives of small scenes: to compile takes longest
 
 PUSH = act("translation", (1, 0, 0), 1.0, (0, 7))

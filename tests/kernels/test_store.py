@@ -90,8 +90,8 @@ def test_processes_that_compile_the_same_at_once_do_not_meet(tmp_path):
         "from tests.kernels.test_store import handler\n"
         f"print(store.load_or_compile('{NAME}', ffi.HANDLER, handler).ctypes(1), store.is_stored('{NAME}'))"
     )
-    processes = [begun(script, NUMBA_CACHE_DIR=str(tmp_path)) for _ in range(3)]
-    assert [ended(process)[:2] for process in processes] == [(0, "42 True\n")] * 3
+    processes = [begun(script, NUMBA_CACHE_DIR=str(tmp_path)) for _ in range(2)]
+    assert [ended(process)[:2] for process in processes] == [(0, "42 True\n")] * 2
 
 
 def test_a_folder_that_others_may_write_to_is_not_used(tmp_path, caplog):

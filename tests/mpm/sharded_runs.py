@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import gc
 import sys
 from functools import partial
 
@@ -31,6 +32,7 @@ from physagent_jax.mpm.energy import angular_momentum, elastic_energy, momentum,
 from physagent_jax.mpm.frame import advance
 from physagent_jax.mpm.sharding import AXIS, ParticleLayout, find_specs
 from physagent_jax.mpm.timestep import kinematic_dt
+from tests.conftest import keep_freed_memory, lower_in_few_contexts
 from tests.mpm.blocks import block
 
 UP = jnp.array([0.0, 0.0, 1.0])
@@ -198,6 +200,9 @@ def thorough():
 
 def main(which: str, file: str) -> None:
     assert jax.device_count() == 4
+    gc.disable()  # next to none, and a tenth of the time goes into looking for it
+    lower_in_few_contexts()
+    keep_freed_memory()
     leaves = jax.tree.leaves_with_path(dict(quick=quick, thorough=thorough)[which]())
     np.savez(file, **{jax.tree_util.keystr(path, simple=True, separator="/"): leaf for path, leaf in leaves})
 

@@ -12,6 +12,9 @@ from physagent_jax.mpm import PrescribedMotion, RigidBody, step
 from physagent_jax.mpm.constraints import rotate
 from tests.mpm.blocks import block
 
+# Small blocks, whose programs take longer to compile than to run.
+pytestmark = pytest.mark.usefixtures("least_optimised")
+
 
 @jax.jit
 def run(model, state, steps):

@@ -19,6 +19,8 @@ from physagent_jax.mpm.linalg.svd import SWEEPS
 from tests.mpm.blocks import block
 
 pytest.importorskip("numba")
+# The kernels are what runs long; what XLA compiles around them, and the references, is small.
+pytestmark = pytest.mark.usefixtures("least_optimised")
 cpu, svd_kernels = kernels.load_cpu_kernels(), load_cpu_kernels()
 
 

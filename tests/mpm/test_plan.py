@@ -12,6 +12,9 @@ from physagent_jax.mpm.frame import advance
 from physagent_jax.mpm.plan import find_acting
 from tests.mpm.blocks import block
 
+# Small scenes, whose programs take longer to compile than to run.
+pytestmark = pytest.mark.usefixtures("least_optimised")
+
 FRAME = 0.02
 
 

@@ -31,7 +31,7 @@ SIZE = (160, 90)
 @pytest.fixture(scope="module")
 def dropped(robot_path):
     with pytest.warns(UserWarning, match="thinly filled"):
-        robot = pa.load_object(robot_path, max_particles=600)
+        robot = pa.load_object(robot_path, max_particles=600, cells=48)
     return pa.simulate_scene(pa.build_scene(robot, "drop the robot", frame_count=8, width=64, height=64))
 
 
