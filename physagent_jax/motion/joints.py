@@ -37,6 +37,7 @@ from physagent_jax.motion.vectors import (
 _PLAIN = 45.0  # [degrees] that a plain word turns a limb by
 _LEAST, _MOST = 15.0, 80.0  # [degrees]
 _RAISED, _LOWERED = 15.0, -50.0  # [degrees] over the horizon, where a plain word brings a limb up or down to
+_HANGING = -80.0  # the same of what is lowered until it hangs
 _FARTHEST = 120.0  # [degrees] that it turns by for that
 _SWAYS = 0.75  # of a plain angle, to either side of a limb that goes to and fro
 _SEEN = 0.08  # [body lengths] that its tip goes to either side at least, so that it is seen
@@ -219,12 +220,10 @@ class Turning:
         way = done.direction or self.swing
         angle = self.find_angle(done, None if self.part.origin == "place" else self.find_axis(way), way)
         window, course = self._find_window(motion, until), scale(self.find_course(way, angle), -1.0)
-        aside = not _ASIDE.isdisjoint(split_name(motion.words)[-1:]) and "back" not in split_name(
-            motion.words
-        )
-        made = self.bring(
-            way, done, -2.0 * angle if aside else -angle, window, until if until > window[1] else None
-        )
+        words = split_name(motion.words)
+        aside = not _ASIDE.isdisjoint(words[-1:]) and "back" not in words
+        stop = until if until > window[1] else None
+        made = self.bring(way, done, -2.0 * angle if aside else -angle, window, stop)
         return [made], motion.model_copy(update=dict(direction=course))
 
     def _find_spun(self, motion: ExpectedMotion, axis: Vector) -> float:
@@ -303,7 +302,8 @@ class Turning:
         if axis is None:
             return angle
         if abs(rise) > _ALONG and not motion.sudden and "leg" not in self.part.roles[:1]:
-            wanted = _RAISED - self.height if rise > 0 else self.height - _LOWERED
+            low = _HANGING if any(each.startswith("hang") for each in split_name(motion.words)) else _LOWERED
+            wanted = _RAISED - self.height if rise > 0 else self.height - low
             angle = clamp(wanted * min(strength, 1.0), angle, _FARTHEST)
         if motion.to_ground and rise < -_ALONG:
             return min(self._find_way_down(axis), self._find_zone(axis)[1])

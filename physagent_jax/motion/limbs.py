@@ -14,6 +14,7 @@ from physagent_jax.motion.vectors import add, cosine, cross, norm, normalise, sc
 _WORLD_AXES: dict[str, Vector] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 _LEVEL = 0.5  # cosine to the vertical below which a line is level
 _ALIKE = 0.7  # share of the object over the largest's, from which on a part is as likely as that
+_SPREAD = 0.9  # cosine to the longest line, from which on a pair of parts is spread along it, as wings are
 _THERE = 0.2  # cosine to a side from which on a limb is on it
 _FRONTS = frozenset(
     "front head hood bonnet nose beak snout bow grille headlight headlights windshield windscreen".split()
@@ -111,12 +112,9 @@ def stands_on_legs(parts: Sequence[Part]) -> bool:
 def find_level_line(brief: SceneBrief) -> Vector:
     """The level line through something from end to end, about which it rolls over (unit vector).
 
-    It is longest along it, or looks along it, or has two like parts on either side of it (wings, or a left and a right
-    arm); else it points at the viewer.
+    It is longest along it, unless two like parts are what makes it so long; or looks along it, or has two like parts on
+    either side of it (wings, or a left and a right arm); else it points at the viewer.
     """
-    long = brief.long_axis
-    if long is not None and abs(long[2]) < _LEVEL:
-        return long
     pairs = [
         (math.dist(one.side, other.side), _is_right(one) - _is_right(other), one, other)
         for one, other in itertools.combinations(brief.parts, 2)
@@ -124,6 +122,9 @@ def find_level_line(brief: SceneBrief) -> Vector:
     ]
     _, sided, one, other = max(pairs, key=lambda pair: pair[0], default=(0.0, 0, None, None))
     across = (0.0, 0.0, 0.0) if one is None or other is None else add([one.side, scale(other.side, -1.0)])
+    long = brief.long_axis
+    if long is not None and abs(long[2]) < _LEVEL and abs(cosine(long, across)) < _SPREAD:
+        return long
     beside = normalise(cross(brief.directions.up, across))
     if beside is not None and (sided or cosine(beside, brief.directions.toward)) < 0:
         beside = scale(beside, -1.0)

@@ -238,3 +238,22 @@ def test_what_runs_into_the_object_hits_it():
     for words in ("A heavy ball smashes into the robot from the left.", "a ball slams into it"):
         (motion,) = read_whole(words, brief(world="ground")).expectations
         assert motion.kind is MOVE and motion.sudden
+
+
+def test_each_of_a_pair_swings_across_itself():
+    """Wings that hang to either side go out and up, each to its own side: they are no sheet that shears."""
+    wings = [make_part("wing", (0.3 * s, 0, 0), (0.7 * s, 0, -0.7)) for s in (-1, 1)]
+    left, right = (each.direction for each in read("the bird flaps both wings twice", *wings).expectations)
+    assert left[0] == pytest.approx(-right[0]) and left[2] == pytest.approx(right[2])
+    assert all(abs(cosine(way, wing.arm)) < 0.5 for way, wing in zip((left, right), wings))
+
+
+def test_what_is_lowered_until_it_hangs_goes_on_down():
+    angles = [
+        abs(made.magnitude * made.gain * (made.active_time[1] - made.active_time[0]))
+        for made in (
+            read(f"the robot lowers its left arm{until}").force_field.constraints[0]
+            for until in ("", " until it hangs down", " until it hangs by its side")
+        )
+    ]
+    assert angles[1] == angles[2] > 1.4 * angles[0]

@@ -364,3 +364,11 @@ def test_what_has_reared_up_hangs_there_in_the_air():
     """It hangs from nothing: no top is held."""
     prompt = "the statue rears up on its back wheels, hangs there for a moment, then comes down again"
     assert compile_whole(prompt, extents=BROAD).anchor.kind is None
+
+
+def test_round_and_round_is_more_than_once():
+    for words in ("spins round and round", "is turned around and around", "goes round and round"):
+        (motion,) = compile_whole(f"the statue {words}").expectations
+        assert motion.kind is MotionKind.ROTATE and (motion.amount is None or motion.amount.value == 720.0)
+    (motion,) = compile_whole("the statue spins round and round on the floor").expectations
+    assert motion.amount is not None and motion.amount.value == 720.0

@@ -136,6 +136,16 @@ def test_a_leap_ends_as_the_sentence_says(sentence, lean, right):
     assert verdict(sentence, (leap, fall), seen) is right
 
 
+@pytest.mark.parametrize("topples", [False, True])
+def test_what_topples_after_it_has_landed_need_not_stand(topples):
+    prompt = "the robot jumps and lands on its feet" + ", and then topples onto its face" * topples
+    motions = read(prompt, GROUND).expectations
+    last = round(max(each.window[1] for each in motions))
+    seen = show(turn=along(AWAY, 90, 60, 90), count=last + 1)
+    judged = judge(prompt, SemanticReply(force_field=ForceField(), expectations=motions), seen, GROUND)
+    assert any("does it stand" in each.question for each in judged.judgement.checks) is not topples
+
+
 def test_the_true_end_decides_how_it_is_left():
     """At the last planned frame it stands; in the frames after it goes over."""
     sways = [expected(KINDS.SWAY, RIGHT, repeats=2)]

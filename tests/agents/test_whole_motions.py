@@ -122,6 +122,17 @@ def test_a_figure_with_a_left_and_a_right_arm_walks_where_it_looks(names):
         assert walks.direction == pytest.approx(tuple(way * c for c in scene.directions.toward))
 
 
+def test_what_is_longest_across_its_wings_rocks_from_wing_to_wing():
+    box = CellsRegion(inside=((0.5, 0.5, 0.2),), outside=((0.5, 0.5, 0.8),))
+    told = dict(moved=box, rest=box, joint=(0.5, 0.5, 0.5), share=0.1, origin="shape", roles=("wing",))
+    sides = ((1.0, 0.0, 0.0), (-1.0, 0.0, 0.0))
+    wings = tuple(Part(arm=side, side=side, **told) for side in sides)
+    for parts, way in ((wings, 0), ((), 1)):
+        scene = brief(world="ground", parts=parts, long_axis=(1.0, 0.0, 0.0))
+        (rocks,) = read("it rocks from side to side", scene).expectations
+        assert abs(rocks.direction[way]) > 0.9
+
+
 def test_every_one_of_several_leaps_is_a_rise():
     """Each is strengthened with the others, so that they stay alike."""
     rise, fall = read("the robot hops three times", ground()).expectations

@@ -183,7 +183,7 @@ def test_a_wheel_turns_about_its_thin_axis(half, axle):
 
 
 def test_a_thick_wheel_turns_about_the_line_across_the_vehicle():
-    """What fills a vehicle belongs to its nearest surface; no wheel is up on the roof, nor under what is square."""
+    """Matter in a vehicle belongs to its nearest surface; no wheel is up on the roof, nor under what is square."""
     wheels = [((x, y, 0.25), (0.25, 0.25, 0.25)) for x in (-0.7, 0.7) for y in (-0.25, 0.25)]
     car = make([((0, 0, 0.8), (1.0, 0.5, 0.3)), *wheels], 8000)
     front = (car[:, 2] < 0.45) & (car[:, 0] > 0.4) & (car[:, 1] < 0)

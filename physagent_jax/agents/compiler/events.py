@@ -12,6 +12,7 @@ from physagent_jax.forces.schema import Region
 from physagent_jax.motion.schema import Amount, ObstacleRequest
 
 BY_DEFAULT = "by default"
+ACROSS = "across the part"
 
 
 class WayKind(enum.Enum):

@@ -7,7 +7,15 @@ from dataclasses import replace
 from physagent_jax.agents import intent
 from physagent_jax.agents.compiler.amounts import MOST, find_target
 from physagent_jax.agents.compiler.directions import TOWARDS, take_heading
-from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, KnownPart, ValueSource, WayKind
+from physagent_jax.agents.compiler.events import (
+    ACROSS,
+    BY_DEFAULT,
+    WAYS,
+    Event,
+    KnownPart,
+    ValueSource,
+    WayKind,
+)
 from physagent_jax.agents.compiler.limbs import find_limbs, find_roles, sticks_out
 from physagent_jax.agents.lexicon import NAMED, Effect, Motion, Repeat, read_lexicon
 from physagent_jax.agents.materials import LIMP
@@ -372,15 +380,12 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
         assumed |= beside and not {"tail", "head"}.isdisjoint(roles[:1])  # to its own sides
         kicks = event.effect is Effect.STRIKE and "leg" in roles[:1] and not event.pick(*WAYS)
         if kicks or assumed and event.effect is Effect.SWAY and (beside or event.motion.direction is None):
-            _turn(event, limb.swing, "across the part")
+            _turn(event, limb.swing, ACROSS)
         elif assumed and (event.motion.wrings or part.axle and event.effect is Effect.TURN):
             _turn(event, part.axle or limb.arm, "about the part's own line")
-        elif assumed and _meets_face(
-            event, part, limb.arm, brief
-        ):  # "poke its eye", "a ball hits the backrest"
-            _turn(
-                event, scale(limb.arm, 1.0 if event.motion.pulls else -1.0), "out of or into the part's face"
-            )
+        elif assumed and _meets_face(event, part, limb.arm, brief):  # "poke its eye"
+            way = scale(limb.arm, 1.0 if event.motion.pulls else -1.0)
+            _turn(event, way, "out of or into the part's face")
         elif (
             event.effect is Effect.SCALE
             and event.motion.sign < 0

@@ -132,26 +132,16 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         builder.gravity = "up"  # "it falls upwards"
     if before and event.clause.order == "then" and _needs_lift(event, events, builder):
         plain = event.clause.model_copy(update=dict(pose=None, quantities=[]))
-        way = builder.brief.directions.up
-        events.append(
-            replace(
-                _make_another(event, "lift"),
-                clause=plain,
-                when=Timing(),
-                amount=None,
-                direction=way,
-                means=True,
-            )
-        )
+        told = dict(clause=plain, when=Timing(), amount=None, direction=builder.brief.directions.up)
+        events.append(replace(_make_another(event, "lift"), means=True, **told))
         builder.notes.append(f"'{event.words}': it stands on the ground, so it is lifted first.")
     events.append(event)
 
 
 def _needs_lift(event: Event, events: list[Event], builder: ForceFieldBuilder) -> bool:
     """Return whether all of what stands is dropped, and nothing before has raised it: "turn it, then drop it"."""
-    drops = event.effect is Effect.FALL and not (
-        event.motion.topples or event.motion.lands or event.motion.gives
-    )
+    motion = event.motion
+    drops = event.effect is Effect.FALL and not (motion.topples or motion.lands or motion.gives)
     whole = not (event.parts or event.limbs or event.motion.bounces or any(each.limbs for each in events))
     raised = any(e.effect in _ALOFT or e.motion.gravity or _is_lifted([e], builder) for e in events)
     return drops and whole and builder.grounded and not (builder.anchored or raised)
@@ -165,18 +155,16 @@ def _yields(event: Event) -> bool:
 
 def _goes_over(before: Event, event: Event) -> bool:
     """Return whether a lean, or a push until then, is how it tips over: "it tilts to the left and falls over"."""
-    placed = (
-        before.parts and before.effect is not Effect.TOPPLE
-    )  # "it loses its balance on its tip and falls over"
+    # "It loses its balance on its tip and falls over."
+    placed = before.parts and before.effect is not Effect.TOPPLE
     whole = not (placed or before.repeat.count or before.amount or before.stays)
     untold = any(each.sources["vector"].why.endswith(BY_DEFAULT) for each in (before, event))
     same = untold or dot(before.direction or (0, 0, 0), event.direction or (0, 0, 0)) > _LEVEL
     timed = before.is_timed or event.is_timed or event.clause.pace == "sudden"
     until = event.clause.order == "together" or "so" in before.clause.strength
     slowly = event.clause.order != "then" or before.strength < SLOW
-    pushed = (
-        before.effect is Effect.PUSH and not before.motion.generic
-    )  # "someone shoves it and it falls over"
+    # "Someone shoves it and it falls over."
+    pushed = before.effect is Effect.PUSH and not before.motion.generic
     until |= (before.is_in_wind or pushed) and event.clause.order != "then"
     goes = before.motion.manner == "rock" and slowly if before.effect is Effect.LEAN else until
     goes = goes if before.effect in (Effect.LEAN, Effect.PUSH) else before.effect is Effect.TOPPLE

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from physagent_jax.agents.compiler.amounts import MOST, find_effort, find_word_effort
 from physagent_jax.agents.compiler.builder import MAX_ACTIONS, ForceFieldBuilder
-from physagent_jax.agents.compiler.events import BY_DEFAULT, Event
+from physagent_jax.agents.compiler.events import ACROSS, BY_DEFAULT, Event
 from physagent_jax.agents.compiler.schedule import find_frames, has_to_stop
 from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.core.strict import Vector
@@ -27,6 +27,7 @@ from physagent_jax.forces.calibration import (
 from physagent_jax.forces.description import describe_entry
 from physagent_jax.forces.schema import Action, ActionType
 from physagent_jax.motion.efforts import find_held_magnitude, find_spin
+from physagent_jax.motion.joints import Turning
 from physagent_jax.motion.schema import Amount, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import clamp, dot, normalise, scale
 from physagent_jax.motion.windows import Window, halve, shorten
@@ -112,9 +113,11 @@ class Task:
         }
         for limb in event.limbs or (None,):
             part = event.part if limb is None else builder.brief.parts[limb].side
-            away = event.radial and part and normalise(scale((part[0], part[1], 0.0), event.radial))
+            own = event.radial and part and normalise(scale((part[0], part[1], 0.0), event.radial))
+            if limb is not None and event.sources["vector"].why == ACROSS:  # each has its own way across
+                own = Turning(builder.brief.parts[limb], builder.brief, builder.brief.frame_count).swing
             told = values | dict(limb=limb, part=part) | more
-            builder.expect(kind, away or direction, window, event.text, **told)
+            builder.expect(kind, own or direction, window, event.text, **told)
 
     def _find_duration(self) -> Amount | None:
         """The cause's duration, if the sentence says so in seconds or frames."""

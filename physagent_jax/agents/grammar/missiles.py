@@ -18,7 +18,7 @@ _BEHIND = 5  # mentions behind the preposition among which the target is
 
 def read_missiles(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
     """Makes a blow of what another thing does that falls on the object, rolls into it, or is thrown at it."""
-    result, end = list(mentions), 0
+    result = list(mentions)
     joins = [at for at, each in enumerate(mentions) if each.kind is MentionKind.JOIN]
     for begin, end in zip([0, *(at + 1 for at in joins)], [*joins, len(mentions)]):
         segment = result[begin:end]
@@ -58,7 +58,7 @@ def _is_object(mention: Mention, names: frozenset[str]) -> bool:
 
 
 def _find_target(behind: list[Mention], names: frozenset[str]) -> bool | None:
-    """Whether the object or a part that is met is "its" own, as of whoever is the subject; None if none is met."""
+    """Return whether the part that is met is "its" own, as of whoever is the subject; None if no object is met."""
     for at, each in enumerate(behind[:_BEHIND]):
         if _is_object(each, names):
             return any(m.form in get_set("pronouns_of_owners") for m in behind[:at])

@@ -115,7 +115,8 @@ def _name_again(segment: list[Mention], part: _Part, names: frozenset[str]) -> l
     for at, each in enumerate(segment):
         if each.form in ("it", "they", "them"):
             alike = (each.form != "it") is part.several
-            if not alike or not part.several and not (part.own and begins and at > verb):
+            goes_on = part.several or part.own and (_hangs(motion) or begins and at > verb)
+            if not (alike and goes_on):
                 return segment  # "its head is hit, and it falls"
             return [*segment[:at], replace(part.mention, first=each.first), *segment[at + 1 :]]
     if not (part.leads and begins):

@@ -67,7 +67,14 @@ def find_last_lean(view: View) -> float:
 
 
 def _stands(told: str, expectations: Sequence[ExpectedMotion], brief: SceneBrief) -> bool:
-    """Return whether it is to be left standing: it is told so, or it leaps and no more, and is not round as a ball."""
+    """Return whether it is to be left standing: it is told so, or it leaps and no more, and is not round as a ball.
+
+    What lands on its feet and then topples is not.
+    """
+    last = max((e.window[0] for e in expectations if e.kind is not MotionKind.STILL), default=0.0)
+    late = [e for e in expectations if e.window[0] >= last - 0.5 and last > 0 and e.part is None]
+    if {MotionKind.FALL, MotionKind.ROTATE} <= {e.kind for e in late}:
+        return False
     if _ON_ITS_FEET.search(told) or UPRIGHT.search(told):
         return True
     up = brief.directions.up
