@@ -17,7 +17,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from physagent_jax.core.strict import Vector, read_numbers
+from physagent_jax.core.strict import Vector, normalise_direction, read_numbers
 from physagent_jax.forces import schema as forces
 from physagent_jax.forces.calibration import GAIN_MAX, GAIN_MIN, MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.schema import ForceField, is_too_short
@@ -161,7 +161,7 @@ def unit_vectors(item: Entry, _group: str, _context: Context) -> Iterator[str]:
         item.clear()
         yield ".vector is no direction: the entry is dropped"
         return
-    item["vector"] = list(unit)
+    item["vector"] = list(normalise_direction(vector))
     if abs(math.dist(unit, vector)) > 1e-6:
         yield ".vector is normalised"
 

@@ -43,11 +43,16 @@ def read_numbers(value: Any, count: int) -> tuple | None:
     return numbers if all(math.isfinite(v) and abs(v) < 1e12 for v in numbers) else None
 
 
+_ROUND_OFF = 1e-15  # of the length of a vector that was normalised
+
+
 def normalise_direction(value: Vector) -> Vector:
-    """Normalise a direction; a zero vector is refused."""
+    """Normalise a direction; a zero vector is refused, and one that is normalised stays as it is, to the last bit."""
     norm = math.sqrt(sum(c * c for c in value))
     if norm < 1e-9:
         raise ValueError(f"a direction must not be the zero vector (got {list(value)})")
+    if abs(norm - 1.0) < _ROUND_OFF:
+        return value
     return (value[0] / norm, value[1] / norm, value[2] / norm)
 
 

@@ -324,6 +324,12 @@ def test_any_json_is_repaired_to_a_valid_field(raw, prompt, frame_count):
     assert repairs == () and again == field
 
 
+def test_a_direction_that_is_normalised_stays_so_to_the_last_bit():
+    raw = {"actions": [{"action_type": "scale", "vector": [0.0, 0.5, 9.294479649546126e-05]}]}
+    field, _ = apply_hard_rules(raw, brief(frame_count=30), ())
+    assert ForceField.model_validate(field.model_dump()) == field
+
+
 def test_every_rule_is_documented():
     """A rule's name and first sentence are what the report and a language model are told."""
     for name, rule in RULES.items():

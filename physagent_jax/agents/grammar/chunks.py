@@ -198,7 +198,7 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         return over or begins_longer_phrase(reader, used[-1])
     described = before in LEXICON.intensities and not before.endswith("ly")
     article = reader.get_text(at - 2) in ("the", "its", "a", "an")
-    strange = any(m.first == at - 1 and m.kind is MentionKind.UNKNOWN for m in reader.mentions)
+    strange = any(m.first == at - 1 and m.kind is MentionKind.UNKNOWN for m in reader.mentions[-1:])
     placed = reader.get_text(at - 3) in get_set("prepositions") and text == reader.tokens[at].lemma
     if strange and article and placed and text in LEXICON.part_nouns:
         return True  # "on the rusty tip"
