@@ -242,7 +242,7 @@ def test_what_runs_into_the_object_hits_it():
 
 def test_each_of_a_pair_swings_across_itself():
     """Wings that hang to either side go out and up, each to its own side: they are no sheet that shears."""
-    wings = [make_part("wing", (0.3 * s, 0, 0), (0.7 * s, 0, -0.7)) for s in (-1, 1)]
+    wings = [make_part("wing", (0.2 * s, 0, -0.18), (0.97 * s, 0, -0.22)) for s in (-1, 1)]
     left, right = (each.direction for each in read("the bird flaps both wings twice", *wings).expectations)
     assert left[0] == pytest.approx(-right[0]) and left[2] == pytest.approx(right[2])
     assert all(abs(cosine(way, wing.arm)) < 0.5 for way, wing in zip((left, right), wings))

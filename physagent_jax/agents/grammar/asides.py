@@ -19,6 +19,7 @@ from physagent_jax.agents.grammar.mentions import (
     empty,
     get_last_motion,
     has_motion,
+    list_segments,
 )
 from physagent_jax.agents.grammar.missiles import read_missiles
 from physagent_jax.agents.grammar.poses import read_landings, read_poses
@@ -42,12 +43,6 @@ _GOES_ON += (MentionKind.SENSE, MentionKind.FROM, MentionKind.SOLID)
 # Motions whose form is told by the verb, so that a comparison adds nothing; how fast a fall is, it would tell.
 _SHAPED = frozenset((Effect.SWAY, Effect.TURN, Effect.LEAN, Effect.TOPPLE, Effect.SCALE, Effect.SWELL))
 _SHAPED |= {Effect.BURST, Effect.JUMP, Effect.ROLL}
-
-
-def list_segments(mentions: list[Mention]) -> list[tuple[int, int]]:
-    """Beginnings and ends of what stands between connectives."""
-    joins = [index for index, mention in enumerate(mentions) if mention.kind is MentionKind.JOIN]
-    return list(zip([0, *(index + 1 for index in joins)], [*joins, len(mentions)]))
 
 
 def drop_others(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:

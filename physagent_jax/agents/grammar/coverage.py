@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from physagent_jax.agents.grammar.asides import list_segments
 from physagent_jax.agents.grammar.mentions import (
     LOOSE,
     MOTIONS,
@@ -18,6 +17,7 @@ from physagent_jax.agents.grammar.mentions import (
     MentionKind,
     get_phrase,
     has_motion,
+    list_segments,
 )
 from physagent_jax.agents.grammar.nouns import is_telling
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections

@@ -98,6 +98,12 @@ def has_motion(mentions: list[Mention]) -> bool:
     return any(mention.kind in MOTIONS for mention in mentions)
 
 
+def list_segments(mentions: list[Mention]) -> list[tuple[int, int]]:
+    """Beginnings and ends of what stands between connectives."""
+    joins = [index for index, mention in enumerate(mentions) if mention.kind is MentionKind.JOIN]
+    return list(zip([0, *(index + 1 for index in joins)], [*joins, len(mentions)]))
+
+
 class Reader:
     """One sentence and its tokens while its phrases are looked for.
 

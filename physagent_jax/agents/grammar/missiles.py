@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from physagent_jax.agents.grammar.mentions import LOOSE, Mention, MentionKind, empty
+from physagent_jax.agents.grammar.mentions import LOOSE, Mention, MentionKind, empty, list_segments
 from physagent_jax.agents.grammar.tables import LEXICON, get_set
 from physagent_jax.agents.lexicon import Effect, Motion
 
@@ -19,8 +19,7 @@ _BEHIND = 5  # mentions behind the preposition among which the target is
 def read_missiles(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
     """Makes a blow of what another thing does that falls on the object, rolls into it, or is thrown at it."""
     result = list(mentions)
-    joins = [at for at, each in enumerate(mentions) if each.kind is MentionKind.JOIN]
-    for begin, end in zip([0, *(at + 1 for at in joins)], [*joins, len(mentions)]):
+    for begin, end in list_segments(mentions):
         segment = result[begin:end]
         at = next((k for k, m in enumerate(segment) if m.kind is MentionKind.VERB), None)
         motion = None if at is None else segment[at].motion
