@@ -17,6 +17,7 @@ from jax.core import Tracer
 
 from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
+from physagent_jax.forces.calibration import RETREAT
 from physagent_jax.forces.opposition import RISES, find_balance, find_resistance, find_righting
 from physagent_jax.forces.parameters import ActionParameters, Array
 from physagent_jax.forces.regions import grade_part, make_region_mask
@@ -479,9 +480,10 @@ class Binding:
         return motions
 
     def press(self, k: float | Array) -> list[MovingPlate]:
-        """A plate that starts at the object's side, moves with k M v, and then stays if it is to be held.
+        """A plate that starts at the object's side, moves with k M v, stays if it is to be held, and then goes back.
 
-        On a region it is no larger than that.
+        On a region it is no larger than that. What is pressed follows the plate back in `RETREAT`: let go at once, it
+        would leap off the ground.
         """
         velocity, (start, end) = self.vector(k), self.window
         normal = velocity / jnp.linalg.norm(velocity)
@@ -500,12 +502,14 @@ class Binding:
             half = jnp.maximum(0.5 * PLATE_SIZE * (high - low), _THINNEST * self.extent)
             edges, depth = axes / half[:, None], self.leaf(PLATE_DEPTH * self.extent)
         friction = self.leaf(PLATE_FRICTION)
-        moving = HalfSpace(point, normal, friction, start, end, velocity=velocity)
-        plates = [MovingPlate(moving, edges, depth)]
+        faces = [HalfSpace(point, normal, friction, start, end, velocity=velocity)]
+        stop, until = point + velocity * (end - start), end
         if self._held_until is not None:
-            stop = point + velocity * (end - start)
-            plates.append(MovingPlate(HalfSpace(stop, normal, friction, end, self._held_until), edges, depth))
-        return plates
+            until = self._held_until
+            faces.append(HalfSpace(stop, normal, friction, end, until))
+        back = velocity * ((start - end) / RETREAT)
+        faces.append(HalfSpace(stop, normal, friction, until, until + RETREAT, velocity=back))
+        return [MovingPlate(face, edges, depth) for face in faces]
 
     def change_length(self, other: Binding | None, k: float | Array, sign: float) -> list[GradedTranslation]:
         """The object gets longer or shorter evenly along the vector, as its two ends say, and then stays if held.

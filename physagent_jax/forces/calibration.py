@@ -63,6 +63,9 @@ QUICK = 0.5
 BLOW = 0.2
 """[s] in which a blow swings a limb out, or presses what stands."""
 
+RETREAT = 0.4
+"""[s] in which a plate that has pressed goes back to where it came from."""
+
 HELD_TIME = 0.7
 """[s] T for what is held somewhere, whatever the clip's length: it cannot leave the picture and has to be bent, which a
 field of four tenths of gravity does to a plant of 1 m (2 L / T^2)."""

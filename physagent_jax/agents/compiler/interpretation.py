@@ -48,7 +48,10 @@ _USELESS = {
 _WHOLE = (Effect.ROLL, Effect.BURST, Effect.TOPPLE, Effect.JUMP, Effect.FALL)
 _ONCE = (Effect.FALL, Effect.TOPPLE, Effect.ROLL, Effect.BURST, Effect.RELEASE, Effect.STILL)
 _STEEP = 0.7  # cosine to the vertical
-_OWN_PARTS = {"nod": "head", "wag": "tail", "flap": "wings"}  # what does it where no part is named
+_OWN_PARTS = dict(
+    nod="head", wag="tail", flap="wings", wave="arm", salute="arm", clap="arms"
+)  # with no other named
+_OTHERS = frozenset(("other", "another", "one", "each", "next"))  # beside a limb's name: not that of before
 _BEARERS = dict(hand="arm", hands="arms", fist="arm", fists="arms", head="neck")
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 
@@ -73,7 +76,7 @@ def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     event.doubts += _find_unused(event)
     event.sources["action_type"] = ValueSource(event.words, f"'{event.phrase}' is a {event.effect.value}")
     event.sources["active_time"] = _describe_time(event)
-    _take_part(event, brief)
+    _take_part(event, before, brief)
     partial = bool(event.limbs or event.region)
     able = {
         "": True,
@@ -118,11 +121,15 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
         phrase = "roll"  # "tumbles to the right"
     elif motion.manner == "detach" and not event.parts and phrase.split()[0] in motions:
         phrase = phrase.split()[0]  # "the robot falls off"
+    elif _drops_limb(event, motion, brief):
+        phrase = "lower"  # "drops its arm"
+    elif effect is Effect.FALL and motion.by == "whole" and event.parts and phrase.split()[0] in motions:
+        return replace(motions[phrase.split()[0]], direction="down"), phrase.split()[0]  # "bang the lid down"
     elif motion.coasts and told:
         phrase = "move"  # "it coasts to the left"; else it goes on by itself
     elif motion.by == "limp" and brief.object_kind != "cloth" and not event.parts and stands_slim(brief):
         phrase = "bend"  # "the lamp droops"
-    elif motion.gives and (event.ways or brief.object_kind in LIMP) and phrase in ("sag", "slump", "flop"):
+    elif motion.gives and _droops(event, brief) and phrase.split()[0] in ("sag", "slump", "flop"):
         return replace(
             motions["droop"], manner="bend", by=""
         ), phrase  # "slumps to one side", "the plant sags"
@@ -136,6 +143,30 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
     else:
         return motion, phrase
     return motions[phrase], phrase
+
+
+def _droops(event: Event, brief: SceneBrief) -> bool:
+    """Return whether what sags hangs down rather than gives way: "the plant sags", "its ears sag"."""
+    limp = bool(event.ways) or brief.object_kind in LIMP
+    return limp or bool(event.parts and find_limbs(event.parts[0], brief))
+
+
+def _drops_limb(event: Event, motion: Motion, brief: SceneBrief) -> bool:
+    """Return whether it is a limb that falls, on its joint."""
+    falls = motion.effect is Effect.FALL and not (
+        motion.topples or motion.lands or motion.gives or motion.bounces
+    )
+    limb = event.parts and event.parts[0].place.names != ("down",) and find_limbs(event.parts[0], brief)
+    return falls and motion.by != "whole" and bool(limb)
+
+
+def _means_same(event: Event, before: Event, brief: SceneBrief) -> bool:
+    """Return whether the limb of the motion before is meant: "raises its right arm ..., then drops the arm"."""
+    part = event.parts[0]
+    told = part.place.names or is_plural(part.text) or not _OTHERS.isdisjoint(event.text.lower().split())
+    if told or not event.limbs or len(before.limbs) != 1:
+        return False
+    return brief.parts[event.limbs[0]].roles[:1] == brief.parts[before.limbs[0]].roles[:1]
 
 
 def _join_cause(event: Event) -> tuple[Motion, str]:
@@ -341,7 +372,7 @@ def _find_unused(event: Event) -> list[str]:
     return [f"What '{words}' means for '{event.words}' is not understood." for words in unused]
 
 
-def _take_part(event: Event, brief: SceneBrief) -> None:
+def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
     """The region that is acted on, and the end that is named or excepted."""
     hinged = event.motion.manner == "hinge" and not (event.parts or event.excluded) and find_hinged(brief)
     if hinged:  # "close the laptop"
@@ -363,6 +394,8 @@ def _take_part(event: Event, brief: SceneBrief) -> None:
     if event.parts and not (event.effect is Effect.STRIKE and named[0].phrase in read_lexicon().fronts):
         # A blow on the belly drives all of it away.
         event.limbs = hinged or _find_bearers(named[0], event, brief) or find_limbs(named[0], brief)
+        if before is not None and _means_same(event, before, brief):
+            event.limbs = before.limbs
     if event.effect is Effect.TURN:  # of all wheels, a steering wheel has no axle
         event.limbs = tuple(k for k in event.limbs if brief.parts[k].axle) or event.limbs
     if event.limbs:

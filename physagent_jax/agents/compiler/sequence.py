@@ -16,7 +16,7 @@ from physagent_jax.agents.compiler.events import (
 from physagent_jax.agents.compiler.interpretation import interpret, resolve_obstacles
 from physagent_jax.agents.compiler.schedule import follows
 from physagent_jax.agents.intent import Held, Timing
-from physagent_jax.agents.lexicon import Effect, read_lexicon
+from physagent_jax.agents.lexicon import Effect, Repeat, read_lexicon
 from physagent_jax.agents.lexicon.types import HOLDABLE, is_end
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion.limbs import sum_directions
@@ -32,6 +32,7 @@ _LEVEL = 0.5  # cosine to the vertical below which what stands falls aside
 _ALOFT = (Effect.FALL, Effect.JUMP)  # or thrown, or lifted
 _FLYING = (Effect.FALL, Effect.ROLL, Effect.PUSH, Effect.JUMP)  # what has come off
 _RESTING = (Effect.STILL, Effect.RELEASE)
+_MOST_FALLS = 4  # that one clip has time for
 _REBOUNDS = 2  # times that what bounces comes up again
 _LOWERING = (Effect.LEAN, Effect.SCALE, Effect.SWELL)
 _UPSETTING = (Effect.PUSH, Effect.STRIKE, Effect.LEAN)
@@ -131,20 +132,46 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     if event.effect is Effect.FALL and builder.gravity is None and above:
         builder.gravity = "up"  # "it falls upwards"
     if before and event.clause.order == "then" and _needs_lift(event, events, builder):
-        plain = event.clause.model_copy(update=dict(pose=None, quantities=[]))
-        told = dict(clause=plain, when=Timing(), amount=None, direction=builder.brief.directions.up)
-        events.append(replace(_make_another(event, "lift"), means=True, **told))
+        events.append(_make_lift(event, builder))
         builder.notes.append(f"'{event.words}': it stands on the ground, so it is lifted first.")
     events.append(event)
+    _drop_again(events, builder)
+
+
+def _drop_again(events: list[Event], builder: ForceFieldBuilder) -> None:
+    """Adds the other falls of what is dropped several times, each after a lift."""
+    event, told = events[-1], [each.text for each in events[-1].clause.repetitions]
+    count, turned = event.repeat.count or 1, event.repeat.alternate
+    if count < 2 or count > _MOST_FALLS or turned or not _is_dropped(event, builder) or event.rebounds:
+        return
+    doubts = [doubt for doubt in event.doubts if not any(f"What '{text}' means" in doubt for text in told)]
+    plain = event.clause.model_copy(update=dict(order="then", repetitions=[]))
+    events[-1] = once = replace(event, repeat=Repeat(), doubts=doubts)
+    for _ in range(count - 1):
+        events.append(_make_lift(once, builder))
+        events.append(replace(once, clause=plain, doubts=[]))
+
+
+def _make_lift(event: Event, builder: ForceFieldBuilder) -> Event:
+    """The lift that has to come before a fall."""
+    plain = event.clause.model_copy(update=dict(pose=None, quantities=[], repetitions=[], order="then"))
+    told = dict(clause=plain, when=Timing(), amount=None, direction=builder.brief.directions.up)
+    return replace(_make_another(event, "lift"), means=True, **told)
 
 
 def _needs_lift(event: Event, events: list[Event], builder: ForceFieldBuilder) -> bool:
     """Return whether all of what stands is dropped, and nothing before has raised it: "turn it, then drop it"."""
-    motion = event.motion
-    drops = event.effect is Effect.FALL and not (motion.topples or motion.lands or motion.gives)
-    whole = not (event.parts or event.limbs or event.motion.bounces or any(each.limbs for each in events))
     raised = any(e.effect in _ALOFT or e.motion.gravity or _is_lifted([e], builder) for e in events)
-    return drops and whole and builder.grounded and not (builder.anchored or raised)
+    return _is_dropped(event, builder) and not (raised or any(each.limbs for each in events))
+
+
+def _is_dropped(event: Event, builder: ForceFieldBuilder) -> bool:
+    """Return whether all of what stands is dropped."""
+    motion = event.motion
+    drops = event.effect is Effect.FALL and not (
+        motion.topples or motion.lands or motion.gives or motion.bounces
+    )
+    return drops and not (event.parts or event.limbs) and builder.grounded and not builder.anchored
 
 
 def _yields(event: Event) -> bool:

@@ -153,6 +153,11 @@ def read_corrections(mentions: list[Mention], _names: frozenset[str]) -> list[Me
         while stop < len(mentions) and mentions[stop].kind not in (MentionKind.JOIN, *MOTIONS):
             stop += 1
         said = mentions[begin + size : stop]
+        if stop < len(mentions) and mentions[stop].kind is MentionKind.VERB and not any(map(_tells, said)):
+            last = max((i for i in range(begin) if mentions[i].kind is MentionKind.VERB), default=None)
+            if last is not None and begin - last <= _REACH:  # "lift it, sorry, I meant drop it"
+                result[last : begin + size] = [empty(m) for m in mentions[last : begin + size]]
+            continue
         told = [m for m in said if m.kind in _REPLACED]
         if not told or any(m.kind not in (*_REPLACED, MentionKind.FUNCTION) for m in said):
             continue
@@ -166,6 +171,10 @@ def read_corrections(mentions: list[Mention], _names: frozenset[str]) -> list[Me
             first -= 1
         result[first : begin + size] = [empty(m) for m in result[first : begin + size]]
     return result
+
+
+def _tells(mention: Mention) -> bool:
+    return mention.kind is not MentionKind.FUNCTION
 
 
 def _match_correction(mentions: list[Mention], at: int) -> int:
@@ -314,7 +323,7 @@ def read_results(mentions: list[Mention], names: frozenset[str]) -> list[Mention
 def read_locations(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
     """Empties the part that only says where another one is, or what that is closed onto.
 
-    "The ears on its hat", "the fin on top", "the screen closes onto the keyboard".
+    "The ears on its hat", "the fin on top", "both arms above its head", "the screen closes onto the keyboard".
     """
     result, hinged = list(mentions), False
     for at, mention in enumerate(mentions):
@@ -327,7 +336,8 @@ def read_locations(mentions: list[Mention], _names: frozenset[str]) -> list[Ment
         ):
             result[at - 1] = empty(mentions[at - 1])  # "the tip of its tail": that turns
         hinged |= mention.motion is not None and mention.motion.manner == "hinge"
-        on = at > 0 and mention.form == "on" and mentions[at - 1].kind is MentionKind.PLACE
+        placed = mentions[at - 1].kind is MentionKind.PLACE if at else False
+        on = placed and mention.form in ("on", "over", "above", "behind", "beside")
         if not on and not (hinged and mention.form in ("onto", "against", "over")):
             continue
         for here in range(at + 1, min(at + _NEAR, len(mentions))):

@@ -169,6 +169,8 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
     """Return whether this reading is wrong because the word stands as a noun, or is the object or an agent."""
     words, kind, value = entry
     at = used[0]
+    if (done := _is_done(reader, at)) and kind is MentionKind.PLACE:
+        return True
     before, text, behind = (reader.get_text(place) for place in (at - 1, at, used[-1] + 1))
     if kind is MentionKind.PLACE:
         assert isinstance(value, Place)
@@ -226,7 +228,20 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
     plural = text.endswith("s") and text != reader.tokens[at].lemma
     if plural and before in get_set("before_nouns"):
         return True  # "on waves"
-    return " ".join(words) in LEXICON.nouns and (described and article or before in ("the", "its", "a"))
+    return (
+        not done
+        and " ".join(words) in LEXICON.nouns
+        and (described and article or before in ("the", "its", "a"))
+    )
+
+
+def _is_done(reader: Reader, at: int) -> bool:
+    """Return whether a noun is what is done: "it makes a deep bow", "gives a quick wave"."""
+    article = at - 1
+    while article > at - LONGEST_GAP and reader.get_text(article) in LEXICON.intensities:
+        article -= 1
+    light = reader.get_text(article) in ("a", "an") and reader.get_text(article - 1) in get_set("light_verbs")
+    return light and reader.tokens[at].text in FORMS and reader.get_text(at + 1) not in FORMS  # "make a rock fall"
 
 
 def _find_owner(reader: Reader, at: int) -> int:

@@ -160,13 +160,18 @@ def _part_list(segments: list[tuple[Join, list[Mention]]]) -> list[tuple[Join, l
     begin = 0
     for end in range(1, len(segments) + 1):
         kinds = {m.kind for m in segments[end][1]} if end < len(segments) else set()
-        if end < len(segments) and segments[end][0] in (Join.COMMA, Join.THEN) and kinds <= bare:
-            continue
+        before, now = (_list_ways(segments[at : at + 1]) for at in (end - 1, end))
+        if now and now != before and segments[end][0] in (Join.COMMA, Join.THEN) and kinds <= bare:
+            continue  # "backwards, away from us" is one way
         led = any(m.kind is MentionKind.DIRECTION for m in segments[begin][1])
         if led and end - begin > 2:
             parted[begin + 1 : end] = [(Join.THEN, segment) for _, segment in segments[begin + 1 : end]]
         begin = end
     return parted
+
+
+def _list_ways(segments: list[tuple[Join, list[Mention]]]) -> list[object]:
+    return [m.value for _, segment in segments for m in segment if m.kind is MentionKind.DIRECTION]
 
 
 def _is_trailing(mentions: list[Mention], index: int) -> bool:

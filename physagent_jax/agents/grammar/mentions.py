@@ -154,7 +154,7 @@ class Reader:
         """Return whether a part is what all of it is taken by: "lift it by the end of its handle"."""
         if self.get_preposition(at) == "of":
             at = at - 3 if self.is_after_determiner(at) else at - 2
-        return self.get_preposition(at) == "by"
+        return self.get_preposition(at - (self.get_text(at - 1) in ("one", "both"))) == "by"
 
     def is_striking(self) -> bool:
         """Return whether the last motion is a blow."""

@@ -17,6 +17,7 @@ _TOKEN = re.compile(
 )
 _SIGNS = {"%": "percent", "\u00b0": "degrees", "/": "per", "-": "minus", "\u2212": "minus"}
 _LEAST, _LEAST_NAME, _LONG_NAME = 3, 6, 8  # letters of words, and of names, in which slips are undone
+_LEAST_VERB = 6  # letters of a verb in which one that is left out is found
 
 
 @dataclass(frozen=True)
@@ -100,6 +101,11 @@ def correct_spelling(tokens: Sequence[Token], names: frozenset[str]) -> list[Tok
     for the object.
     """
     meant = {text: _find_meant(text, names) for text in {token.text for token in tokens}}
+    behind = get_set("determiners") | get_set("objects") | names
+    for at, token in enumerate(tokens[:-1]):
+        begins = at == 0 or tokens[at - 1].text in (",", ".", "and", "then", "to", "please")
+        if begins and meant[token.text] is None and tokens[at + 1].text in behind:
+            meant[token.text] = _find_verb(token.text, names)
     return [
         token
         if (word := meant[token.text]) is None
@@ -129,3 +135,12 @@ def _find_meant(text: str, names: frozenset[str]) -> str | None:
         return found.pop()
     meant = [w for w in names if len(w) >= _LEAST_NAME and count_slips(text, w) <= 1 + (len(w) >= _LONG_NAME)]
     return min(meant, key=lambda w: count_slips(text, w)) if meant and text[0] == meant[0][0] else None
+
+
+def _find_verb(text: str, names: frozenset[str]) -> str | None:
+    """The verb that a request begins with, a letter left out: "strech it"; None if it is a word, or none is near."""
+    if text in names or text in KNOWN or len(text) < _LEAST_VERB:
+        return None
+    longer = (verb for verb in FORMS if verb[0] == text[0] and len(verb) == len(text) + 1)
+    verbs = [verb for verb in longer if count_slips(text, verb) == 1]
+    return verbs[0] if len(verbs) == 1 else None

@@ -38,6 +38,7 @@ _NECK = 0.25  # size of a place of attachment over the largest
 _EVEN = (
     1.8  # thickest place of a loop over its usual thickness: an arm that is held at two places ends in a hand
 )
+_INNER = 0.44  # of the way to a loop's tip, where it is open: a thick one is not halfway
 _LOWEST = 5.0  # percent of a limb that may lie lower than its low end
 _SAMPLES = 1000  # places at which a loop's thickness is looked at
 _FLAT = 0.35  # thickness over width
@@ -196,7 +197,7 @@ def measure(lattice: Lattice, nodes: np.ndarray) -> Limb:
     widths = np.array([_find_radius(each) for each in necks])
     joint = joints.mean(0)
     tip = places[np.linalg.norm(places - joint, axis=1).argmax()]
-    loop = len(necks) > 1 and _is_even(lattice, nodes) and not lattice.is_solid(0.5 * (joint + tip))
+    loop = len(necks) > 1 and _is_even(lattice, nodes) and not lattice.is_solid(joint + _INNER * (tip - joint))
     width = float(widths.mean()) if loop else _find_radius(np.concatenate(necks))
     if not loop:
         joint = np.concatenate(necks).mean(0)
