@@ -209,7 +209,7 @@ def read_comparisons(mentions: list[Mention], _names: frozenset[str]) -> list[Me
             result[at] = replace(result[at], value=LEXICON.motions[model], phrase=model)
         elif not (_is_telling(verb) or same or supposes and not verb.generic):
             continue
-        told = (MentionKind.VERB, *LOOSE[:2])
+        told = (MentionKind.VERB, MentionKind.PLACE, *LOOSE[:2])
         inside = [i for i in range(index, end) if not supposes or mentions[i].kind in told]
         done = supposes and any(mentions[i].kind in MOTIONS for i in range(index, end))
         for place in inside if done else range(index, end):

@@ -22,11 +22,13 @@ class _Part:
         mention: Its mention.
         leads: Whether it moved by itself: "the horns bend".
         own: Whether the object itself moved it: "the horse lifts its leg".
+        raised: Whether it is to be raised, or lowered.
     """
 
     mention: Mention
     leads: bool
     own: bool
+    raised: bool
 
     @property
     def several(self) -> bool:
@@ -57,7 +59,9 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
             segment = _let_droop(segment, place, verb) if verb is not None and leads else segment
             before = {each.phrase for each in segment[:verb]} if verb is not None else set()
             itself = not before.isdisjoint(names | get_set("pronouns"))
-            part = _Part(segment[place], leads, itself and not leads)
+            first = None if verb is None or leads else segment[verb].motion
+            raised = first is not None and first.bound and first.effect is Effect.PUSH
+            part = _Part(segment[place], leads, itself and not leads, raised)
         result += segment
     return result
 
@@ -116,6 +120,7 @@ def _name_again(segment: list[Mention], part: _Part, names: frozenset[str]) -> l
         if each.form in ("it", "they", "them"):
             alike = (each.form != "it") is part.several
             goes_on = part.several or part.own and (_hangs(motion) or begins and at > verb)
+            goes_on |= part.raised and motion.bound and begins and at > verb  # "raise its arm, then lower it"
             if not (alike and goes_on):
                 return segment  # "its head is hit, and it falls"
             return [*segment[:at], replace(part.mention, first=each.first), *segment[at + 1 :]]

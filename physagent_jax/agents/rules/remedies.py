@@ -34,7 +34,7 @@ from physagent_jax.motion.wishes import replace_items
 _PUSH_BACK = 1.6  # how much harder to try if the motion is contrary although the force is right
 _GENTLER = 0.6  # the factor where too much came of it and nothing says by how much
 _NO_AIM = (MotionKind.SWAY, MotionKind.FALL)
-_LEVEL = 0.5  # cosine to the vertical below which an axis is level
+_LEVEL, _STEEP = 0.5, 0.7  # cosines to the vertical below which an axis is level, above which a way is steep
 _FAINT = 2.0  # gain from which on a motion is so weak that what else moves it decides on its direction
 _FAR_BEYOND = 2.5  # times the range's end: a skill that has to be so much stronger is the wrong one
 _TOLD_APART = 0.3  # logarithm of the ratio of two efforts from which on their responses can be compared
@@ -217,7 +217,9 @@ def _try_other_kind(case: Case, causes: Sequence[Cause], gain: float) -> Iterato
         why = f"{edits.format_names(blows)} becomes an instantaneous change of velocity."
         yield Change(kinds.replace_blows(case, blows), why, "brief_impulse")
     pushes = [c for c in forces if c.pushes]
-    if pushes and expectation.kind is MotionKind.MOVE and case.brief.anchored is None and whole:
+    way, up = expectation.direction, case.brief.directions.up
+    sinks = case.brief.world == "ground" and way is not None and cosine(way, up) < -_STEEP  # into the ground
+    if pushes and expectation.kind is MotionKind.MOVE and case.brief.anchored is None and whole and not sinks:
         yield edits.enforce(case, pushes, gain)
 
 

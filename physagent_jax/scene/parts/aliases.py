@@ -91,6 +91,9 @@ def _find_at(
     said, noun, start = words[at], _get_singular(words[at]), _find_adjective(words, at)
     if noun in own and start is None or at + 1 < len(words) and _is_compound(words, at + 1, own):
         return []
+    sided = _find_sided(parts, words, at)
+    if sided and said != noun:  # "the big rear wheels" are the rear ones, however large
+        return sided
     candidates = [] if start is None else _list_candidates(parts, noun, limbs=True)
     both = start is not None and words[start] in _PLAIN and said != noun and len(candidates) == 2
     if start is not None and not both:  # "the big ears" are all there are
@@ -98,7 +101,7 @@ def _find_at(
         if chosen is not None:
             return [(" ".join(words[start : at + 1]), chosen)]
     pair = " ".join(words[max(at - 1, 0) : at + 1])
-    if sided := _find_sided(parts, words, at):
+    if sided:
         return sided
     if noun in own:
         return []

@@ -197,7 +197,9 @@ def measure(lattice: Lattice, nodes: np.ndarray) -> Limb:
     widths = np.array([_find_radius(each) for each in necks])
     joint = joints.mean(0)
     tip = places[np.linalg.norm(places - joint, axis=1).argmax()]
-    loop = len(necks) > 1 and _is_even(lattice, nodes) and not lattice.is_solid(joint + _INNER * (tip - joint))
+    loop = (
+        len(necks) > 1 and _is_even(lattice, nodes) and not lattice.is_solid(joint + _INNER * (tip - joint))
+    )
     width = float(widths.mean()) if loop else _find_radius(np.concatenate(necks))
     if not loop:
         joint = np.concatenate(necks).mean(0)
