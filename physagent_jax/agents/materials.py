@@ -273,6 +273,10 @@ class _Finder:
         place = self._back(at, self.unnamed)
         if self._get(place) in ("into", "to", "in"):
             place -= 1
+            changer = self._back(place, self.before)
+            told = self._get(place) in self.around["objects"] or self._is_object(place)
+            if told and self._get(changer) in self.around["changing"]:
+                return changer  # "turn it into cloth"
         elif self._get(place) not in self.around["becoming"]:
             return None
         return place if self._get(place) in self.around["turns"] else None

@@ -141,7 +141,10 @@ def begins_longer_phrase(reader: Reader, at: int) -> bool:
 def read_word(reader: Reader, at: int) -> Mention:
     """A word of no phrase: of grammar, or unknown."""
     text = reader.tokens[at].text
-    kind = MentionKind.FUNCTION if text in LEXICON.words else MentionKind.UNKNOWN
+    behind = (reader.get_text(at + step) for step in (1, 2, 3))
+    counts = text in NUMBERS and any(word.removesuffix("s") in LEXICON.part_nouns for word in behind)
+    told = text in LEXICON.words or counts  # "its six little legs"
+    kind = MentionKind.FUNCTION if told else MentionKind.UNKNOWN
     return reader.make_mention(kind, None, text, [at])
 
 
