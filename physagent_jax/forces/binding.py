@@ -29,9 +29,10 @@ from physagent_jax.forces.schema import (
     Opposition,
     SkillScaling,
     VelocityConstraint,
+    is_stop,
 )
 from physagent_jax.forces.sections import find_stress_concentration
-from physagent_jax.forces.terms import Balance, Landing, PushCompensation, TurnCompensation
+from physagent_jax.forces.terms import Balance, Landing, PushCompensation, SpeedLimit, TurnCompensation
 from physagent_jax.forces.twisting import Twist, find_twist
 from physagent_jax.mpm.boundaries import HalfSpace
 from physagent_jax.mpm.constraints import GradedRotation, GradedTranslation, MovingPlate, PrescribedMotion
@@ -55,6 +56,7 @@ BALANCING = 3.0  # times what its weight turns it by when it lies, up to which i
 ROCKS = math.radians(2)  # by which what slides may rock
 TILTED = math.radians(20)  # at which what is led over its foot stands on its edge
 FALLING = math.radians(40)  # from which on what is led over it and let go falls over
+RISES_BY = 0.35  # [m/s] at which what has come down gets up again
 _EDGE = 0.02  # [L] around that point, in which particles tell where the edge is
 HELD_END = 0.25  # of the length, whose middle is where what is held turns about when it is wrung
 PAST = math.radians(5)  # beyond the balance up to which what tips over is driven
@@ -218,6 +220,7 @@ class Binding:
         self._held_until = None if hold_end is None else self.leaf(hold_end * frame_dt)
         self._rigid = wrung or (isinstance(timed.region, CellsRegion) and timed.region.rigid)
         self.whole = timed.region is None
+        self.stops = is_stop(timed)
         self._way = np.copysign(1.0, timed.magnitude) * np.asarray(timed.vector)
         self.upwards = float(self._way[2])
         self.weight = None if self.whole else self.leaf(self._mask)
@@ -335,6 +338,11 @@ class Binding:
         start, end = self.window[1 if swings or released else 0], self.leaf(self._until)
         start = start if self._held_until is None else self._held_until
         return [Balance(self.leaf(self._rest), self.leaf(most), self.leaf(slack), start, end)]
+
+    def limit_rebound(self) -> list:
+        """The force that lets the whole come up but slowly, against the entry's way, until it is let go."""
+        way, end = self.leaf(-self._way), self._held_until
+        return [SpeedLimit(self.leaf(RISES_BY), way, self.window[0], self.window[1] if end is None else end)]
 
     def let_land(self) -> list:
         """The force that lets what is led over the edge of its foot, and then let go, lie where it falls."""

@@ -321,3 +321,13 @@ class SkillScaling(Strict):
 def is_too_short(first: float, last: float) -> bool:
     """Return whether a window of frames is one that single precision hardly tells from none."""
     return last - first < max(1e-3, 1e-6 * last)
+
+
+def is_stop(entry: Action | VelocityConstraint) -> bool:
+    """Return whether an entry only takes up the rebound of what comes down along it (`motion.landing`).
+
+    It asks all of the object for the least speed that there is, which nobody would see, and is then held.
+    """
+    if not isinstance(entry, VelocityConstraint) or entry.region is not None or entry.held_until is None:
+        return False
+    return entry.constraint_type is ConstraintType.PARTICLE_TRANSLATION and entry.gain == GAIN_MIN

@@ -1,7 +1,7 @@
 """Landings: what jumps stands where it comes down.
 
 Soft matter springs up again by nearly half as much: of who jumps twice a viewer counts three jumps, the second the
-higher. Knees take that up; here the object is stopped as its feet touch the ground.
+higher. Knees take that up; here the object gets up but slowly once its feet have touched the ground.
 """
 
 from __future__ import annotations
@@ -14,8 +14,10 @@ from physagent_jax.motion.schema import SceneBrief
 from physagent_jax.motion.vectors import dot
 
 LANDED = "'{}': it is stopped where it comes down, as knees would, and does not spring up again."
-_TOUCHES = 0.75  # frames after a body without a foot would be down, when it stands on its own
-_STANDS = 3.0  # frames for which it is stopped
+_TOUCHES = (
+    -0.25
+)  # frames after a body in free flight would be down: what is soft loses some height as it leaps
+_STANDS = 0.6  # [s] for which it does not spring up
 
 
 def land(jump: Action, until: float, brief: SceneBrief) -> VelocityConstraint | None:
@@ -39,12 +41,5 @@ def land(jump: Action, until: float, brief: SceneBrief) -> VelocityConstraint | 
         magnitude=MAGNITUDE_MIN,
         gain=GAIN_MIN,
         active_time=(at, at + 1.0),
-        held_until=min(at + _STANDS, until),
+        held_until=min(at + 1.0 + _STANDS / brief.frame_dt, until),
     )
-
-
-def is_landing(entry: Action | VelocityConstraint) -> bool:
-    """Return whether an entry is a stop that `land` made."""
-    if not isinstance(entry, VelocityConstraint) or entry.region is not None or entry.held_until is None:
-        return False
-    return entry.constraint_type is ConstraintType.PARTICLE_TRANSLATION and entry.gain == GAIN_MIN

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from physagent_jax.forces.schema import Action, ActionType, ForceField
-from physagent_jax.motion.landing import is_landing
+from physagent_jax.forces.schema import Action, ActionType, ForceField, is_stop
 from physagent_jax.motion.matching import Cause
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.tolerances import round_window
@@ -65,7 +64,5 @@ def replace_items(field: ForceField, causes: Sequence[Cause], items: Sequence) -
         groups[cause.group][cause.index] = item
     blows = [each.item for each in causes if isinstance(each.item, Action)]
     if any(blow.action_type is ActionType.IMPULSE for blow in blows):
-        groups["constraints"] = [
-            each for each in groups["constraints"] if each is None or not is_landing(each)
-        ]
+        groups["constraints"] = [each for each in groups["constraints"] if each is None or not is_stop(each)]
     return field.model_copy(update={k: tuple(i for i in v if i is not None) for k, v in groups.items()})

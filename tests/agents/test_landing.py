@@ -2,8 +2,7 @@
 
 import pytest
 
-from physagent_jax.forces.schema import ActionType
-from physagent_jax.motion.landing import is_landing
+from physagent_jax.forces.schema import ActionType, is_stop
 from physagent_jax.motion.matching import Cause
 from physagent_jax.motion.wishes import replace_items
 from tests.agents.scenes import brief, read
@@ -11,7 +10,7 @@ from tests.agents.scenes import brief, read
 
 def list_landings(sentence, **more):
     reply = read(sentence, brief(world="ground", **more))
-    landings = [each for each in reply.force_field.constraints if is_landing(each)]
+    landings = [each for each in reply.force_field.constraints if is_stop(each)]
     blows = [each for each in reply.force_field.actions if each.action_type is ActionType.IMPULSE]
     return blows, landings
 

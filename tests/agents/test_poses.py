@@ -10,9 +10,8 @@ import pytest
 from physagent_jax.agents.compiler import compile_intent
 from physagent_jax.agents.grammar.semantic import read_intent
 from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY
-from physagent_jax.forces.schema import ActionType
+from physagent_jax.forces.schema import ActionType, is_stop
 from physagent_jax.motion.attitudes import find_attitude
-from physagent_jax.motion.landing import is_landing
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.scene.placement import find_tilt_rotation
 from tests.agents.scenes import brief, read
@@ -225,7 +224,7 @@ def test_what_is_shaken_is_let_go_before_it_hops_away():
         read_intent("the thing shakes itself and then hops away", scene), scene
     ).force_field
     (leap,) = field.actions
-    shaken = [each for each in field.constraints if not is_landing(each)]
+    shaken = [each for each in field.constraints if not is_stop(each)]
     held = max(each.held_until or each.active_time[1] for each in shaken)
     assert leap.active_time is not None and held <= leap.active_time[0] + 0.5
 

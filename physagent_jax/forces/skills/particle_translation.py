@@ -25,10 +25,16 @@ class ParticleTranslation(Skill):
     causes = ("move", "sway", "fall", "stretch", "squeeze")
     deforms = "ends"
 
+    def make_forces(self, bound):
+        """What takes up the rebound of what has jumped, where an entry stands for that (`forces.schema.is_stop`)."""
+        return bound.limit_rebound() if bound.stops else []
+
     def make_constraints(self, bound):
-        """The particles' prescribed motion."""
+        """The particles' prescribed motion; none of what only takes up a rebound."""
         import numpy as np
 
+        if bound.stops:
+            return []
         k = bound.scaling.velocity * (1.0 if bound.whole else bound.width())
         return bound.hold(bound.vector(k), bound.leaf(np.zeros(3)))
 

@@ -1,4 +1,4 @@
-"""Changes of velocity: a blow that acts at once (`particle_impulse`), and one that ends with a told speed."""
+"""Changes of velocity: a blow at once (`particle_impulse`), one that ends with a told speed, and a rebound's end."""
 
 from __future__ import annotations
 
@@ -76,6 +76,38 @@ class Launch:
         share = window_fraction(time, dt, self.start, self.end, self.edge)
         left = jnp.maximum(self.end - jnp.maximum(time, self.start), dt)
         return jnp.broadcast_to(share * missing / left, x.shape)
+
+    def gradient(self, x, time, dt):
+        """None: uniform."""
+        del x, time, dt
+
+
+@register_dataclass
+@dataclasses.dataclass(frozen=True)
+class SpeedLimit:
+    """Lets the mean velocity along a way be no more than a value, as knees do as they take up a landing.
+
+    What is soft is pressed together as it comes down, and would leap again. All of it is slowed alike, and wobbles.
+
+    Attributes:
+        value: The greatest velocity along ``way`` [m/s], scalar.
+        way: Unit vector, shape (3,).
+        start, end: Window [s], scalars.
+        edge: Width of the window's smooth edges [s], scalar; None = hard.
+    """
+
+    value: jax.Array
+    way: jax.Array
+    start: jax.Array = dataclasses.field(metadata=START)
+    end: jax.Array = dataclasses.field(metadata=END)
+    edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
+
+    def acceleration(self, x, v, mass, time, dt):
+        """Mean over the substep [m/s^2], shape (n, 3)."""
+        speed = sum_particles((mass * (v @ self.way)).sum()) / sum_particles(mass.sum())
+        share = window_fraction(time, dt, self.start, self.end, self.edge)
+        beyond = jnp.maximum(speed - self.value, 0.0)
+        return jnp.broadcast_to(-share * beyond / dt * self.way, x.shape)
 
     def gradient(self, x, time, dt):
         """None: uniform."""
