@@ -110,6 +110,8 @@ class ResolvedRun:
         named = {
             word for part in known if part.stands_for and " " in part.name for word in split_name(part.name)
         }
+        if self.template.source.kind == "pillow":  # one body: "the cushion" is all of it
+            named |= set(PRIORS["pillow"].words)
         words = [word for word in split_name(prompt) if word not in named]
         guessed = guess_parts(body.shape, known, words, viewer, body.shells, name)
         known = (*known, *guessed)

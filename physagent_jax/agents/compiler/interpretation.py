@@ -51,6 +51,7 @@ _STEEP = 0.7  # cosine to the vertical
 _OWN_PARTS = dict(
     nod="head", wag="tail", flap="wings", wave="arm", salute="arm", clap="arms"
 )  # with no other named
+_SCURRYING = ("scuttle", "scurry", "paddle", "run")  # what legs and fins do by themselves
 _OTHERS = frozenset(("other", "another", "one", "each", "next"))  # beside a limb's name: not that of before
 _BEARERS = dict(hand="arm", hands="arms", fist="arm", fists="arms", head="neck")
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
@@ -121,6 +122,8 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
         phrase = "roll"  # "tumbles to the right"
     elif motion.manner == "detach" and not event.parts and phrase.split()[0] in motions:
         phrase = phrase.split()[0]  # "the robot falls off"
+    elif (motion.steps or phrase in _SCURRYING) and _is_of_limbs(event, brief):
+        phrase = "wiggle"  # "its legs scuttle"
     elif _drops_limb(event, motion, brief):
         phrase = "lower"  # "drops its arm"
     elif effect is Effect.FALL and motion.by == "whole" and event.parts and phrase.split()[0] in motions:
@@ -143,6 +146,14 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
     else:
         return motion, phrase
     return motions[phrase], phrase
+
+
+def _is_of_limbs(event: Event, brief: SceneBrief) -> bool:
+    """Return whether a motion is said of limbs that stand before it, and no way: "its legs scuttle"."""
+    if not event.parts or event.pick(*WAYS):
+        return False
+    part, verb = (event.text.lower().find(each.lower()) for each in (event.parts[0].text, event.words))
+    return -1 < part < verb and bool(find_limbs(event.parts[0], brief))
 
 
 def _droops(event: Event, brief: SceneBrief) -> bool:

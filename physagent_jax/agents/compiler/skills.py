@@ -103,7 +103,7 @@ def _compile_sway(task: Task) -> None:
     magnitude, leads = event.strength, builder.rooted and leads_aside(task.direction, brief)
     # A plant bends by itself.
     lasts = task.window[1] > task.window[0]  # not in a clip of one frame
-    free = builder.grounded and not held and lasts
+    free = builder.grounded and not held and lasts and not _travels(task)
     bends = event.motion.manner in ("bend", "rock") and "feet" in (brief.anchored or "feet")
     if event.amount is not None:
         magnitude = find_swing_magnitude(event.amount, held, brief) or magnitude
@@ -121,6 +121,16 @@ def _compile_sway(task: Task) -> None:
         _alternate(task, ActionType.TRANSLATION, magnitude, divide_swings(task.window, count, held))
     released = task.is_released
     task.expect(MotionKind.SWAY, event.direction, task.window, repeats=count, released=released)
+
+
+def _travels(task: Task) -> bool:
+    """Return whether all of it goes somewhere meanwhile: led to and fro, it would stay: "slides away, fluttering"."""
+    return any(
+        each.kind is MotionKind.MOVE
+        and not each.partial
+        and each.window[0] <= task.window[0] < each.window[1]
+        for each in task.builder.expectations
+    )
 
 
 def _alternate(task: Task, kind: ActionType, magnitude: float, windows: list[Window]) -> None:

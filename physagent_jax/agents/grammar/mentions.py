@@ -50,6 +50,7 @@ class MentionKind(enum.Enum):
 MOTIONS = (MentionKind.VERB, MentionKind.CAUSE)
 WAYS = (MentionKind.DIRECTION, MentionKind.FROM)
 _NEAR = 6  # words from "one of" to the part
+_ADJECTIVES = 4  # words from what it is taken by back to the article, at most
 LOOSE = (MentionKind.UNKNOWN, MentionKind.IGNORED, MentionKind.INTENSITY, MentionKind.DEGREE)
 
 
@@ -154,7 +155,9 @@ class Reader:
         """Return whether a part is what all of it is taken by: "lift it by the end of its handle"."""
         if self.get_preposition(at) == "of":
             at = at - 3 if self.is_after_determiner(at) else at - 2
-        return self.get_preposition(at - (self.get_text(at - 1) in ("one", "both"))) == "by"
+        owners = get_set("determiners") | {"one", "both", "by"}
+        first = next((k for k in range(at - 1, at - _ADJECTIVES, -1) if self.get_text(k) in owners), at)
+        return "by" in (self.get_text(first), self.get_text(first - 1))
 
     def is_striking(self) -> bool:
         """Return whether the last motion is a blow."""
