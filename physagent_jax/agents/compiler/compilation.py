@@ -115,8 +115,16 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
 
 def _choose_materials(intent: Intent, events: Iterable[Event], brief: SceneBrief) -> tuple[str, ...]:
     """The sentence's words for materials, and one for what gives way where they name nothing that does."""
-    sags = any(event.motion.gives for event in events)
-    firm = sags and brief.object_kind not in LIMP and not _is_of(YIELDS, intent)
+    happens = [event.motion for event in events]
+    springs = any(
+        each.effect is Effect.RELEASE and not each.lets_go for each in happens
+    )  # "sags, then springs back"
+    firm = (
+        any(each.gives for each in happens)
+        and not springs
+        and brief.object_kind not in LIMP
+        and not _is_of(YIELDS, intent)
+    )
     return (*intent.materials, YIELDING) if firm else intent.materials
 
 

@@ -105,6 +105,8 @@ def _is_done_by_another(segment: list[Mention], names: frozenset[str]) -> bool:
         after = [m for m in after if m.phrase not in ("down", "on", "onto", "upon", "against")]
     behind = [m.phrase for m in after[:2]]
     thing = behind[1:] if behind and behind[0] in get_set("determiners") else behind[:1]
+    if behind[:1] == ["the"] and after[1:2] and after[1].kind is MentionKind.PLACE:
+        return False  # "a wave lifts the front of the ship"
     return not set(thing) & (names | get_set("objects"))  # "a crane lifts the robot"
 
 
