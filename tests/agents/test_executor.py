@@ -4,7 +4,9 @@ import pytest
 
 from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent
 from physagent_jax.agents.hard_rules import apply_hard_rules
+from physagent_jax.agents.rules.remedies import list_remedies
 from physagent_jax.forces.schema import ActionType, ConstraintType, ForceField
+from physagent_jax.motion.edits import Case
 from physagent_jax.motion.matching import list_causes
 from physagent_jax.motion.schema import Verdict
 from tests.agents.scenes import asked, brief, judge, make_report, read, rewrite, seen_in
@@ -351,6 +353,30 @@ def test_what_left_the_picture_was_too_much():
     answer = rewrite(prompt, reply, judge(prompt, reply, seen, scene), scene)
     (action,) = answer.force_field.actions
     assert (action.vector, action.magnitude) == (LEFT, pytest.approx(0.6))
+
+
+def test_what_breaks_is_not_asked_for_more():
+    """A mug that was wrung too little and came apart was wrung harder."""
+    prompt, scene = "push it left", brief()
+    field, reply = with_magnitude(prompt, 0.8), read(prompt)
+    failed = judge(prompt, reply, seen_in(reply.expectations, 49, displacement=(-0.2, 0, 0)), scene, field)
+    checks = [check for check in failed.judgement.checks if check.passed is False]
+    broken = checks[0].model_copy(update=dict(aspect="integrity", gain=0.6))
+    for told, harder in ((checks, True), ([*checks, broken], False)):
+        case = Case(field, reply.expectations[0], reply.expectations, scene, told, failed.report, ())
+        efforts = [a.magnitude * a.gain for each in list_remedies(case) for a in each.force_field.actions]
+        assert (max(efforts) > 0.8) is harder and efforts
+
+
+def test_what_stands_is_not_led_into_the_ground():
+    """It sank out of sight, and what was asked for seemed to be met."""
+    scene, prompt = brief(world="ground"), "push the robot down"
+    field = ForceField.model_validate(
+        {"actions": [dict(action_type="translation", vector=(0, 0, -1), magnitude=1.6)]}
+    )
+    answer, _ = rewritten(prompt, field, scene, displacement=(0, 0, -0.01))
+    kinds = [each.constraint_type for each in answer.force_field.constraints]
+    assert ConstraintType.PARTICLE_TRANSLATION not in kinds
 
 
 def test_between_too_weak_and_too_much_lies_the_next_attempt():

@@ -34,6 +34,14 @@ def list_limbs(reply):
         ("the tip of its left arm rises", [(MOVE, 0)]),
         ("it bends its left arm up, then down", [(MOVE, 0), (MOVE, 0)]),
         ("it tilts its head to the left, then to the right", [(MOVE, 2), (MOVE, 2)]),
+        ("the robot raises its left arm, then drops the arm", [(MOVE, 0), (MOVE, 0)]),
+        ("raise its left arm, hold it, then lower it again", [(MOVE, 0), (MOVE, 0)]),
+        ("the robot drops its right arm", [(MOVE, 1)]),
+        ("raise both arms above its head", [(MOVE, 0), (MOVE, 1)]),
+        ("both arms sag down", [(MOVE, 0), (MOVE, 1)]),
+        ("its left arm wiggles as if the head were stuck", [(SWAY, 0)]),
+        ("the robot waves at us", [(SWAY, 0)]),
+        ("its two little arms scuttle", [(SWAY, 0), (SWAY, 1)]),
     ],
 )
 def test_a_part_is_not_named_twice(sentence, told):

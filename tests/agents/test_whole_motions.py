@@ -266,3 +266,54 @@ def test_what_slides_and_then_topples_has_room_to_fall():
 def test_a_likeness_of_a_telling_verb_is_no_doubt(prompt):
     assert not read(prompt, CHESS).unsure
     assert read("the knight moves like a sleepy penguin", CHESS).unsure
+
+
+@pytest.mark.parametrize(
+    ("prompt", "falls"),
+    [("drop the robot twice", 2), ("bang the robot down on the table three times", 3), ("slam it down", 1)],
+)
+def test_what_is_dropped_again_is_lifted_between(prompt, falls):
+    """A plate pressed what was banged on the table, and a second fall was not understood."""
+    reply = read(prompt, brief(world="ground"))
+    kinds = [MotionKind.FALL, *[MotionKind.MOVE, MotionKind.FALL] * (falls - 1)]
+    assert not reply.unsure and [each.kind for each in reply.expectations] == kinds
+    assert [each.means for each in reply.expectations] == [kind is MotionKind.MOVE for kind in kinds]
+
+
+@pytest.mark.parametrize(
+    ("prompt", "kinds"),
+    [
+        ("the robot makes a deep bow", [MotionKind.ROTATE]),
+        ("it bends at the waist", [MotionKind.ROTATE]),
+        ("strech it upwards", [MotionKind.STRETCH]),
+        ("the robot rears up and slams back down", [MotionKind.ROTATE]),
+        ("it tilts up onto its back wheels", [MotionKind.ROTATE]),
+        ("lift the robot by its wooden handle", [MotionKind.MOVE]),
+        ("tilt it by one handle", [MotionKind.ROTATE]),
+        ("shove it backwards, away from us, with great force", [MotionKind.MOVE]),
+        ("lift it, sorry, I meant drop it", [MotionKind.FALL]),
+        ("it pitches up and down in the waves", [MotionKind.SWAY]),
+        ("it goes limp like a rag doll", [MotionKind.SQUEEZE]),
+        ("it marches on the spot", [MotionKind.SWAY]),
+        ("turn it into jelly and drop it", [MotionKind.FALL]),
+    ],
+)
+def test_whole_sentences_of_one_motion_are_understood(prompt, kinds):
+    reply = read(prompt, brief(world="ground"))
+    assert not reply.unsure and [each.kind for each in reply.expectations] == kinds
+
+
+def test_what_springs_back_has_not_become_something_that_sags():
+    assert not read("it sags, then springs back", brief(world="ground")).materials
+    assert read("it sags", brief(world="ground")).materials == ("yielding",)
+
+
+def test_what_goes_along_is_pushed_to_and_fro_and_not_led():
+    """Led to and fro it stayed where it was."""
+    field = read("it slides to the left, wobbling as it goes", brief(world="ground")).force_field
+    assert not field.constraints and len(field.actions) > 3
+
+
+def test_the_front_that_a_wave_lifts_is_the_objects():
+    (lift,) = read("a wave lifts the front of the robot up", brief(world="ground")).expectations
+    assert lift.kind is MotionKind.MOVE and lift.direction == UP and lift.part is not None

@@ -7,13 +7,13 @@ import pytest
 from pydantic import ValidationError
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL, TURN
+from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL, RETREAT, TURN
 from physagent_jax.forces.compilation import compile_force_field
 from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ForceField, Holding, Opposition
 from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.mpm import step
-from physagent_jax.mpm.constraints import GradedRotation, GradedTranslation
+from physagent_jax.mpm.constraints import GradedRotation, GradedTranslation, MovingPlate
 from physagent_jax.mpm.energy import angular_momentum, momentum
 from tests.mpm.blocks import block
 
@@ -459,6 +459,28 @@ def test_plates_on_a_region_press_that_alone(x64):
         0.08 < low[0] < 0.3 and -0.3 < high[0] < -0.08
     )  # half of its height is asked for, less is had in contact
     assert max(abs(low[1]), abs(high[1])) < 0.01
+
+
+def test_a_plate_stays_and_then_goes_back_slowly(x64):
+    """What is let go at once leaps off the ground."""
+    told = dict(constraint_type="moving_plate", vector=[0, 0, -1], magnitude=1.0, active_time=[0, 4])
+    for held in ({}, {"held_until": 7}):
+        field = ForceField.model_validate({"constraints": [told | held]})
+        x = np.random.default_rng(0).random((200, 3))
+        _, plates = compile_force_field(
+            field, SCALING, x, np.ones(len(x)), frame_dt=FRAME_DT, frame_count=FRAMES
+        )
+        faces = [each.face for each in plates if isinstance(each, MovingPlate)]
+        times = [(float(face.start), float(face.end)) for face in faces]
+        assert all(one[1] == other[0] for one, other in zip(times, times[1:]))
+        assert times[-1][0] == pytest.approx(FRAME_DT * (7 if held else 4))
+        assert times[-1][1] - times[-1][0] == pytest.approx(RETREAT)
+        way = sum(
+            np.asarray(face.velocity) * (end - start)
+            for face, (start, end) in zip(faces, times)
+            if face.velocity is not None
+        )
+        assert np.allclose(way, 0, atol=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -125,6 +125,8 @@ def test_one_of_several_is_the_longest_and_all_on_a_side_are_taken():
     taken = find_aliases(POINTS, wheels, "spin the front wheels", "car", TOWARD)
     assert [each.name for each in taken] == ["front wheels"] * 2
     assert find(wheels, "spin the wheels", "car") == {}
+    taken = find_aliases(POINTS, wheels, "spin the big rear wheels", "car", TOWARD)
+    assert [each.name for each in taken] == ["rear wheels"] * 2
     assert find(wheels, "press the left front tyre", "car") == {"left front tyre": "front left wheel"}
 
 

@@ -131,11 +131,12 @@ def test_the_parts_of_known_shapes_are_found(solids, roles):
         (BIRD, ["head", "leg", "leg", "wing", "wing"]),
         (CHAIR, ["back", "leg", "leg", "leg", "leg"]),
         ([*CUP, RING], ["handle"]),
+        ([*CUP, ("ring", (0.41, 0, 0), (0.2, 0.07, 0.2))], ["handle"]),
         (CUP, []),
         ([POT, RING, SPOUT, *LID, *KNOB], ["handle", "knob", "lid", "spout"]),
         ([POT, ("ring", (0, 0, 0.3), (0.25, 0.04, 0.25)), SPOUT], ["handle", "spout"]),
     ],
-    ids="cow bird chair mug cup teapot kettle".split(),
+    ids="cow bird chair mug tankard cup teapot kettle".split(),
 )
 def test_parts_are_told_by_what_is_around_them(solids, roles):
     """Two pairs on a head are horns and ears, a flat pair wings, a loop a handle, and across from it is a spout."""

@@ -152,12 +152,21 @@ class Reader:
         return self.get_text(at - 2 if self.is_after_determiner(at) else at - 1)
 
     def is_gripped(self, at: int) -> bool:
-        """Return whether a part is what all of it is taken by: "lift it by the end of its handle"."""
+        """Return whether a part is what all of it is taken by: "lift it by the end of its handle".
+
+        What its adjectives say ("its wooden handle") is emptied then.
+        """
         if self.get_preposition(at) == "of":
             at = at - 3 if self.is_after_determiner(at) else at - 2
         owners = get_set("determiners") | {"one", "both", "by"}
         first = next((k for k in range(at - 1, at - _ADJECTIVES, -1) if self.get_text(k) in owners), at)
-        return "by" in (self.get_text(first), self.get_text(first - 1))
+        gripped = "by" in (self.get_text(first), self.get_text(first - 1))
+        for index in range(len(self.mentions) - 1 if gripped else -1, -1, -1):
+            if self.mentions[index].first <= first:
+                break
+            if self.mentions[index].kind in LOOSE:
+                self.mentions[index] = empty(self.mentions[index])
+        return gripped
 
     def is_striking(self) -> bool:
         """Return whether the last motion is a blow."""

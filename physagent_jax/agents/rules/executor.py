@@ -89,8 +89,7 @@ def _explain(
 def _group_failed(judgement: Judgement, count: int, report: MotionReport) -> dict[int, list[Check]]:
     """Failed checks by expectation, in the order of the sentence.
 
-    What could not be seen because the object left the picture or broke up counts as far too much. What breaks is not
-    asked for more.
+    What could not be seen because the object left the picture or broke up counts as far too much.
     """
     failed: dict[int, list[Check]] = {}
     overdone = report.quality.leaves_frame is not None or report.quality.tracks_kept < _LOST
@@ -99,11 +98,6 @@ def _group_failed(judgement: Judgement, count: int, report: MotionReport) -> dic
             check = check.model_copy(update=dict(passed=False, aspect="amount", gain=_CALM_DOWN))
         if check.passed is False and 0 <= check.expectation < count:
             failed.setdefault(check.expectation, []).append(check)
-    broken = {index for index, checks in failed.items() if any(each.aspect == "integrity" for each in checks)}
-    for index in broken:
-        failed[index] = [
-            each for each in failed[index] if not (each.aspect == "amount" and (each.gain or 0) > 1)
-        ]
     return dict(sorted(failed.items()))
 
 

@@ -131,6 +131,8 @@ def _change_amount(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
     gain = clamp(min(overdone, default=_GENTLER), 0.3, 0.85)
     if check is not None:
         gain = _find_gain(case, causes, _PUSH_BACK if check.gain is None else check.gain)
+    if case.failed("integrity"):  # what breaks is not asked for more
+        gain = min(gain, clamp(min(overdone, default=_GENTLER), 0.3, 0.85))
     if case.failed("integrity") or (spoilt is not None and gain > 1):
         yield from _try_other_kind(case, causes, gain)
     yield from _strengthen(case, causes, gain) if gain > 1 else _weaken(case, causes, gain)
