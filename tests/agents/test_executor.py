@@ -370,13 +370,18 @@ def test_what_breaks_is_not_asked_for_more():
 
 def test_what_stands_is_not_led_into_the_ground():
     """It sank out of sight, and what was asked for seemed to be met."""
-    scene, prompt = brief(world="ground"), "push the robot down"
     field = ForceField.model_validate(
         {"actions": [dict(action_type="translation", vector=(0, 0, -1), magnitude=1.6)]}
     )
-    answer, _ = rewritten(prompt, field, scene, displacement=(0, 0, -0.01))
-    kinds = [each.constraint_type for each in answer.force_field.constraints]
-    assert ConstraintType.PARTICLE_TRANSLATION not in kinds
+    for world, led in (("free", True), ("ground", False)):
+        scene = brief(world=world)
+        reply = read("move the robot down", scene)
+        seen = seen_in(reply.expectations, 49, displacement=(0, 0, -0.01))
+        checks = judge("move the robot down", reply, seen, scene, field).judgement.checks
+        failed = [check for check in checks if check.passed is False]
+        case = Case(field, reply.expectations[0], reply.expectations, scene, failed, seen, ())
+        kinds = {c.constraint_type for each in list_remedies(case) for c in each.force_field.constraints}
+        assert (ConstraintType.PARTICLE_TRANSLATION in kinds) is led
 
 
 def test_between_too_weak_and_too_much_lies_the_next_attempt():

@@ -310,7 +310,8 @@ def test_what_springs_back_has_not_become_something_that_sags():
 
 def test_what_goes_along_is_pushed_to_and_fro_and_not_led():
     """Led to and fro it stayed where it was."""
-    field = read("it slides to the left, wobbling as it goes", brief(world="ground")).force_field
+    scene = brief(world="ground", may_be_held=True)
+    field = read("it slides to the left, wobbling as it goes", scene).force_field
     assert not field.constraints and len(field.actions) > 3
 
 

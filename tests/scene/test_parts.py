@@ -131,7 +131,7 @@ def test_the_parts_of_known_shapes_are_found(solids, roles):
         (BIRD, ["head", "leg", "leg", "wing", "wing"]),
         (CHAIR, ["back", "leg", "leg", "leg", "leg"]),
         ([*CUP, RING], ["handle"]),
-        ([*CUP, ("ring", (0.41, 0, 0), (0.2, 0.07, 0.2))], ["handle"]),
+        ([*CUP, ("ring", (0.41, 0, 0), (0.2, 0.06, 0.2))], ["handle"]),
         (CUP, []),
         ([POT, RING, SPOUT, *LID, *KNOB], ["handle", "knob", "lid", "spout"]),
         ([POT, ("ring", (0, 0, 0.3), (0.25, 0.04, 0.25)), SPOUT], ["handle", "spout"]),
