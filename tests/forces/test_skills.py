@@ -462,7 +462,7 @@ def test_plates_on_a_region_press_that_alone(x64):
 
 
 def test_a_plate_stays_and_then_goes_back_slowly(x64):
-    """What is let go at once leaps off the ground."""
+    """Let go at once, soft matter leaps off the ground."""
     told = dict(constraint_type="moving_plate", vector=[0, 0, -1], magnitude=1.0, active_time=[0, 4])
     for held in ({}, {"held_until": 7}):
         field = ForceField.model_validate({"constraints": [told | held]})

@@ -24,7 +24,7 @@ class MovingPlate(Skill):
     deforms = "plates"
 
     def make_constraints(self, bound):
-        """The moving plate, and the plate that stands where it was brought."""
+        """The moving plate, the one that stands where it was brought, and the one that goes back."""
         return bound.press(bound.scaling.velocity * bound.width(chosen=True))
 
     def make_pair(self, bound, other, sign):

@@ -26,7 +26,7 @@ class ParticleTranslation(Skill):
     deforms = "ends"
 
     def make_forces(self, bound):
-        """What takes up the rebound of what has jumped, where an entry stands for that (`forces.schema.is_stop`)."""
+        """The force that takes up a landing, where an entry stands for that (`forces.schema.is_stop`)."""
         return bound.limit_rebound() if bound.stops else []
 
     def make_constraints(self, bound):
