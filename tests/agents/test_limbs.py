@@ -569,3 +569,11 @@ def test_a_limb_that_is_let_go_is_brought_back():
         abs(each.magnitude * each.gain) * (each.active_time[1] - each.active_time[0]) for each in (away, back)
     ]
     assert turns[0] == pytest.approx(turns[1], rel=0.01)
+
+
+def test_arms_that_swing_as_it_walks_are_not_left_behind():
+    """They were turned about shoulders that stayed where they had been."""
+    scene = dict(world="ground")
+    for sentence, led in (("its arms swing while it walks to the left", False), ("its arms swing", True)):
+        constraints = read(sentence, **scene).force_field.constraints
+        assert any(each.region is not None for each in constraints) is led

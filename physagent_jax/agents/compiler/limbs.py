@@ -121,7 +121,7 @@ def find_roles(name: str) -> list[str]:
 def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
     """The reply in which limbs are turned about their joints, and the rest is held if nothing else is to move."""
     limbs = [each for each in reply.expectations if each.limb is not None]
-    asked = [each for each in limbs if each.kind in _DRIVEN]
+    asked = [each for each in limbs if each.kind in _DRIVEN and not _is_carried(each, reply)]
     if not limbs:
         return reply
     frame_count = reply.frame_count or brief.frame_count
@@ -157,6 +157,14 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
             notes=(*reply.notes, note),
         )
     )
+
+
+def _is_carried(motion: ExpectedMotion, reply: SemanticReply) -> bool:
+    """Return whether a limb swings while all of it is led elsewhere: about a joint that stays, it would be torn off."""
+    led = (each for each in reply.force_field.constraints if each.region is None and each.active_time)
+    spans = [each.active_time for each in led if each.constraint_type is ConstraintType.PARTICLE_TRANSLATION]
+    begin, end = motion.window
+    return motion.kind is MotionKind.SWAY and any(max(a, begin) + 1 < min(b, end) for a, b in spans)
 
 
 def _follow(items: Sequence[Evidence], kept: list[int]) -> tuple[Evidence, ...]:
