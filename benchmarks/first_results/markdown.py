@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
+from typing import Any
 
 from benchmarks.first_results import held_back
 from benchmarks.first_results.catalogue import SETS
@@ -239,7 +240,16 @@ def _motion(centroid, rotation) -> str:
 def condense(result: Result) -> Result:
     """The sections without what no table shows; those of the sets that were held back are shown less of."""
     pairs = {part: section for part, section in result.items() if part in held_back.SETS}
-    return drop_fields(result | drop_fields(pairs, _UNSHOWN), _NOWHERE)
+    return _round(drop_fields(result | drop_fields(pairs, _UNSHOWN), _NOWHERE))
+
+
+def _round(value: Any) -> Any:
+    """The value with its numbers to six decimals: the tables show three."""
+    if isinstance(value, dict):
+        return {key: _round(each) for key, each in value.items()}
+    if isinstance(value, list):
+        return [_round(each) for each in value]
+    return round(value, 6) if isinstance(value, float) else value
 
 
 PAGE = Page(

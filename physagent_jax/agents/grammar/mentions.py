@@ -161,6 +161,9 @@ class Reader:
         owners = get_set("determiners") | {"one", "both", "by"}
         first = next((k for k in range(at - 1, at - _ADJECTIVES, -1) if self.get_text(k) in owners), at)
         gripped = "by" in (self.get_text(first), self.get_text(first - 1))
+        if self.get_text(first) == "one":  # "lift it by one handle" raises that side
+            motion = get_last_motion(self.mentions)
+            gripped &= motion is not None and motion.effect is Effect.LEAN
         for index in range(len(self.mentions) - 1 if gripped else -1, -1, -1):
             if self.mentions[index].first <= first:
                 break
