@@ -296,6 +296,8 @@ def test_what_is_dropped_again_is_lifted_between(prompt, falls):
         ("it goes limp like a rag doll", [MotionKind.SQUEEZE]),
         ("it marches on the spot", [MotionKind.SWAY]),
         ("turn it into jelly and drop it", [MotionKind.FALL]),
+        ("rip the robot out of the ground", [MotionKind.MOVE]),
+        ("smash the robot into the ground", [MotionKind.FALL]),
     ],
 )
 def test_whole_sentences_of_one_motion_are_understood(prompt, kinds):
