@@ -32,7 +32,7 @@ from physagent_jax.forces.schema import (
     is_stop,
 )
 from physagent_jax.forces.sections import find_stress_concentration
-from physagent_jax.forces.terms import Balance, Landing, PushCompensation, SpeedLimit, TurnCompensation
+from physagent_jax.forces.terms import Balance, Landing, PushCompensation, Touchdown, TurnCompensation
 from physagent_jax.forces.twisting import Twist, find_twist
 from physagent_jax.mpm.boundaries import HalfSpace
 from physagent_jax.mpm.constraints import GradedRotation, GradedTranslation, MovingPlate, PrescribedMotion
@@ -342,7 +342,7 @@ class Binding:
     def limit_rebound(self) -> list:
         """The force that lets the whole come up but slowly, against the entry's way, until it is let go."""
         way, end = self.leaf(-self._way), self._held_until
-        return [SpeedLimit(self.leaf(RISES_BY), way, self.window[0], self.window[1] if end is None else end)]
+        return [Touchdown(self.leaf(RISES_BY), way, self.window[0], self.window[1] if end is None else end)]
 
     def let_land(self) -> list:
         """The force that lets what is led over the edge of its foot, and then let go, lie where it falls."""

@@ -20,7 +20,7 @@ from physagent_jax.forces.terms.turbulence import Turbulence as Turbulence
 from physagent_jax.forces.terms.uniform import UniformAcceleration as UniformAcceleration
 from physagent_jax.forces.terms.uniform import UniformField as UniformField
 from physagent_jax.forces.terms.velocity_change import Launch as Launch
-from physagent_jax.forces.terms.velocity_change import SpeedLimit as SpeedLimit
+from physagent_jax.forces.terms.velocity_change import Touchdown as Touchdown
 from physagent_jax.forces.terms.velocity_change import VelocityChange as VelocityChange
 from physagent_jax.forces.terms.vortex import Vortex as Vortex
 from physagent_jax.forces.terms.wind import Wind as Wind

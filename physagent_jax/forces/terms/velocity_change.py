@@ -13,6 +13,8 @@ from physagent_jax.mpm.edges import step_value, window_fraction
 from physagent_jax.mpm.fields import EDGE, END, PER_PARTICLE, START
 from physagent_jax.mpm.reductions import sum_particles
 
+FALLS = 0.5  # [m/s] at which what comes down has not landed yet
+
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
@@ -84,14 +86,15 @@ class Launch:
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
-class SpeedLimit:
-    """Lets the mean velocity along a way be no more than a value, as knees do as they take up a landing.
+class Touchdown:
+    """Takes up a landing, as knees do: what comes down gets up again but slowly, and does not slide on.
 
-    What is soft is pressed together as it comes down, and would leap again. All of it is slowed alike, and wobbles.
+    What is soft is pressed together as it comes down, and would leap again; what came down aslant would tip over its
+    feet. The mean velocity alone is changed, so that it wobbles. Nothing is done as long as it falls (`FALLS`).
 
     Attributes:
         value: The greatest velocity along ``way`` [m/s], scalar.
-        way: Unit vector, shape (3,).
+        way: Unit vector up, shape (3,).
         start, end: Window [s], scalars.
         edge: Width of the window's smooth edges [s], scalar; None = hard.
     """
@@ -104,10 +107,12 @@ class SpeedLimit:
 
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
-        speed = sum_particles((mass * (v @ self.way)).sum()) / sum_particles(mass.sum())
+        mean = sum_particles((mass[:, None] * v).sum(0)) / sum_particles(mass.sum())
+        speed = mean @ self.way
+        landed = jnp.clip(1.0 + speed / FALLS, 0.0, 1.0)
+        stopped = jnp.maximum(speed - self.value, 0.0) * self.way + landed * (mean - speed * self.way)
         share = window_fraction(time, dt, self.start, self.end, self.edge)
-        beyond = jnp.maximum(speed - self.value, 0.0)
-        return jnp.broadcast_to(-share * beyond / dt * self.way, x.shape)
+        return jnp.broadcast_to(-share / dt * stopped, x.shape)
 
     def gradient(self, x, time, dt):
         """None: uniform."""
