@@ -232,6 +232,21 @@ def test_rebounds_are_counted_as_leaps_only_where_leaps_lack(heights, right):
     assert verdict("it hops twice", leaps, arcs(*heights)) is right
 
 
+def test_leaps_to_one_side_are_counted_by_their_heights():
+    """Along the way that they go nothing comes back."""
+    way = (math.sqrt(0.5), 0.0, math.sqrt(0.5))
+    leaps = (
+        expected(direction=way, sudden=True, repeats=2, words="hop"),
+        expected(KINDS.FALL, None, window=(24, LAST), words="hop"),
+    )
+
+    def place(t, each=12, height=0.3):
+        k, phase = divmod(t / each, 1.0)
+        return min(t / (2 * each), 1.0), 0, 4 * height * phase * (1 - phase) if k < 2 else 0.0
+
+    assert verdict("it hops to the right twice", leaps, show(place))
+
+
 def test_what_springs_back_on_the_ground_may_leap_up():
     """Its shape is lost from sight as it does; its outline tells that it came back."""
     press = expected(KINDS.SQUEEZE, UP, window=(0, 24), released=True)

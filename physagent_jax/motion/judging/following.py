@@ -195,6 +195,8 @@ def _check_blows(asked: Asked) -> list[Check]:
     signal = _observe(asked, asked.span[0], asked.until, 6)
     values = [v for _, v in signal]
     gains = _measure_gains(signal)
+    if asked.hops:  # along an aslant way what goes on is not seen to come down
+        values = [dot(p, asked.view.brief.directions.up) for _, p in follow(asked, asked.until)[0]]
 
     def count_excursions(limit: float) -> int:
         return (len(find_turning_points(values, limit)) + 1) // 2
