@@ -161,10 +161,15 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
 
 def _is_carried(motion: ExpectedMotion, reply: SemanticReply) -> bool:
     """Return whether a limb swings while all of it is led elsewhere: about a joint that stays, it would be torn off."""
-    led = (each for each in reply.force_field.constraints if each.region is None and each.active_time)
-    spans = [each.active_time for each in led if each.constraint_type is ConstraintType.PARTICLE_TRANSLATION]
     begin, end = motion.window
-    return motion.kind is MotionKind.SWAY and any(max(a, begin) + 1 < min(b, end) for a, b in spans)
+    spans = [
+        each.active_time
+        for each in reply.force_field.constraints
+        if each.region is None and each.constraint_type is ConstraintType.PARTICLE_TRANSLATION
+    ]
+    return motion.kind is MotionKind.SWAY and any(
+        max(span[0], begin) + 1 < min(span[1], end) for span in spans if span is not None
+    )
 
 
 def _follow(items: Sequence[Evidence], kept: list[int]) -> tuple[Evidence, ...]:
