@@ -128,11 +128,11 @@ def _change_amount(case: Case, causes: Sequence[Cause]) -> Iterator[Change]:
     if check is None and spoilt is None:
         return
     overdone = [c.gain for c in case.checks if c.gain is not None and 0 < c.gain < 1]
-    gain = clamp(min(overdone, default=_GENTLER), 0.3, 0.85)
+    gain = gentler = clamp(min(overdone, default=_GENTLER), 0.3, 0.85)
     if check is not None:
         gain = _find_gain(case, causes, _PUSH_BACK if check.gain is None else check.gain)
     if case.failed("integrity"):  # what breaks is not asked for more
-        gain = min(gain, clamp(min(overdone, default=_GENTLER), 0.3, 0.85))
+        gain = min(gain, gentler)
     if case.failed("integrity") or (spoilt is not None and gain > 1):
         yield from _try_other_kind(case, causes, gain)
     yield from _strengthen(case, causes, gain) if gain > 1 else _weaken(case, causes, gain)
