@@ -575,5 +575,6 @@ def test_arms_that_swing_as_it_walks_are_not_left_behind():
     """They were turned about shoulders that stayed where they had been."""
     scene = dict(world="ground")
     for sentence, led in (("its arms swing while it walks to the left", False), ("its arms swing", True)):
-        constraints = read(sentence, **scene).force_field.constraints
-        assert any(each.region is not None for each in constraints) is led
+        reply = read(sentence, **scene)
+        assert any(each.region is not None for each in reply.force_field.constraints) is led
+        assert any("does not swing" in note for note in reply.notes) is not led

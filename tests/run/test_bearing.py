@@ -165,3 +165,13 @@ def test_what_a_figure_holds_is_lifted_alone(tmp_path):
     template = resolve(spec(path, "x")).template
     body = make_body(template.source, template.preset.filling, template.preset.domain, ".")
     assert read(path, body, "lift the hatchet").force_field.constraints[0].region is not None
+
+
+def test_the_cushion_of_a_pillow_is_all_of_it(tmp_path):
+    """It was taken for the cushion of a seat, and moved alone."""
+    path = tmp_path / "pillow.obj"
+    trimesh.creation.box((0.8, 0.8, 0.2)).export(path)
+    for kind, region in (("pillow", False), ("furniture", True)):
+        run = resolve(spec(path, "push the cushion", kind))
+        body = make_body(run.template.source, run.template.preset.filling, run.template.preset.domain, ".")
+        assert any(part.name == "cushion" for part in run.list_parts(body)) is region

@@ -121,9 +121,16 @@ def find_roles(name: str) -> list[str]:
 def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
     """The reply in which limbs are turned about their joints, and the rest is held if nothing else is to move."""
     limbs = [each for each in reply.expectations if each.limb is not None]
-    asked = [each for each in limbs if each.kind in _DRIVEN and not _is_carried(each, reply)]
+    carried = [each for each in limbs if _is_carried(each, reply)]
+    asked = [each for each in limbs if each.kind in _DRIVEN and each not in carried]
     if not limbs:
         return reply
+    if carried:
+        names = {brief.parts[each.limb].moved.label or "a part" for each in carried if each.limb is not None}
+        note = f"{', '.join(sorted(names))}: it is led along with the rest, and does not swing meanwhile."
+        reply = reply.model_copy(update=dict(notes=(*reply.notes, note)))
+        if len(carried) == len(limbs):
+            return reply
     frame_count = reply.frame_count or brief.frame_count
     moved = [brief.parts[each.limb].moved for each in asked if each.limb is not None]
     kept = [index for index, each in enumerate(reply.force_field.actions) if each.region not in moved]
@@ -138,7 +145,11 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
     alone = all(each in limbs or each.kind is MotionKind.STILL for each in reply.expectations)
     anchor, held = (
         reply.anchor,
-        {each.limb: brief.parts[each.limb] for each in limbs if each.limb is not None},
+        {
+            each.limb: brief.parts[each.limb]
+            for each in limbs
+            if each.limb is not None and each not in carried
+        },
     )
     if alone and anchor.kind is None:
         region = join_rest([held[limb] for limb in sorted(held)])

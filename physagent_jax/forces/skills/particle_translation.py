@@ -11,6 +11,9 @@ class ParticleTranslation(Skill):
 
     For a part, W takes the place of L: the object's extent along v. Two opposed ends then change it by 2 s M t / T of
     it during a time t, however thin the object is there; what lies between them follows in proportion.
+
+    Of the whole, with the least gain that there is and then held, it prescribes nothing: it stands for the landing of
+    what has jumped (`forces.schema.is_stop`, `forces.terms.Touchdown`).
     """
 
     name = "enforce_particle_translation"
