@@ -18,6 +18,8 @@ from physagent_jax.motion.schema import SceneBrief
 UNKNOWN_KIND = "object"
 SOFT = ("jelly", "ecoflex")
 """Presets of what wobbles when it is tapped."""
+GIVING = (*SOFT, "pillow", "food", "cloth", "clay", "muscle", "natural_rubber", "pu_foam")
+"""Presets of what a finger or a fist goes into."""
 FLOWS = (
     "honey",
     "liquid",
@@ -40,6 +42,7 @@ YIELDING = "yielding"
 """The word for what matter becomes that sags and has no other word for it."""
 LIMP = ("plant", "cloth")
 """Kinds of objects that sag without becoming anything else."""
+_SUBJECTS = frozenset(("he", "he's", "it", "it's", "she", "she's"))
 _LONGEST = 4  # words of the longest name of a material
 _TOKEN = re.compile(r"[^\W\d_]+(?:'[^\W\d_]+)?|\d+|[^\w\s]")
 
@@ -232,10 +235,10 @@ class _Finder:
             return None
         if self._get(place) not in self.around["made"]:
             return self._find_make(place)
-        owner = self._back(place, self.around["fillers"] | {",", "it", "itself"}, 6)
+        owner = self._back(place, self.around["fillers"] | {",", "itself"} | _SUBJECTS, 6)
         alone = not self._get(owner).isalpha() or self._get(owner) == "like"
         between = {*self.tokens[owner + 1 : place]}
-        told = {"if", "though", "it"} & between or "," in between and not self._is_other_noun(owner)
+        told = ({"if", "though"} | _SUBJECTS) & between or "," in between and not self._is_other_noun(owner)
         return place if alone or told or self._is_object(owner) else None
 
     def _find_make(self, owner: int) -> int | None:

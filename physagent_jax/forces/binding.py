@@ -491,7 +491,7 @@ class Binding:
         """A plate that starts at the object's side, moves with k M v, stays if it is to be held, and then goes back.
 
         On a region it is no larger than that. What is pressed follows the plate back in `RETREAT`: let go at once, it
-        would leap off the ground.
+        would leap off the ground. A finger goes back as fast as it came.
         """
         velocity, (start, end) = self.vector(k), self.window
         normal = velocity / jnp.linalg.norm(velocity)
@@ -515,8 +515,9 @@ class Binding:
         if self._held_until is not None:
             until = self._held_until
             faces.append(HalfSpace(stop, normal, friction, end, until))
-        back = velocity * ((start - end) / RETREAT)
-        faces.append(HalfSpace(stop, normal, friction, until, until + RETREAT, velocity=back))
+        time = self.leaf(RETREAT) if self.whole else jnp.minimum(RETREAT, end - start)
+        back = velocity * ((start - end) / time)
+        faces.append(HalfSpace(stop, normal, friction, until, until + time, velocity=back))
         return [MovingPlate(face, edges, depth) for face in faces]
 
     def change_length(self, other: Binding | None, k: float | Array, sign: float) -> list[GradedTranslation]:

@@ -25,7 +25,8 @@ from physagent_jax.forces.calibration import (
     TURN,
     find_magnitude,
 )
-from physagent_jax.forces.schema import ConstraintType, ForceField, Region, VelocityConstraint
+from physagent_jax.forces.driving import PartDriver
+from physagent_jax.forces.schema import Bend, ConstraintType, ForceField, Region, VelocityConstraint
 from physagent_jax.forces.skills import list_skills
 from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.axes import find_lean_axis
@@ -51,7 +52,7 @@ from physagent_jax.motion.matching import (
 from physagent_jax.motion.pressing import find_pressed
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.tolerances import expect_rotation, expect_wrung, find_told
-from physagent_jax.motion.vectors import clamp, cosine, scale
+from physagent_jax.motion.vectors import clamp, cosine, norm, scale
 from physagent_jax.motion.windows import divide
 from physagent_jax.motion.wishes import Wish, replace_items
 
@@ -66,6 +67,11 @@ _RAISED = 20.0  # [degrees] by which it is tilted where one side is raised
 _CRUMPLED = [1.0, 1.5]  # shares of the time in which it is pressed from both sides, and from above alone
 _SPUN = 0.9  # of the most of its word that what lies spins by about its own line: less is hardly seen of what is slim
 _REST = 0.4  # [s] for which what was spun where it stands is then seen to stand
+_LEVELLED = 0.1  # of its largest turn, below which it is level again
+_LEVELLING = 0.4  # of the time in which it is set down, in which it is turned back first
+_ALONG_LIMB = 0.4  # cosine of a stretch to a limb from which on it is drawn out along itself
+_AROUND = 2.0  # [body lengths]: all of a limb's joint, and all of its length
+_SNAP = 0.2  # [s] in which what was drawn out snaps back
 _NO_WAY = (0.0, 0.0, 0.0)
 _PLATE = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
 
@@ -306,6 +312,30 @@ def _squeeze_limb(wish: Wish) -> _Replaced:
     return press_between(wish.about(whole), causes), "it is squeezed between two plates of its size"
 
 
+def _stretch_limb(wish: Wish) -> _Replaced:
+    """A limb that sticks out is drawn out along itself, from its joint on: a force would draw all of the object out."""
+    here, brief = wish.expectation, wish.brief
+    if here.kind is not MotionKind.STRETCH or here.limb is None or here.repeats > 1:
+        return None
+    part = brief.parts[here.limb]
+    long, causes = norm(part.arm), _find_forces(wish, lambda c: c.item.region is not None and agrees(c, here))
+    if part.seated or not causes or abs(cosine(part.arm, here.direction or part.arm)) < _ALONG_LIMB:
+        return None
+    first, end = wish.get_span(causes)
+    seconds = (1.0, _SNAP)
+    drawn, back = (max(float(round(brief.count_frames(each))), 2.0) for each in seconds)
+    until, driver = min(end, first + drawn), PartDriver(part, brief.frame_dt, brief.frame_count)
+    place = Bend(joint=part.joint, rest=part.rest, reach=_AROUND, depth=min(long, _AROUND))
+    goes, way = here.released and end + back <= brief.last, scale(part.arm, 1.0 / long)
+    kept = end if goes else _find_next(wish, end)
+    spans = [(way, (first, until), kept if kept > until else None)]
+    spans += [(scale(way, -1.0), (end, end + back), None)] if goes else []
+    length = find_strain(here, brief) * long
+    made = [driver.shift(each, length, span, stop) for each, span, stop in spans]
+    made = [each.model_copy(update=dict(bend=place)) for each in made]
+    return _put(wish, causes, *made), "it is drawn out along itself" + ", and snaps back" * goes
+
+
 def _turn_ends(wish: Wish) -> _Replaced:
     """One end turned against the other, or against what holds that; a torque on each half would shear it."""
     here = wish.expectation
@@ -438,9 +468,31 @@ def _set_down(wish: Wish) -> _Replaced:
     moves = wish.list_other_begins() if hands[0].name == lifts[-1].name else []
     if stopped > first + 0.5 or any(stopped - 0.5 < begin < first + 0.5 for begin in moves):
         return None  # what moves it meanwhile needs it free
-    magnitude, until = spread_effort(lifts[-1].item.magnitude * (stopped - begun), first, end)
-    lowering = _prescribe(causes[0], down, magnitude, (first, until), None)
-    return _put(_hold_until(wish, hands, first), causes, lowering), "it is carried down again"
+    back = _level(wish, stopped, first, end)
+    levelled = back[0].active_time[1] if back and back[0].active_time else first
+    magnitude, until = spread_effort(lifts[-1].item.magnitude * (stopped - begun), levelled, end)
+    lowering = _prescribe(causes[0], down, magnitude, (levelled, until), None)
+    field = _put(_hold_until(wish, hands, first), causes, *back, lowering)
+    return field, f"it is {'turned back and ' * len(back)}carried down again"
+
+
+def _level(wish: Wish, lifted: float, first: float, end: float) -> list[VelocityConstraint]:
+    """The turn that undoes, from frame ``first`` on, how it was tilted in the air; none if it was not.
+
+    Set down as it was tilted, it would go into the ground.
+    """
+    up, efforts, tilt = wish.brief.directions.up, [], None
+    for cause in list_causes(wish.force_field):
+        begin, stop = cause.item.active_time or (0.0, 0.0)
+        tilts = cause.carries and cause.skill.is_axis and abs(cosine(cause.item.vector, up)) < _VERTICAL
+        if tilts and lifted - 0.5 < begin < first - 0.5:
+            tilt = tilt or cause
+            effort = cause.item.magnitude * cause.item.gain * (stop - begin)
+            efforts.append(effort * cosine(cause.item.vector, tilt.item.vector))
+    if tilt is None or abs(sum(efforts)) < _LEVELLED * max(map(abs, efforts)):
+        return []
+    levelled = first + _LEVELLING * (end - first)
+    return [_prescribe(tilt, tilt.item.vector, -sum(efforts) / (levelled - first), (first, levelled), None)]
 
 
 def _lead(wish: Wish) -> _Replaced:
@@ -509,6 +561,7 @@ _RULES = (
     _press_part,
     _deform,
     _squeeze_limb,
+    _stretch_limb,
     _turn_ends,
     _strike,
     _raise_side,

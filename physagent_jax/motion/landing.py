@@ -28,7 +28,7 @@ def land(jump: Action, until: float, brief: SceneBrief) -> VelocityConstraint | 
         until: Frame at which the next motion begins, or the clip's last.
         brief: The scene, with a ground.
     """
-    rise = jump.magnitude * dot(jump.vector, brief.directions.up) * brief.size
+    rise = jump.magnitude * jump.gain * dot(jump.vector, brief.directions.up) * brief.size
     if jump.active_time is None or rise <= 0:
         return None
     aloft = 2.0 * math.sqrt(2.0 * rise / GRAVITY) / brief.frame_dt

@@ -1,15 +1,26 @@
-"""Places that are pressed in: the upper end of a part, or where a blow on a side dents what stands."""
+"""Places that are pressed in: the upper end of a part, where a blow dents what stands, and where a finger pokes it."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.schema import BoxRegion, CellsRegion, Region
+from physagent_jax.forces.driving import PartDriver
+from physagent_jax.forces.part import Part
+from physagent_jax.forces.schema import BoxRegion, CellsRegion, Region, VelocityConstraint
 from physagent_jax.forces.slabs import make_box
 from physagent_jax.motion.schema import ExpectedMotion, SceneBrief
 from physagent_jax.motion.vectors import add, cosine, cross, scale
+from physagent_jax.motion.windows import Window, divide
 
 _VERTICAL = 0.7  # cosine
 _DENT = 0.35  # [box] twice as far as a dent reaches from its middle: up and down, to either side, inwards
+_POKED, _FINGER = (
+    0.3,
+    0.24,
+)  # of the half that is poked, how deep with a strength of 1; [box] twice a finger's breadth
+_PLACE = "place that is poked"
+_QUICK, _STAYS = 0.24, 0.08  # [s] in which a finger goes in, and for which it stays
 _DEEP = 1.0  # of a squeeze's strain, by which a dent goes in: much of it is given way to
 
 
@@ -33,6 +44,42 @@ def find_pressed(
     if not motion.sudden or motion.limb is not None or abs(cosine(way, up)) > 1 - _VERTICAL:
         return None
     return way, _make_dent(way, up), _DEEP
+
+
+def poke(
+    brief: SceneBrief, way: Vector, height: float, strength: float, count: int, window: Window
+) -> list[VelocityConstraint]:
+    """The plates of a finger's size that dent what is soft, each going back as fast as it came.
+
+    Args:
+        brief: The scene.
+        way: Where the finger goes (unit world vector).
+        height: Where it goes in, as a fraction of the object's; what is poked from above is poked in its middle.
+        strength: Factor on the depth.
+        count: How often.
+        window: First and last frame.
+    """
+    up = brief.directions.up
+    across = cross(up, way) if abs(cosine(way, up)) < _VERTICAL else brief.directions.right
+    middle = (0.5, 0.5, height if abs(cosine(way, up)) < _VERTICAL else 0.5)
+    surface = add((middle, scale(way, -0.5)))
+    beside = [scale(each, sign * _FINGER) for each in (across, cross(across, way)) for sign in (1.0, -1.0)]
+    place = CellsRegion(
+        inside=(surface,), outside=tuple(add((surface, each)) for each in (*beside, way)), label=_PLACE
+    )
+    part = Part(moved=place, rest=place, joint=surface, arm=way, side=scale(way, -1.0), share=1.0)
+    driver = PartDriver(part, brief.frame_dt, brief.frame_count, held=False)
+    quick, stays = max(float(round(brief.count_frames(_QUICK))), 2.0), brief.count_frames(_STAYS)
+    begins = [float(round(begin)) for begin, _ in divide(window, [1.0] * count)]
+    spans = [(begin, min(begin + quick, float(brief.last))) for begin in begins]
+    return [driver.press(way, _POKED * strength, span, min(span[1] + stays, brief.last)) for span in spans]
+
+
+def find_end_of_poke(made: Sequence[VelocityConstraint], window: Window) -> float:
+    """The frame from which on nothing pokes it in a window: it wobbles when the finger has gone."""
+    spans = [each.active_time for each in made if each.region is not None and each.region.label == _PLACE]
+    ends = [2 * end - begin for begin, end in filter(None, spans) if window[0] <= begin < window[1]]
+    return min(max([window[0], *ends]), 0.5 * (window[0] + window[1]))
 
 
 def _make_upper_end(place: BoxRegion, brief: SceneBrief, start: float) -> BoxRegion:

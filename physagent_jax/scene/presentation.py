@@ -30,9 +30,10 @@ PANEL, PANEL_THICKNESS = 1.0, 0.06  # [sizes] half side of what is drawn of a wa
 SMOOTHING = 0.3  # [s] over which a camera that follows evens out its way
 LARGE = 0.3  # share of the picture's height or width from which on the object is large enough
 FOLLOWED = (0.0, 0.2, 0.4, 0.6, 0.8)  # shares of its way that a camera goes along
-SEEN_WAY = 0.15  # [sizes] that it moves at least for the camera to stand aside
+SEEN_WAY = 0.06  # [sizes] that it moves at least for the camera to stand aside
 NEITHER = 15.0  # [degrees] from the line of sight up to which a motion goes to neither side
 ASIDE = 40.0  # [degrees] at least between a motion over the ground and the line of sight
+BESIDE_WALL = 70.0  # [degrees] the same where it meets a wall, which would stand before it
 
 
 def find_stage(config: SceneConfig, centre: np.ndarray, size: float) -> Stage:
@@ -45,19 +46,23 @@ def find_stage(config: SceneConfig, centre: np.ndarray, size: float) -> Stage:
         centre: Centre of the object at first [m], shape (3,).
         size: Its longest side [m].
     """
-    still = [
-        each
-        for each in config.boundaries
-        if isinstance(each, HalfSpace | Box) and each.start <= 0 and not any(each.velocity)
-    ]
+    still = _list_still(config)
     level = [each.point[2] for each in still if isinstance(each, HalfSpace) and each.normal[2] >= LEVEL]
-    blocks = [
-        _make_panel(each, centre, size) if isinstance(each, HalfSpace) else _make_block(each)
-        for each in still
-        if not (isinstance(each, Box) and each.container)
-        and not (isinstance(each, HalfSpace) and each.normal[2] >= LEVEL)
-    ]
-    return Stage(max(level, default=None), size, tuple(blocks))
+    boxes = [_make_block(each) for each in still if isinstance(each, Box) and not each.container]
+    panels = [_make_panel(each, centre, size) for each in _list_walls(config)]
+    return Stage(max(level, default=None), size, (*panels, *boxes))
+
+
+def _list_still(config: SceneConfig) -> list[HalfSpace | Box]:
+    """The planes and boxes that stand there from the start on."""
+    solids = [each for each in config.boundaries if isinstance(each, HalfSpace | Box)]
+    return [each for each in solids if each.start <= 0 and not any(each.velocity)]
+
+
+def _list_walls(config: SceneConfig) -> list[HalfSpace]:
+    """Those of them that are planes, and no ground."""
+    planes = [each for each in _list_still(config) if isinstance(each, HalfSpace)]
+    return [each for each in planes if each.normal[2] < LEVEL]
 
 
 def settle_ground(stage: Stage, x: np.ndarray, dx: float) -> Stage:
@@ -104,7 +109,8 @@ def place_cameras(config: SceneConfig, x: np.ndarray, rendering: Rendering) -> l
         rendering: Size of the pictures.
     """
     points = _choose_points(np.asarray(x, np.float64))
-    camera = turn_aside(config.camera, points) if config.camera.turn else config.camera
+    aside = BESIDE_WALL if _list_walls(config) else ASIDE
+    camera = turn_aside(config.camera, points, aside) if config.camera.turn else config.camera
     start, seen = points[0], _trim(points)
     centres = 0.5 * (seen.min(1) + seen.max(1))
     way = _smooth(centres, SMOOTHING / config.timing.frame_dt)
@@ -150,7 +156,7 @@ def _is_large(
     return min(measure_share(each, placed, rendering) for each in (start, moved)) >= LARGE
 
 
-def turn_aside(camera: CameraConfig, points: np.ndarray) -> CameraConfig:
+def turn_aside(camera: CameraConfig, points: np.ndarray, least: float = ASIDE) -> CameraConfig:
     """The camera about the vertical until what moves does so clearly sideways, or as it is if it does already.
 
     To the left stays to the left, and toward stays toward. Where it goes to neither side, the camera stands on the
@@ -159,6 +165,7 @@ def turn_aside(camera: CameraConfig, points: np.ndarray) -> CameraConfig:
     Args:
         camera: Where it looks from.
         points: Points of the object [m], shape (T, k, 3).
+        least: Angle between the motion and the line of sight from which on it goes clearly sideways [degrees].
     """
     moved = (points - points[:1]).mean(axis=1)[:, :2]
     length = np.linalg.norm(moved, axis=1)
@@ -169,10 +176,10 @@ def turn_aside(camera: CameraConfig, points: np.ndarray) -> CameraConfig:
     right, away = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
     sideways, along = moved[far] @ right, moved[far] @ away
     angle = np.degrees(np.arctan2(abs(sideways), abs(along)))
-    if angle >= ASIDE:
+    if angle >= least:
         return camera
     side = 1 if (sideways >= 0) == (along >= 0) else -1
-    turn = side * (ASIDE - angle) if angle > NEITHER else -ASIDE - side * angle
+    turn = side * (least - angle) if angle > NEITHER else -least - side * angle
     azimuth = 180 - (180 - camera.azimuth_degrees - turn) % 360
     return camera.model_copy(update=dict(azimuth_degrees=azimuth))
 

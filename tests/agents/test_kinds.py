@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent
@@ -112,6 +113,32 @@ def test_what_is_put_down_again_is_carried_as_far_as_it_was_raised(prompt):
     ways = [hand.magnitude * (hand.active_time[1] - hand.active_time[0]) for hand in (raised, lowered)]
     assert (raised.vector, lowered.vector) == (UP, DOWN) and ways[0] == pytest.approx(ways[1], rel=1e-3)
     assert raised.held_until == lowered.active_time[0] and reply.force_field.actions == ()
+
+
+def test_what_was_tilted_in_the_air_is_turned_back_before_it_is_set_down():
+    """Set down as it was tilted, it would go into the ground."""
+    prompt = "lift it, tilt it 45 degrees to the left, then set it down"
+    reply = GrammarSemanticAgent().compile(asked(prompt, brief(world="ground", frames_fixed=False))).value
+    _, tilted, back, lowered = reply.force_field.constraints
+    turns = [
+        hand.magnitude * hand.gain * (hand.active_time[1] - hand.active_time[0]) * np.array(hand.vector)
+        for hand in (tilted, back)
+    ]
+    assert np.abs(sum(turns)).max() < 0.02 * np.abs(turns[0]).max()
+    kept = tilted.held_until or tilted.active_time[1]
+    assert kept == back.active_time[0] and back.active_time[1] == lowered.active_time[0]
+    assert lowered.vector == DOWN and any("turned back" in note for note in reply.notes)
+
+
+@pytest.mark.parametrize(
+    "between",
+    ["turn it a quarter to the left", "tilt it 45 degrees to the left, tilt it 45 degrees to the right"],
+)
+def test_what_is_level_is_not_turned_back(between):
+    prompt = f"lift it, {between}, then set it down"
+    reply = GrammarSemanticAgent().compile(asked(prompt, brief(world="ground", frames_fixed=False))).value
+    assert reply.force_field.constraints[-1].vector == DOWN
+    assert not any("turned back" in note for note in reply.notes)
 
 
 def test_what_moves_otherwise_in_between_is_let_go():

@@ -35,6 +35,17 @@ def test_it_comes_down_when_a_body_in_free_flight_does(share):
     assert landing.active_time[0] - blows[0].active_time[1] == pytest.approx(aloft, abs=1.0)
 
 
+def test_a_small_hop_is_far_lower_than_a_leap():
+    rises = []
+    for sentence in ("the robot does a small hop", "the robot jumps up"):
+        (blow,), (landing,) = list_landings(sentence)
+        rise = blow.magnitude * blow.gain
+        aloft = 2 * (2 * rise * brief().size / 9.8) ** 0.5 / brief().frame_dt
+        assert landing.active_time[0] - blow.active_time[1] == pytest.approx(aloft, abs=1.0)
+        rises.append(rise)
+    assert rises[0] <= 0.3 * rises[1]
+
+
 @pytest.mark.parametrize(
     "sentence",
     ["the robot jumps and lands on its back", "the robot does a backflip", "throw the robot into the air"],

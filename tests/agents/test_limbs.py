@@ -44,6 +44,35 @@ def read(sentence, *parts, **scene):
     return compile_intent(read_intent(sentence, about), about)
 
 
+def test_a_limb_is_drawn_out_along_itself_and_snaps_back():
+    """From its joint on: a force on it would draw all of the object out."""
+    reply = read("stretch its left arm to twice its length and let it snap back", frame_count=100)
+    out, back = reply.force_field.constraints
+    assert not reply.force_field.actions and reply.anchor.kind == "rest"
+    for made, way in ((out, (-1, 0, 0)), (back, (1, 0, 0))):
+        assert made.constraint_type is ConstraintType.PARTICLE_TRANSLATION
+        assert made.vector == pytest.approx(way) and made.bend.depth == pytest.approx(0.3)
+        seconds = (made.active_time[1] - made.active_time[0]) * brief().frame_dt
+        length = made.magnitude * made.gain * PRESCRIBED_TRAVEL * seconds / HELD_TIME
+        assert length == pytest.approx(0.3, rel=0.02)  # by its own length
+    assert out.held_until == back.active_time[0]
+
+
+def test_a_limb_that_is_stretched_across_itself_is_left_to_a_force():
+    reply = read("stretch its left arm upwards", frame_count=100)
+    assert not [each for each in reply.force_field.constraints if each.bend is not None]
+
+
+@pytest.mark.parametrize(
+    ("sentence", "degrees"),
+    [("twist its head all the way round to the back", 180.0), ("turn its head all the way around", 360.0)],
+)
+def test_a_head_turns_to_the_back_by_half_a_turn_about_the_vertical(sentence, degrees):
+    (seen,) = read(sentence, frame_count=100).expectations
+    assert seen.kind is MotionKind.ROTATE and abs(seen.direction[2]) == pytest.approx(1.0)
+    assert (seen.amount.value, seen.amount.unit) == (degrees, "degrees")
+
+
 def find_way(constraint, part):
     """The way in which a rotation begins to move the tip of a part."""
     axis = np.asarray(constraint.vector) * math.copysign(1.0, constraint.magnitude)

@@ -51,6 +51,78 @@ def test_a_part_is_not_named_twice(sentence, told):
 
 
 @pytest.mark.parametrize(
+    "rest",
+    [
+        "while both arms and everything else remain stacked",
+        "while its left arm and the right one stay put",
+        "while both arms and everything else stay where they are",
+    ],
+)
+def test_parts_that_stay_put_with_all_the_rest_do_not_move(rest):
+    moved = [
+        each
+        for each in read(f"turn its head to the left {rest}").expectations
+        if each.kind is not MotionKind.STILL
+    ]
+    assert [each.limb for each in moved] == [2]
+
+
+def test_a_subject_of_several_parts_may_come_first():
+    reply = read("both arms and everything else stay put while its head turns to the left")
+    assert {each.limb for each in reply.expectations if each.kind is not MotionKind.STILL} == {2}
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "its left arm waves while the rest of him stays frozen",
+        "its left arm waves while the rest stays put",
+        "its left arm waves, everything else stays still",
+    ],
+)
+def test_the_rest_that_is_still_is_what_is_held(sentence):
+    """Judged by the pictures, the whole would not be still: its arm waves."""
+    reply = read(sentence)
+    assert list_limbs(reply) == [(SWAY, 0)] and reply.anchor.kind == "rest" and not reply.unsure
+
+
+def test_a_part_is_still_without_a_verb():
+    reply = read("its left arm waves, its right arm perfectly still")
+    arm, other = reply.expectations
+    assert (arm.kind, arm.limb) == (SWAY, 0) and (other.kind, other.limb) == (MotionKind.STILL, 1)
+    assert arm.window == other.window and not reply.unsure
+
+
+@pytest.mark.parametrize(
+    "sentence", ["its arms are made of rubber and wobble", "stretch its left arm like rubber"]
+)
+def test_the_material_of_a_part_is_no_doubt(sentence):
+    reply = read(sentence)
+    assert not reply.unsure and "rubber" in reply.ignored
+
+
+def test_what_is_done_to_it_after_a_part_was_raised_is_done_to_the_part():
+    lid = HEAD.model_copy(update=dict(roles=("lid",), seated=True))
+    reply = read("lift the lid up, tilt it to the left and lower it again", lid)
+    kinds = [(each.kind, each.limb) for each in reply.expectations]
+    assert kinds == [(MOVE, 0), (MotionKind.ROTATE, 0), (MOVE, 0)]
+    ends = [each.window for each in reply.expectations]
+    assert all(
+        one[1] <= other[0] for one, other in zip(ends, ends[1:])
+    )  # at the same time, one would undo the other
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    ["the robot raises its left arm and lets it drop again", "it bends its left arm up and lets it fall"],
+)
+def test_a_limb_goes_up_before_it_drops(sentence):
+    """At the same time, the two would cancel."""
+    up, down = read(sentence).expectations
+    assert up.window[1] <= down.window[0] and dot(up.direction, down.direction) < -0.9
+
+
+@pytest.mark.parametrize(
     "sentence",
     [
         "someone hits the robot's head and it falls over",

@@ -180,3 +180,17 @@ def test_walls_and_boxes_that_stand_still_are_on_the_stage():
         face, [3.0, 2.0, 1.0], atol=1e-12
     )  # right beside the object, on the wall's plane
     np.testing.assert_allclose(panel.axes @ panel.axes.T, np.eye(3), atol=1e-12)
+
+
+def test_what_meets_a_wall_is_seen_from_beside_it():
+    """The wall stands across the way: seen along that, it would hide what comes towards it."""
+    way = np.array([-0.6, -0.8, 0.0])
+    x = moving(tuple(way))
+    point = tuple((np.array([2.0, 2.0, 1.0]) + 1.6 * way).tolist())
+    wall = c.HalfSpace(point=point, normal=tuple((-way).tolist()))
+    across = []
+    for boundaries in ((), (wall,)):
+        config = scene(azimuth_degrees=0).model_copy(update=dict(boundaries=boundaries))
+        away = np.asarray(place_cameras(config, x, WIDE)[0].viewmat)[2, :2]
+        across.append(np.degrees(np.arccos(abs(away @ way[:2]) / np.linalg.norm(away))))
+    assert across == pytest.approx([40.0, 70.0], abs=0.5)

@@ -60,6 +60,12 @@ def test_what_is_known_is_not_guessed():
     assert not guess_parts(points, [limbs[1]], ["wings", "axe"], VIEWER)  # none looks so
 
 
+def test_a_claw_is_the_arm_that_is_known():
+    points, limbs = list_worm()
+    arms = [each.model_copy(update=dict(roles=("arm",), unsure=False)) for each in limbs]
+    assert not guess_parts(points, arms, ["claw"], VIEWER)
+
+
 def test_the_other_one_of_a_pair_is_the_image_of_the_one_that_is_found():
     points = make(WINGED, count=6000)
     limb = fit_part(points, points[:, 0] > 0.12, joined=True).model_copy(update=dict(roles=("side",)))

@@ -15,6 +15,7 @@ from physagent_jax.forces.calibration import (
     GRAVITY,
     HIGH_DROP,
     MAGNITUDE_MAX,
+    MAGNITUDE_MIN,
     MOST_DROP,
     find_highest_leap,
     find_reference_time,
@@ -22,10 +23,12 @@ from physagent_jax.forces.calibration import (
     find_tipping,
 )
 from physagent_jax.forces.schema import Action, ActionType
+from physagent_jax.forces.slabs import make_box
 from physagent_jax.motion.attitudes import find_attitude
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_held_magnitude, find_lengths
 from physagent_jax.motion.landing import LANDED, land
+from physagent_jax.motion.pressing import poke
 from physagent_jax.motion.schema import Amount, MotionKind
 from physagent_jax.motion.tipping import tip
 from physagent_jax.motion.vectors import add, dot, normalise, scale
@@ -52,6 +55,8 @@ def compile_strike(task: Task) -> None:
     if event.motion.gravity and dot(way, up) < -_UPRIGHT:
         task.act(ActionType.IMPULSE, way, event.strength, make_impulse_window(window[0]))
         return compile_fall(task)
+    if event.motion.pokes and builder.soft and builder.grounded and not (swings or event.limbs):
+        return _poke(task)
     count = task.limit_count(event.repeat.count or (2 if swings else event.motion.strokes), SHORTEST_STROKE)
     if event.motion.gravity and not builder.grounded:
         builder.enable_gravity(event.words, "what is thrown or jumps comes down again")
@@ -69,7 +74,9 @@ def compile_strike(task: Task) -> None:
         flown, strength = normalise(add([way, scale(up, lift)])) or way, share * strength
     for index, part in enumerate(divide(window, [1.0] * count)):
         blow = scale(flown, -1.0 if swings and index % 2 else 1.0)
-        task.act(ActionType.IMPULSE, blow, strength, make_impulse_window(part[0]))
+        task.act(
+            ActionType.IMPULSE, blow, strength, make_impulse_window(part[0]), gains=strength < MAGNITUDE_MIN
+        )
     if task.needs_brake and count == 1 and not builder.grounded:  # else friction stops it
         stop = make_impulse_window(window[1] - IMPULSE_FRAMES)
         task.act(ActionType.IMPULSE, scale(way, -1.0), strength, stop)
@@ -93,6 +100,22 @@ def compile_strike(task: Task) -> None:
         task.expect(MotionKind.FALL, None, fall, amount=None)
 
 
+def _poke(task: Task) -> None:
+    """A finger that goes into what is soft and back, as often as it is told."""
+    event, brief, way = task.event, task.brief, task.direction
+    width, tall, depth = brief.extents
+    if event.sources["vector"].why.endswith(BY_DEFAULT) and tall < min(width, depth):
+        way = brief.directions.down  # on its broadest side
+    box = make_box(event.region)
+    height = 0.5 if box is None else 0.5 * (box.low[2] + box.high[2])
+    count = task.limit_count(event.count, SHORTEST_STROKE)
+    task.builder.constraints += poke(brief, way, height, event.strength, count, task.window)
+    task.builder.notes.append(f"'{event.words}': it is soft, so that a finger goes in and back.")
+    # It goes along as a whole, as far as it is not held.
+    whole = dict(part=None, partial=False, strength=MAGNITUDE_MIN)
+    task.expect(MotionKind.MOVE, way, task.window, repeats=count, sudden=True, released=True, **whole)
+
+
 def spin_aloft(task: Task, axis: Vector) -> bool:
     """Adds the turn of what the action before throws up, once until it comes down; return whether one does."""
     brief, last = task.brief, task.builder.actions[-1] if task.builder.actions else None
@@ -114,7 +137,8 @@ def _find_blow(task: Task, count: int, rises: bool) -> float:
     event, brief = task.event, task.brief
     effort = find_effort(event.amount, event.effect, brief)
     if effort is None or event.amount is None:
-        return event.strength
+        # A small hop is far lower than a leap: what it rises by goes with its speed squared.
+        return event.strength ** (2 if rises and event.effect is Effect.JUMP and event.strength < 1 else 1)
     if rises:
         return effort  # what weight stops rises by M body lengths (`forces.opposition`)
     if task.builder.anchored and (held := find_held_magnitude(event.amount, brief)):

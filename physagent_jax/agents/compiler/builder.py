@@ -24,6 +24,7 @@ class ForceFieldBuilder:
     Attributes:
         brief, anchored: The scene, with the clip's length.
         rooted: Whether its foot is held, whoever says so.
+        soft: Whether a finger goes into it.
         gravity: What the sentence says about gravity: "down", "up", "none"; None = nothing.
         room: Frame at which what follows the present event is over: its brake ends there.
         earlier: What the slots before do.
@@ -42,6 +43,7 @@ class ForceFieldBuilder:
     drop_height: float | None = None
     attitude: tuple[float, float] | None = None
     rooted: bool = False
+    soft: bool = False
     actions: list[Action] = field(default_factory=list)
     constraints: list[VelocityConstraint] = field(default_factory=list)
     expectations: list[ExpectedMotion] = field(default_factory=list)

@@ -18,7 +18,7 @@ from physagent_jax.agents.compiler.skills import compile_slots
 from physagent_jax.agents.compiler.words import look_up, suggest_motions
 from physagent_jax.agents.intent import Intent
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.materials import FLOWS, LIMP, SOFT, YIELDING, YIELDS, find_meaning
+from physagent_jax.agents.materials import FLOWS, GIVING, LIMP, SOFT, YIELDING, YIELDS, find_meaning
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_entry
@@ -63,11 +63,12 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
         raise _refuse(unknown, brief)
     clauses = apply_holding(known, intent.held)
     anchor = choose_anchor(intent.held, clauses)
-    anchor = find_support(clauses, brief, _is_soft(intent, brief)) if anchor.kind is None else anchor
+    anchor = find_support(clauses, brief, _is_soft(SOFT, intent, brief)) if anchor.kind is None else anchor
     held = anchor.kind in ("base", "top", "rest")
     anchored = held or (brief.anchored is not None and anchor.kind != "none")
     rooted = anchored and "top" not in (anchor.kind or brief.anchored or "")
     builder = ForceFieldBuilder(brief, anchored, intent.surroundings.gravity, rooted=rooted)
+    builder.soft = _is_soft(GIVING, intent, brief)
     builder.notes += intent.notes
     builder.obstacles += resolve_obstacles(intent.surroundings.solids, None, brief)
     slots, frame_count, remarks = schedule(make_events(clauses, builder), brief, anchored)
@@ -128,9 +129,9 @@ def _choose_materials(intent: Intent, events: Iterable[Event], brief: SceneBrief
     return (*intent.materials, YIELDING) if firm else intent.materials
 
 
-def _is_soft(intent: Intent, brief: SceneBrief) -> bool:
-    """Return whether a tap makes the object wobble."""
-    return brief.object_kind in SOFT or _is_of(SOFT, intent)
+def _is_soft(presets: tuple[str, ...], intent: Intent, brief: SceneBrief) -> bool:
+    """Return whether the object is of one of some presets, by its kind unless the sentence says what it is made of."""
+    return _is_of(presets, intent) if intent.materials else brief.object_kind in presets
 
 
 def _is_of(presets: tuple[str, ...], intent: Intent) -> bool:

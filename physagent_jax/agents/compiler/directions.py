@@ -15,7 +15,7 @@ from physagent_jax.agents.lexicon import Effect, Names, read_lexicon
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion.axes import find_lean_axis, find_turn_towards
 from physagent_jax.motion.limbs import sum_directions
-from physagent_jax.motion.schema import SceneBrief
+from physagent_jax.motion.schema import Amount, SceneBrief
 from physagent_jax.motion.swaying import lies
 from physagent_jax.motion.vectors import add, dot, normalise, scale
 
@@ -26,6 +26,7 @@ _NO_WAY = (Effect.FALL, Effect.HOLD, Effect.RELEASE, Effect.STILL, Effect.SWELL,
 _LEVEL = 0.5  # cosine to the vertical below which a way is level
 _NORMALS: dict[Names, Names] = {("right",): ("up",), ("up",): ("right",)}
 """Turning horizontally is about the vertical."""
+_SAME, _ALL_ROUND = 0.99, 360.0  # cosine; [degrees]
 
 
 class Heading(NamedTuple):
@@ -106,11 +107,26 @@ def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
     if lifted and total is not None and abs(dot(total, up)) < _LEVEL:
         total = normalise(add([total, up]))  # "it takes off to the right"
     why = "the viewer's directions, added" if len(told) > 1 else "the viewer's direction"
+    around = [each for each in event.clause.quantities if each.unit == "degrees" and each.value == _ALL_ROUND]
+    halfway = (
+        not (motion.tumbles or event.clause.inherited)
+        and _is_away(total, brief)
+        and (around or not event.is_back)
+    )
+    if motion.effect is Effect.TURN and halfway:  # "all the way round to the back"; "turn it back" returns
+        quantities = [each for each in event.clause.quantities if each not in around]
+        event.clause = event.clause.model_copy(update=dict(quantities=quantities))
+        event.amount = event.amount or Amount(value=180.0, unit="degrees")
+        return Heading(up, " ".join(way.text for way in told), "what faces the viewer turns to the back")
     if motion.effect is Effect.TURN and total is not None:
         tumbles = motion.tumbles and abs(dot(total, up)) < 0.7
         total = find_lean_axis(total, brief) if tumbles else find_turn_towards(total, brief)
         why = f"{'the top' if tumbles else 'the side that faces the viewer'} turns this way"
     return Heading(total, " ".join(way.text for way in told), why)
+
+
+def _is_away(way: Vector | None, brief: SceneBrief) -> bool:
+    return way is not None and dot(way, brief.directions.away) > _SAME
 
 
 def _find_line(event: Event, brief: SceneBrief) -> Heading | None:

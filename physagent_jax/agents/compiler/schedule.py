@@ -222,7 +222,7 @@ def _carries_on(before: Event, event: Event) -> bool:
     """Return whether what was raised is then moved on: "it takes off and flies right", "lift it and shake it"."""
     raised = before.effect is Effect.PUSH and before.motion.direction == "up"
     if raised and before.motion.bound and event.effect in (Effect.SWAY, Effect.TURN, Effect.LEAN):
-        return not (before.parts or event.parts)
+        return before.limbs == event.limbs and bool(event.limbs) == bool(before.parts or event.parts)
     raised &= event.effect is Effect.PUSH
     aside = event.motion.direction is None and bool(event.pick(WayKind.TO)) and not event.is_upwards
     return raised and aside and not (before.parts or event.parts)
@@ -244,7 +244,8 @@ _SUCCESSIONS = (
 
 def _contrary(before: Event, event: Event) -> bool:
     """Return whether two events joined by "and" would cancel if they happened together ("squeezed and stretched")."""
-    if before.effect is not event.effect:
+    limb = before.limbs == event.limbs != () and {before.effect, event.effect} == {Effect.PUSH, Effect.LEAN}
+    if before.effect is not event.effect and not limb:  # "raises its arm and lets it drop"
         return (before.effect, event.effect) in _SUCCESSIONS or is_end(before.motion, event.motion)
     if event.effect in (Effect.SCALE, Effect.SWELL):
         whole = before.direction is None or event.direction is None

@@ -35,6 +35,7 @@ _RESTING = (Effect.STILL, Effect.RELEASE)
 _MOST_FALLS = 4  # that one clip has time for
 _REBOUNDS = 2  # times that what bounces comes up again
 _LOWERING = (Effect.LEAN, Effect.SCALE, Effect.SWELL)
+_PLAIN = 0.8  # strength from which on a push is no light one
 _UPSETTING = (Effect.PUSH, Effect.STRIKE, Effect.LEAN)
 _RISING = (Effect.PUSH, Effect.STRIKE, Effect.JUMP)
 
@@ -111,6 +112,11 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         event = replace(_make_another(event, "sag"), direction=builder.brief.directions.up)  # where it stands
     if before and _goes_over(before, event):
         event = _join_fall(events.pop(), event)
+    elif before and _sets_rocking(before, event) and _is_free(before, builder):
+        builder.notes.append(
+            f"'{before.words}' is what sets it rocking: pushed as well, it would slide or fall."
+        )
+        event = _join_push(events.pop(), event)
     if event.motion.lands and [each.effect for each in events[-2:]] == [Effect.JUMP, Effect.TURN]:
         last = events[-1]  # "jumps up, spins around and lands"
         last.clause = last.clause.model_copy(update=dict(order="together"))
@@ -196,6 +202,33 @@ def _goes_over(before: Event, event: Event) -> bool:
     goes = before.motion.manner == "rock" and slowly if before.effect is Effect.LEAN else until
     goes = goes if before.effect in (Effect.LEAN, Effect.PUSH) else before.effect is Effect.TOPPLE
     return event.effect is Effect.TOPPLE and goes and whole and same and not timed
+
+
+def _sets_rocking(before: Event, event: Event) -> bool:
+    """Return whether a light push is what makes it rock where it stands: "a nudge from behind, it rocks a bit"."""
+    pushed, motion = before.effect in (Effect.PUSH, Effect.STRIKE) and before.strength <= 1, before.motion
+    told = before.parts or before.amount or before.is_timed or before.repeat.count
+    goes = motion.gravity or motion.hauls or before.is_in_wind
+    level = before.direction is not None and abs(before.direction[2]) < _LEVEL
+    rocks = event.motion.manner == "rock" or event.motion.jiggles
+    rocks &= event.effect is Effect.SWAY and not (event.parts or event.is_timed)
+    soon = {"and": True, "then": before.strength < _PLAIN}.get(event.clause.order, False)
+    return pushed and not (told or goes) and level and rocks and soon
+
+
+def _is_free(event: Event, builder: ForceFieldBuilder) -> bool:
+    """Return whether it stands where nothing holds it, and no finger goes into it."""
+    poked = event.motion.pokes and builder.soft
+    return builder.grounded and not (builder.anchored or poked)
+
+
+def _join_push(before: Event, event: Event) -> Event:
+    """The rocking along the way of the push that sets it going, unless it tells its own."""
+    own = not event.sources["vector"].why.endswith(BY_DEFAULT)
+    way = {} if own else dict(direction=before.direction, notes=before.notes)
+    sources = event.sources if own else event.sources | {"vector": before.sources["vector"]}
+    motion = replace(event.motion, manner="rock")
+    return replace(event, motion=motion, doubts=[*before.doubts, *event.doubts], sources=sources, **way)
 
 
 def _join_fall(before: Event, event: Event) -> Event:

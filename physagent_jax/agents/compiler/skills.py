@@ -24,6 +24,7 @@ from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_lengths, find_strain_magnitude, find_swing_magnitude
 from physagent_jax.motion.limbs import sum_directions
+from physagent_jax.motion.pressing import find_end_of_poke
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.swaying import bend, find_bend, fold, leads_aside, lies, rock, shake, sway, walk
 from physagent_jax.motion.vectors import dot, normalise, scale
@@ -98,6 +99,7 @@ def _compile_by_skill(task: Task, name: str) -> None:
 
 def _compile_sway(task: Task) -> None:
     """To and fro; what bobs on the ground is thrown up each time, and weight brings it back."""
+    task = replace(task, window=(find_end_of_poke(task.builder.constraints, task.window), task.window[1]))
     event, builder, brief, up = task.event, task.builder, task.brief, task.brief.directions.up
     count, held = task.limit_count(event.repeat.count or event.motion.cycles), builder.anchored
     magnitude, leads = event.strength, builder.rooted and leads_aside(task.direction, brief)
@@ -125,12 +127,9 @@ def _compile_sway(task: Task) -> None:
 
 def _travels(task: Task) -> bool:
     """Return whether all of it goes somewhere meanwhile: led to and fro, it would stay: "slides away, fluttering"."""
-    return any(
-        each.kind is MotionKind.MOVE
-        and not each.partial
-        and each.window[0] <= task.window[0] < each.window[1]
-        for each in task.builder.expectations
-    )
+    first = round(task.window[0])  # as what is expected has it
+    moves = [e for e in task.builder.expectations if e.kind is MotionKind.MOVE and not e.partial]
+    return any(each.window[0] <= first < each.window[1] for each in moves)
 
 
 def _alternate(task: Task, kind: ActionType, magnitude: float, windows: list[Window]) -> None:
@@ -150,6 +149,8 @@ def _compile_lean(task: Task) -> None:
     bends = event.motion.manner == "bend" and not (event.region or event.is_in_wind)
     way, lying, let_go = find_bend(task.direction, brief, task.builder.rooted), lies(brief), task.is_released
     lasts = task.window[1] > task.window[0]  # not in a clip of one frame
+    limbs = [brief.parts[limb] for limb in event.limbs]
+    joined = bool(limbs) and not all(limb.seated for limb in limbs)  # a lid tilts about its own middle
     if event.repeat.alternate or event.count > 1:
         _compile_sway(task)
     elif event.motion.manner == "fold" and lasts:
@@ -161,7 +162,7 @@ def _compile_lean(task: Task) -> None:
         task.builder.constraints += bend(brief, way, event.strength, event.amount, task.window, let_go)
         end = dict(part=brief.long_axis if lying else event.part, partial=lying)
         task.expect(MotionKind.MOVE, way, task.window, released=let_go, **end)
-    elif task.builder.anchored or event.limbs or event.is_in_wind or vertical or brief.object_kind == "plant":
+    elif task.builder.anchored or joined or event.is_in_wind or vertical or brief.object_kind == "plant":
         _compile_push(task)
     else:
         axis, strength = find_lean_axis(task.direction, brief), _LEAN * event.strength
@@ -259,6 +260,14 @@ def _compile_roll(task: Task) -> None:
     task.expect(MotionKind.ROTATE, axis, acted, amount=event.amount if turns else None)
 
 
+def _compile_stillness(task: Task) -> None:
+    """Nothing moves; a part that moves meanwhile is another one than the word means."""
+    seen = task.builder.expectations
+    moving = {e.limb for e in seen if e.kind is not MotionKind.STILL and e.window[1] > task.window[0] + 0.5}
+    if moving.isdisjoint(task.event.limbs):
+        task.expect(MotionKind.STILL, None, task.window)
+
+
 _COMPILERS = {
     Effect.PUSH: _compile_push,
     Effect.LEAN: _compile_lean,
@@ -272,7 +281,7 @@ _COMPILERS = {
     Effect.FALL: compile_fall,
     Effect.TOPPLE: compile_topple,
     Effect.JUMP: compile_jump,
-    Effect.STILL: lambda task: task.expect(MotionKind.STILL, None, task.window),
+    Effect.STILL: _compile_stillness,
     Effect.RELEASE: lambda task: None,  # release and holding act through windows of others and the anchor
     Effect.HOLD: lambda task: None,
 }

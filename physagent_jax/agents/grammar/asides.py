@@ -53,15 +53,32 @@ def drop_others(mentions: list[Mention], names: frozenset[str]) -> list[Mention]
     """
     result = list(mentions)
     named = any(mention.phrase in names | get_set("pronouns") for mention in mentions)
+    before = None  # where a subject begins that goes on with the segment's: "the buns and everything else stay put"
     for begin, end in list_segments(mentions):
         segment = mentions[begin:end]
-        rest = {(a.form, b.form) for a, b in pairwise(segment)} & _REST
+        rest = bool({(a.form, b.form) for a, b in pairwise(segment)} & _REST) or _is_rest_still(segment)
+        first = before if rest and before is not None else begin
+        begin, before = first, begin if _is_subject(segment) else None
+        segment = mentions[begin:end]
         if rest or _is_filmed(segment, names) or named and _is_done_by_another(segment, names):
             result[begin:end] = [
                 empty(m, OTHER if m.kind in MOTIONS or m.form in get_set("camera_verbs") else "aside")
                 for m in segment
             ]
     return result
+
+
+def _is_rest_still(segment: list[Mention]) -> bool:
+    """Return whether a segment says that the rest is still: "while the rest of him stays frozen"."""
+    verb = next((each.motion for each in segment if each.motion is not None), None)
+    named = any((a.form, b.form) == ("the", "rest") for a, b in pairwise(segment))
+    return named and verb is not None and verb.effect is Effect.STILL
+
+
+def _is_subject(segment: list[Mention]) -> bool:
+    """Return whether a segment is parts alone, of which another tells what they do."""
+    kinds = {mention.kind for mention in segment}
+    return MentionKind.PLACE in kinds and kinds <= {MentionKind.PLACE, MentionKind.FUNCTION}
 
 
 def _is_filmed(segment: list[Mention], names: frozenset[str]) -> bool:
@@ -377,6 +394,23 @@ def read_stances(mentions: list[Mention], _names: frozenset[str]) -> list[Mentio
     return result
 
 
+def read_stillness(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Makes a verb of a "still" that is said of a part: "the leaves rustle, trunk perfectly still"."""
+    result = list(mentions)
+    for begin, end in list_segments(mentions):
+        segment = mentions[begin:end]
+        said = any(each.kind in MOTIONS for each in segment)
+        if (
+            not said
+            and any(each.kind is MentionKind.PLACE for each in segment)
+            and segment[-1].form == "still"
+        ):
+            result[end - 1] = _read_as(segment[-1], "stay still")
+            if begin and mentions[begin - 1].value is Join.COMMA:
+                result[begin - 1] = replace(mentions[begin - 1], value=Join.WHILE)
+    return result
+
+
 def _read_as(mention: Mention, word: str) -> Mention:
     """The mention as the verb that a word is."""
     return replace(mention, kind=MentionKind.VERB, value=LEXICON.motions[word], phrase=word)
@@ -388,6 +422,7 @@ PASSES = (
     read_corrections,
     mark_exceptions,
     read_comparisons,
+    read_stillness,
     read_returns,
     read_poses,
     read_landings,

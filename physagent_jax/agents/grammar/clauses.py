@@ -144,7 +144,29 @@ def split_segments(mentions: list[Mention]) -> list[tuple[Join, list[Mention]]]:
             segments.append((mention.value, []))
         else:
             segments[-1] = (_combine(join, mention, len(segments) == 1), inside)
-    return [(_find_earlier(join, segment), segment) for join, segment in segments if segment]
+    told = [(_find_earlier(join, segment), segment) for join, segment in segments if segment]
+    return _join_subjects(told)
+
+
+def _join_subjects(segments: list[tuple[Join, list[Mention]]]) -> list[tuple[Join, list[Mention]]]:
+    """Put the parts of one subject into the segment of their verb: "..., while the buns *and* the lettuce stay put"."""
+    joined: list[tuple[Join, list[Mention]]] = []
+    for join, segment in segments:
+        before = joined[-1][1] if len(joined) > 1 else []
+        parts = {MentionKind.PLACE, MentionKind.FUNCTION}
+        named = any(m.kind is MentionKind.PLACE for m in before) and {m.kind for m in before} <= parts
+        if named and join is Join.AND and _begins_with_subject(segment):
+            joined[-1] = (joined[-1][0], before + segment)
+        else:
+            joined.append((join, segment))
+    return joined
+
+
+def _begins_with_subject(segment: list[Mention]) -> bool:
+    """Return whether a part, or all else, does what the first verb says."""
+    verb = next((at for at, each in enumerate(segment) if each.kind in MOTIONS), 0)
+    nouns = (MentionKind.PLACE, MentionKind.UNKNOWN)
+    return any(m.kind in nouns or m.form in LEXICON.whole for m in segment[:verb])
 
 
 def _find_earlier(join: Join, segment: list[Mention]) -> Join:

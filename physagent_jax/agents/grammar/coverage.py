@@ -22,7 +22,7 @@ from physagent_jax.agents.grammar.mentions import (
 from physagent_jax.agents.grammar.nouns import is_telling
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.lexicon import Effect, Motion
-from physagent_jax.agents.materials import UNKNOWN_KIND
+from physagent_jax.agents.materials import UNKNOWN_KIND, read_material_words
 from physagent_jax.motion.schema import SceneBrief
 
 _LEAST_WORDS, _MOST_UNKNOWN = 3, 0.5
@@ -298,6 +298,12 @@ def _is_struck(spot: _Spot) -> bool:
     return (acts or pressed) and spot.preposition in ("at", "on", "against")
 
 
+def _is_matter_of_a_part(spot: _Spot) -> bool:
+    """The material of a part, which is seen by how that moves: "her legs are rubber", "stretch its arm like rubber"."""
+    before = spot.mentions[max(spot.begin, spot.index - _REACH) : spot.index]
+    return spot.word in read_material_words().words and any(each.kind is MentionKind.PLACE for each in before)
+
+
 def _is_result(spot: _Spot) -> bool:
     """A result: "bend it into a knot"; or a way: "toward the north"."""
     return spot.preposition in ("into", "toward", "towards", "like")
@@ -353,6 +359,7 @@ def _is_acting(spot: _Spot) -> bool:
 _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
     (_is_a_particle, False),
     (_is_a_known_word, True),
+    (_is_matter_of_a_part, True),
     (lambda spot: spot.word in get_set("remains") and spot.motion is not None, True),
     (lambda s: s.word == "head" and s.mentions[s.index - 1].words in s.names and s.motion is None, True),
     (_is_a_path, False),

@@ -61,7 +61,12 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
             itself = not before.isdisjoint(names | get_set("pronouns"))
             first = None if verb is None or leads else segment[verb].motion
             raised = first is not None and first.bound and first.effect is Effect.PUSH
-            part = _Part(segment[place], leads, itself and not leads, raised)
+            again = (
+                part is not None
+                and segment[place].value == part.mention.value
+                and not any(each.kind is MentionKind.PLACE for each in mentions[begin:end])
+            )
+            part = part if again else _Part(segment[place], leads, itself and not leads, raised)
         result += segment
     return result
 
@@ -120,7 +125,7 @@ def _name_again(segment: list[Mention], part: _Part, names: frozenset[str]) -> l
         if each.form in ("it", "they", "them"):
             alike = (each.form != "it") is part.several
             goes_on = part.several or part.own and (_hangs(motion) or begins and at > verb)
-            goes_on |= part.raised and motion.bound and begins and at > verb  # "raise its arm, then lower it"
+            goes_on |= part.raised and begins and at > verb  # "raise its arm, tilt it, then lower it"
             if not (alike and goes_on):
                 return segment  # "its head is hit, and it falls"
             return [*segment[:at], replace(part.mention, first=each.first), *segment[at + 1 :]]

@@ -81,6 +81,7 @@ class Motion:
         quick: Whether it is over in an instant.
         pose: The side that points down as it falls; empty = none in particular.
         taps: Whether it is a blow to what is soft.
+        pokes: Whether a finger or a fist does it, which goes into what is soft.
         steps: Whether it goes on feet: what has wheels rolls instead.
         puts_back: Whether it ends where it was before.
         loose: Whether its angle is only about so large.
@@ -120,6 +121,7 @@ class Motion:
     quick: bool = False
     pose: Side | Literal[""] = ""
     taps: bool = False
+    pokes: bool = False
     steps: bool = False
     puts_back: bool = False
     loose: bool = False
@@ -129,6 +131,8 @@ class Motion:
     @property
     def wobbles(self) -> bool:
         """Return whether what is soft only wobbles: it is tapped or shaken."""
+        if self.pokes:
+            return True
         light = self.effect is Effect.STRIKE and self.strength < 1.0 and not self.gravity
         return self.effect is Effect.SWAY or self.taps or light
 

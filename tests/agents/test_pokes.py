@@ -1,0 +1,96 @@
+"""Light touches: a finger goes into what is soft, and a push that sets something rocking is no push over the ground."""
+
+import numpy as np
+import pytest
+
+from physagent_jax.forces.regions import make_region_mask
+from physagent_jax.forces.schema import ActionType, ConstraintType
+from physagent_jax.motion.schema import MotionKind
+from physagent_jax.motion.vectors import cross, dot
+from tests.agents.scenes import brief, read
+
+UP, DOWN, LEFT, TOWARD = (0.0, 0.0, 1.0), (0.0, 0.0, -1.0), (-1.0, 0.0, 0.0), (0.0, -1.0, 0.0)
+JELLY = brief(world="ground", object_kind="jelly", frame_count=100)
+HARD = brief(world="ground", object_kind="robot", frame_count=100)
+PRESSES = ConstraintType.MOVING_PLATE
+
+
+def list_fingers(reply):
+    return [each for each in reply.force_field.constraints if each.constraint_type is PRESSES]
+
+
+@pytest.mark.parametrize("verb", ["poke", "prod", "punch", "jab"])
+def test_a_finger_goes_into_what_is_soft_and_pushes_what_is_hard(verb):
+    soft, hard = (read(f"{verb} it from the right", scene) for scene in (JELLY, HARD))
+    (finger,) = list_fingers(soft)
+    assert finger.vector == LEFT and not soft.force_field.actions
+    assert not list_fingers(hard) and [each.action_type for each in hard.force_field.actions] == [
+        ActionType.IMPULSE
+    ]
+
+
+def test_the_sentence_says_what_it_is_made_of():
+    assert list_fingers(read("poke him from the left, he's made of rubber", HARD))
+    assert not list_fingers(read("poke the steel robot from the left", JELLY))
+
+
+def test_each_poke_has_its_finger_and_is_over_before_the_next():
+    fingers = list_fingers(read("poke it from the left three times", JELLY))
+    ends = [2 * each.held_until - each.active_time[0] for each in fingers]
+    assert len(fingers) == 3
+    assert all(end < later.active_time[0] for end, later in zip(ends, fingers[1:]))
+
+
+def test_what_is_broad_is_poked_from_above_unless_a_way_is_told():
+    broad = JELLY.model_copy(update=dict(extents=(1.0, 0.4, 0.9)))
+    assert list_fingers(read("poke it", broad))[0].vector == DOWN
+    assert list_fingers(read("poke it from the right", broad))[0].vector == LEFT
+
+
+def test_the_finger_meets_the_side_that_it_comes_from():
+    (finger,) = list_fingers(read("poke it from the right", JELLY))
+    points = np.random.default_rng(0).random((2000, 3))
+    met = points[make_region_mask(finger.region, points)]
+    assert met[:, 0].min() > 0.45 and met[:, 0].max() > 0.95  # the half on the right
+    assert np.ptp(met[:, 1:], axis=0).max() < 0.3 and np.abs(met[:, 1:].mean(0) - 0.5).max() < 0.05
+
+
+def test_what_is_poked_wobbles_when_the_finger_has_gone():
+    reply = read("poke it from the left and it wobbles", JELLY)
+    (finger,) = list_fingers(reply)
+    others = [each for each in reply.force_field.constraints if each is not finger]
+    begins = [each.active_time[0] for each in (*others, *reply.force_field.actions)]
+    assert begins and min(begins) >= finger.held_until
+
+
+@pytest.mark.parametrize(
+    ("prompt", "way"),
+    [
+        ("a gentle nudge from behind, it rocks a bit but never tips over", TOWARD),
+        ("tap it from the right so that it rocks", LEFT),
+        ("a small push from the right makes it rock", LEFT),
+        ("nudge it from the right and it wobbles", LEFT),
+    ],
+)
+def test_a_light_push_sets_it_rocking_along_its_own_way(prompt, way):
+    reply = read(prompt, HARD)
+    (seen,) = reply.expectations
+    first = reply.force_field.constraints[0]
+    assert seen.kind is MotionKind.SWAY and seen.direction == way
+    assert not reply.force_field.actions  # pushed as well, it would slide or fall over
+    assert dot(cross(first.vector, UP), way) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize(
+    "prompt", ["push it two lengths to the left and it rocks", "shove it hard to the left, then it rocks"]
+)
+def test_a_push_that_goes_somewhere_is_one_of_its_own(prompt):
+    kinds = [each.kind for each in read(prompt, HARD).expectations]
+    assert kinds == [MotionKind.MOVE, MotionKind.SWAY]
+
+
+def test_it_rocks_where_it_stands_once_it_has_arrived():
+    reply = read("push it to the left, then it rocks back and forth", HARD)
+    moved, rocked = (each.window for each in reply.expectations)
+    turns = [each for each in reply.force_field.constraints if each.constraint_type.skill.is_axis]
+    assert moved[1] == rocked[0] and turns and len(reply.force_field.actions) < 3
