@@ -20,7 +20,9 @@ TORN = 3.0  # [1] of shear, beyond which matter looks torn
 _ALONG = 0.8  # component of an axis along the way out of the rest, from which on a turn about it twists
 _OFF = 0.15  # of a part's reach from its joint, that its middle is off the axis where it swings: a tail beside legs
 _FOOT = 0.1  # of the way from the object's end to the part, that stays
-_FAR = 3.0  # [1] of shear, which is as bad as to turn all of the object but its foot
+_FAR = 8.0  # [1] of shear, which is as bad as to turn all of the object but its foot
+_CUT = 1.0  # [1] of shear beyond `TORN`, which is as bad as a part that turns as a piece of its own
+_BROAD = 3.0  # [1] of shear, which is as bad as to cut where the object is broadest
 _SECTIONS = 32  # across the axis
 _OUTER = 90  # [%] of a section's matter that lies within its radius
 _STEEPEST = 1.5  # of a motion's growth over its depth, over the mean
@@ -95,7 +97,8 @@ def _find_stretch(
 ) -> tuple[float, float, float]:
     """Both ends of the stretch below the border that is to be twisted [m], and its shear [1].
 
-    It is sheared little and lies near the part; where all are torn, it is the one that is sheared least.
+    It is sheared little and lies near the part. Where all are torn, or far, it is where the part is cut off: a narrow
+    place near it, with an infinite shear.
     """
     foot = float(height.min()) + _FOOT * (border - float(height.min()))
     edges = np.linspace(foot, border, _SECTIONS + 1)
@@ -107,13 +110,16 @@ def _find_stretch(
             for k in range(_SECTIONS)
         ]
     )
-    best, least = (foot, border, np.inf), np.inf
+    far = (border - 0.5 * (edges[1:] + edges[:-1])) / (border - foot)
+    known = np.isfinite(radius)
+    narrow = np.where(known, radius, 0.0) / max(radius[known].max(initial=0.0), 1e-12)
+    cuts = np.where(known, TORN + _CUT + _FAR * far + _BROAD * narrow, np.inf)
+    cut = int(np.argmin(cuts))
+    best, least = (float(edges[cut]), float(edges[cut + 1]), np.inf), float(cuts[cut])
     for top in range(_SECTIONS, 0, -1):
         broadest = np.maximum.accumulate(radius[:top][::-1])[::-1]
         shear = _STEEPEST * broadest * angle / (edges[top] - edges[:top])
-        cost = np.where(
-            shear <= TORN, shear + _FAR * (border - edges[:top]) / (border - foot), shear + TORN + _FAR
-        )
+        cost = np.where(shear <= TORN, shear + _FAR * (border - edges[:top]) / (border - foot), np.inf)
         low = int(np.argmin(cost))
         if cost[low] < least:
             best, least = (float(edges[low]), float(edges[top]), float(shear[low])), cost[low]

@@ -78,6 +78,7 @@ def test_a_subject_of_several_parts_may_come_first():
         "its left arm waves while the rest of him stays frozen",
         "its left arm waves while the rest stays put",
         "its left arm waves, everything else stays still",
+        "its left arm waves while the body stays still",
     ],
 )
 def test_the_rest_that_is_still_is_what_is_held(sentence):

@@ -85,3 +85,24 @@ def test_what_hangs_beside_the_rest_swings_and_twists_nothing():
     bend = Bend(joint=tuple(joint), rest=region, reach=2.0, depth=0.1)
     out = np.array([1.0, 0.0, 0.0])
     assert find_twist(bend, x, out, 0.25 * np.pi) is None
+
+
+def test_a_head_that_is_turned_far_is_cut_at_its_neck_and_not_at_the_waist():
+    """A neck is too short to be twisted by half a turn, and the body below is to stay."""
+    x = np.concatenate(
+        [
+            fill(0.3, 0, 0.4),
+            fill(0.2, 0.4, 0.6),
+            fill(0.35, 0.6, 1.0),
+            fill(0.1, 1.0, 1.1),
+            fill(0.35, 1.1, 1.6),
+        ]
+    )
+    low, size = x.min(0), np.ptp(x, axis=0)
+    middle, cut = float(-low[0] / size[0]), (1.1 - low[2]) / size[2]
+    region = CellsRegion(inside=((middle, middle, cut - 0.05),), outside=((middle, middle, cut + 0.05),))
+    bend = Bend(joint=(middle, middle, cut), rest=region, reach=2.0, depth=0.05)
+    twist = find_twist(bend, x, UP, np.pi)
+    assert twist is not None and twist.share is None
+    turned = np.isin(np.arange(len(x)), twist.led)
+    assert turned[x[:, 2] > 1.1].all() and not turned[x[:, 2] < 1.0 - STEP].any()

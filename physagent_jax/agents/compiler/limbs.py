@@ -220,6 +220,8 @@ def _drive(
     later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > motion.window[0] + 0.5]
     until, turning = min([frame_count - 1.0, *later]), Turning(part, brief, frame_count, slides)
     before = [e for e in asked if e.limb == motion.limb and e.window[1] <= motion.window[0] + 0.5]
+    # Tilted in the air, a lid is still as high as it was lifted.
+    before = [e for e in before if e.kind is not MotionKind.ROTATE] if part.seated else before
     if before and _is_undone(before[-1], motion):
         return turning.undo(before[-1], motion, until)
     return turning.drive(motion, until)

@@ -56,7 +56,9 @@ def drop_others(mentions: list[Mention], names: frozenset[str]) -> list[Mention]
     before = None  # where a subject begins that goes on with the segment's: "the buns and everything else stay put"
     for begin, end in list_segments(mentions):
         segment = mentions[begin:end]
-        rest = bool({(a.form, b.form) for a, b in pairwise(segment)} & _REST) or _is_rest_still(segment)
+        rest = bool({(a.form, b.form) for a, b in pairwise(segment)} & _REST)
+        apart = any(m.kind is MentionKind.PLACE for m in (*mentions[:begin], *mentions[end:]))
+        rest |= _is_rest_still(segment, apart)
         first = before if rest and before is not None else begin
         begin, before = first, begin if _is_subject(segment) else None
         segment = mentions[begin:end]
@@ -68,10 +70,16 @@ def drop_others(mentions: list[Mention], names: frozenset[str]) -> list[Mention]
     return result
 
 
-def _is_rest_still(segment: list[Mention]) -> bool:
-    """Return whether a segment says that the rest is still: "while the rest of him stays frozen"."""
+def _is_rest_still(segment: list[Mention], apart: bool) -> bool:
+    """Return whether a segment says that the rest is still: "while the rest of him (or the body) stays frozen".
+
+    Args:
+        segment: The segment.
+        apart: Whether the others name a part.
+    """
     verb = next((each.motion for each in segment if each.motion is not None), None)
     named = any((a.form, b.form) == ("the", "rest") for a, b in pairwise(segment))
+    named |= apart and any(each.form == "body" for each in segment)
     return named and verb is not None and verb.effect is Effect.STILL
 
 
