@@ -143,6 +143,7 @@ def test_the_sentences_are_many_different_and_of_every_kind():
         ("fourteenth", 20, 5, "04a04c0e454b02de"),
         ("fifteenth", 20, 5, "900b044c0525abca"),
         ("sixteenth", 20, 5, "258bb64572068a31"),
+        ("seventeenth", 20, 5, "e455694860e1b56d"),
     ],
 )
 def test_pairs_that_were_held_back_are_as_they_were_written(group, pairs, things, digest):
