@@ -71,7 +71,7 @@ _LEVELLED = 0.1  # of its largest turn, below which it is level again
 _LEVELLING = 0.4  # of the time in which it is set down, in which it is turned back first
 _ALONG_LIMB = 0.4  # cosine of a stretch to a limb from which on it is drawn out along itself
 _AROUND = 2.0  # [body lengths]: all of a limb's joint, and all of its length
-_SNAP = 0.2  # [s] in which what was drawn out snaps back
+_DRAWN_OUT, _SNAP = 1.0, 0.2  # [s] in which it is drawn out, at most, and snaps back
 _NO_WAY = (0.0, 0.0, 0.0)
 _PLATE = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
 
@@ -322,8 +322,7 @@ def _stretch_limb(wish: Wish) -> _Replaced:
     if part.seated or not causes or abs(cosine(part.arm, here.direction or part.arm)) < _ALONG_LIMB:
         return None
     first, end = wish.get_span(causes)
-    seconds = (1.0, _SNAP)
-    drawn, back = (max(float(round(brief.count_frames(each))), 2.0) for each in seconds)
+    drawn, back = (max(float(round(brief.count_frames(each))), 2.0) for each in (_DRAWN_OUT, _SNAP))
     until, driver = min(end, first + drawn), PartDriver(part, brief.frame_dt, brief.frame_count)
     place = Bend(joint=part.joint, rest=part.rest, reach=_AROUND, depth=min(long, _AROUND))
     goes, way = here.released and end + back <= brief.last, scale(part.arm, 1.0 / long)

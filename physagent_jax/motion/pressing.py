@@ -15,10 +15,8 @@ from physagent_jax.motion.windows import Window, divide
 
 _VERTICAL = 0.7  # cosine
 _DENT = 0.35  # [box] twice as far as a dent reaches from its middle: up and down, to either side, inwards
-_POKED, _FINGER = (
-    0.3,
-    0.24,
-)  # of the half that is poked, how deep with a strength of 1; [box] twice a finger's breadth
+_POKED = 0.3  # of the half that is poked, how deep with a strength of 1
+_FINGER = 0.24  # [box] a finger's breadth
 _PLACE = "place that is poked"
 _QUICK, _STAYS = 0.24, 0.08  # [s] in which a finger goes in, and for which it stays
 _DEEP = 1.0  # of a squeeze's strain, by which a dent goes in: much of it is given way to

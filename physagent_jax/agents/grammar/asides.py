@@ -53,12 +53,12 @@ def drop_others(mentions: list[Mention], names: frozenset[str]) -> list[Mention]
     """
     result = list(mentions)
     named = any(mention.phrase in names | get_set("pronouns") for mention in mentions)
+    places = _count_places(mentions)
     before = None  # where a subject begins that goes on with the segment's: "the buns and everything else stay put"
     for begin, end in list_segments(mentions):
         segment = mentions[begin:end]
         rest = bool({(a.form, b.form) for a, b in pairwise(segment)} & _REST)
-        apart = any(m.kind is MentionKind.PLACE for m in (*mentions[:begin], *mentions[end:]))
-        rest |= _is_rest_still(segment, apart)
+        rest |= _is_rest_still(segment, apart=places > _count_places(segment))
         first = before if rest and before is not None else begin
         begin, before = first, begin if _is_subject(segment) else None
         segment = mentions[begin:end]
@@ -70,7 +70,11 @@ def drop_others(mentions: list[Mention], names: frozenset[str]) -> list[Mention]
     return result
 
 
-def _is_rest_still(segment: list[Mention], apart: bool) -> bool:
+def _count_places(mentions: list[Mention]) -> int:
+    return sum(each.kind is MentionKind.PLACE for each in mentions)
+
+
+def _is_rest_still(segment: list[Mention], *, apart: bool) -> bool:
     """Return whether a segment says that the rest is still: "while the rest of him (or the body) stays frozen".
 
     Args:
@@ -407,12 +411,8 @@ def read_stillness(mentions: list[Mention], _names: frozenset[str]) -> list[Ment
     result = list(mentions)
     for begin, end in list_segments(mentions):
         segment = mentions[begin:end]
-        said = any(each.kind in MOTIONS for each in segment)
-        if (
-            not said
-            and any(each.kind is MentionKind.PLACE for each in segment)
-            and segment[-1].form == "still"
-        ):
+        told = any(each.kind in MOTIONS for each in segment) or not _count_places(segment)
+        if not told and segment[-1].form == "still":
             result[end - 1] = _read_as(segment[-1], "stay still")
             if begin and mentions[begin - 1].value is Join.COMMA:
                 result[begin - 1] = replace(mentions[begin - 1], value=Join.WHILE)
