@@ -150,7 +150,8 @@ def _compile_lean(task: Task) -> None:
     way, lying, let_go = find_bend(task.direction, brief, task.builder.rooted), lies(brief), task.is_released
     lasts = task.window[1] > task.window[0]  # not in a clip of one frame
     limbs = [brief.parts[limb] for limb in event.limbs]
-    joined = bool(limbs) and not all(limb.seated for limb in limbs)  # a lid tilts about its own middle
+    loose = all(limb.seated and "head" not in limb.roles[:1] for limb in limbs)
+    joined = bool(limbs) and not (loose and event.motion.manner == "rock")  # a lid tilts about its own middle
     if event.repeat.alternate or event.count > 1:
         _compile_sway(task)
     elif event.motion.manner == "fold" and lasts:
