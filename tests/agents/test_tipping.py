@@ -218,6 +218,7 @@ def test_a_comparison_of_what_rises_tells_nothing_more(prompt):
     [
         ("it falls from a great height", 1.2),
         ("drop it from high up", 1.2),
+        ("someone drops it from pretty high up", 1.2),
         ("it is dropped from the sky and bounces", 1.2),
         ("drop it from twice its height", 1.0),
         ("drop it from a metre", 1.0),
