@@ -75,7 +75,8 @@ def poke(
 
 def find_end_of_poke(made: Sequence[VelocityConstraint], window: Window) -> float:
     """The frame from which on nothing pokes it in a window: it wobbles when the finger has gone."""
-    spans = [each.active_time for each in made if each.region is not None and each.region.label == _PLACE]
+    fingers = [e for e in made if isinstance(e.region, CellsRegion) and e.region.label == _PLACE]
+    spans = [each.active_time for each in fingers]
     ends = [2 * end - begin for begin, end in filter(None, spans) if window[0] <= begin < window[1]]
     return min(max([window[0], *ends]), 0.5 * (window[0] + window[1]))
 
