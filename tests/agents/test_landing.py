@@ -62,3 +62,16 @@ def test_the_stop_is_said_and_goes_with_the_jump_that_it_was_made_for():
     causes = [Cause("actions", index, item) for index, item in enumerate(field.actions)]
     higher = [each.model_copy(update={"magnitude": 1.2}) for each in field.actions]
     assert field.constraints and not replace_items(field, causes, higher).constraints
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "the robot jumps twice, the second time much higher",
+        "it hops three times, each higher than the one before",
+    ],
+)
+def test_a_jump_that_is_to_be_higher_than_another_is_a_doubt_and_no_stretch(sentence):
+    reply = read(sentence, brief(world="ground"))
+    assert {each.action_type for each in reply.force_field.actions} == {ActionType.IMPULSE}
+    assert any("How much higher" in doubt for doubt in reply.unsure)

@@ -80,6 +80,11 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     if events and events[-1].motion.manner == "detach" and not event.parts and event.effect in _FLYING:
         builder.notes.append(f"'{event.words}' is taken to be said of the part that comes off.")
         return  # "its head falls off and rolls away"
+    if events and events[-1].effect is Effect.JUMP and event.phrase == "higher":
+        events[-1].doubts.append(
+            f"How much higher '{event.text}' goes than the jump before is not understood."
+        )
+        return  # "jumps twice, the second time higher": it is not drawn out
     falls = event.effect is Effect.FALL or any(each.effect in (*_ALOFT, *_UPSETTING) for each in events)
     if events and events[-1].effect is Effect.TOPPLE and event.effect is Effect.SWAY:
         if event.clause.order == "and":  # "it falls over sideways and rocks until it stops"
