@@ -18,6 +18,7 @@ _DENT = 0.35  # [box] twice as far as a dent reaches from its middle: up and dow
 _POKED = 0.3  # of the half that is poked, how deep with a strength of 1
 _FINGER = 0.24  # [box] a finger's breadth
 _PLACE = "place that is poked"
+LEAST_ROOM = 4.0  # frames of a poke, without which nothing of it is seen
 _QUICK, _STAYS = 0.24, 0.08  # [s] in which a finger goes in, and for which it stays
 _DEEP = 1.0  # of a squeeze's strain, by which a dent goes in: much of it is given way to
 
@@ -55,7 +56,7 @@ def poke(
         height: Where it goes in, as a fraction of the object's; what is poked from above is poked in its middle.
         strength: Factor on the depth.
         count: How often.
-        window: First and last frame.
+        window: First and last frame, with `LEAST_ROOM` for each.
     """
     up = brief.directions.up
     across = cross(up, way) if abs(cosine(way, up)) < _VERTICAL else brief.directions.right
@@ -67,10 +68,10 @@ def poke(
     )
     part = Part(moved=place, rest=place, joint=surface, arm=way, side=scale(way, -1.0), share=1.0)
     driver = PartDriver(part, brief.frame_dt, brief.frame_count, held=False)
-    quick, stays = max(float(round(brief.count_frames(_QUICK))), 2.0), brief.count_frames(_STAYS)
-    begins = [float(round(begin)) for begin, _ in divide(window, [1.0] * count)]
-    spans = [(begin, min(begin + quick, float(brief.last))) for begin in begins]
-    return [driver.press(way, _POKED * strength, span, min(span[1] + stays, brief.last)) for span in spans]
+    room = (window[1] - window[0]) / count  # in which it also goes back
+    quick, stays = min(brief.count_frames(_QUICK), 0.4 * room), min(brief.count_frames(_STAYS), 0.2 * room)
+    spans = [(begin, begin + quick) for begin, _ in divide(window, [1.0] * count)]
+    return [driver.press(way, _POKED * strength, span, span[1] + stays) for span in spans]
 
 
 def find_end_of_poke(made: Sequence[VelocityConstraint], window: Window) -> float:

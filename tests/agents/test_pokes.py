@@ -41,6 +41,17 @@ def test_each_poke_has_its_finger_and_is_over_before_the_next():
     assert all(end < later.active_time[0] for end, later in zip(ends, fingers[1:]))
 
 
+@pytest.mark.parametrize("frames", [1, 2, 3, 5, 8, 20, 50])
+@pytest.mark.parametrize("often", ["", " four times"])
+def test_a_finger_goes_back_within_the_clip_or_it_is_a_blow(frames, often):
+    """A clip may be as short as one frame."""
+    reply = read(f"poke it from the left{often}", JELLY.model_copy(update=dict(frame_count=frames)))
+    fingers = list_fingers(reply)
+    assert fingers or reply.force_field.actions
+    assert all(2 * each.held_until - each.active_time[0] <= frames - 1 + 1e-6 for each in fingers[:-1])
+    assert all(each.held_until <= frames - 1 for each in fingers)
+
+
 def test_what_is_broad_is_poked_from_above_unless_a_way_is_told():
     broad = JELLY.model_copy(update=dict(extents=(1.0, 0.4, 0.9)))
     assert list_fingers(read("poke it", broad))[0].vector == DOWN

@@ -28,7 +28,7 @@ from physagent_jax.motion.attitudes import find_attitude
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_held_magnitude, find_lengths
 from physagent_jax.motion.landing import LANDED, land
-from physagent_jax.motion.pressing import poke
+from physagent_jax.motion.pressing import LEAST_ROOM, poke
 from physagent_jax.motion.schema import Amount, MotionKind
 from physagent_jax.motion.tipping import tip
 from physagent_jax.motion.vectors import add, dot, normalise, scale
@@ -55,7 +55,7 @@ def compile_strike(task: Task) -> None:
     if event.motion.gravity and dot(way, up) < -_UPRIGHT:
         task.act(ActionType.IMPULSE, way, event.strength, make_impulse_window(window[0]))
         return compile_fall(task)
-    if event.motion.pokes and builder.soft and builder.grounded and not (swings or event.limbs):
+    if not swings and _takes_a_finger(task):
         return _poke(task)
     count = task.limit_count(event.repeat.count or (2 if swings else event.motion.strokes), SHORTEST_STROKE)
     if event.motion.gravity and not builder.grounded:
@@ -100,6 +100,13 @@ def compile_strike(task: Task) -> None:
         task.expect(MotionKind.FALL, None, fall, amount=None)
 
 
+def _takes_a_finger(task: Task) -> bool:
+    """Return whether it is poked where it stands, is soft, and the clip has time for a finger to go in and back."""
+    event, builder = task.event, task.builder
+    room = (task.window[1] - task.window[0]) / event.count
+    return event.motion.pokes and builder.soft and builder.grounded and room >= LEAST_ROOM and not event.limbs
+
+
 def _poke(task: Task) -> None:
     """A finger that goes into what is soft and back, as often as it is told."""
     event, brief, way = task.event, task.brief, task.direction
@@ -108,12 +115,11 @@ def _poke(task: Task) -> None:
         way = brief.directions.down  # on its broadest side
     box = make_box(event.region)
     height = 0.5 if box is None else 0.5 * (box.low[2] + box.high[2])
-    count = task.limit_count(event.count, SHORTEST_STROKE)
-    task.builder.constraints += poke(brief, way, height, event.strength, count, task.window)
+    task.builder.constraints += poke(brief, way, height, event.strength, event.count, task.window)
     task.builder.notes.append(f"'{event.words}': it is soft, so that a finger goes in and back.")
     # It goes along as a whole, as far as it is not held.
     whole = dict(part=None, partial=False, strength=MAGNITUDE_MIN)
-    task.expect(MotionKind.MOVE, way, task.window, repeats=count, sudden=True, released=True, **whole)
+    task.expect(MotionKind.MOVE, way, task.window, repeats=event.count, sudden=True, released=True, **whole)
 
 
 def spin_aloft(task: Task, axis: Vector) -> bool:
