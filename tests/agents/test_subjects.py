@@ -338,3 +338,8 @@ def test_what_is_lowered_until_it_hangs_goes_on_down():
         )
     ]
     assert angles[1] == angles[2] > 1.4 * angles[0]
+
+
+def test_a_part_that_moves_meanwhile_is_not_asked_to_be_still_and_that_is_said():
+    reply = read("its left arm waves, its left arm perfectly still")
+    assert list_limbs(reply) == [(SWAY, 0)] and any("not asked to be still" in note for note in reply.notes)

@@ -267,6 +267,10 @@ def _compile_stillness(task: Task) -> None:
     moving = {e.limb for e in seen if e.kind is not MotionKind.STILL and e.window[1] > task.window[0] + 0.5}
     if moving.isdisjoint(task.event.limbs):
         task.expect(MotionKind.STILL, None, task.window)
+    else:
+        task.builder.notes.append(
+            f"'{task.event.text}': that part moves meanwhile, so it is not asked to be still."
+        )
 
 
 _COMPILERS = {
