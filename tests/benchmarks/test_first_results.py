@@ -144,6 +144,7 @@ def test_the_sentences_are_many_different_and_of_every_kind():
         ("fifteenth", 20, 5, "900b044c0525abca"),
         ("sixteenth", 20, 5, "258bb64572068a31"),
         ("seventeenth", 20, 5, "e455694860e1b56d"),
+        ("eighteenth", 20, 5, "80a3f572f22d65be"),
     ],
 )
 def test_pairs_that_were_held_back_are_as_they_were_written(group, pairs, things, digest):
