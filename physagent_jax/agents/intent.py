@@ -128,11 +128,13 @@ class Solid(Strict):
     Attributes:
         sides: Where it is, seen from the object; several are added; none = in the way of the motion.
         opposite: Where the second of two is; none = there is one.
+        rebounds: Whether what meets it comes off it again.
     """
 
     kind: Literal["wall", "block"] = "wall"
     sides: tuple[Direction, ...] = ()
     opposite: tuple[Direction, ...] = ()
+    rebounds: bool = False
     text: Word = ""
 
 

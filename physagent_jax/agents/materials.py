@@ -40,9 +40,11 @@ YIELDS = (*FLOWS, "clay", "brittle")
 """Presets of what gives way to its own weight, or has a word of its own for it."""
 YIELDING = "yielding"
 """The word for what matter becomes that sags and has no other word for it."""
+CRUSHED = "clay"
+"""The same for what a wall crumples."""
 LIMP = ("plant", "cloth")
 """Kinds of objects that sag without becoming anything else."""
-_SUBJECTS = frozenset(("he", "he's", "it", "it's", "she", "she's"))
+_SUBJECTS = frozenset(("he", "he's", "it", "it's", "its", "she", "she's"))
 _LONGEST = 4  # words of the longest name of a material
 _TOKEN = re.compile(r"[^\W\d_]+(?:'[^\W\d_]+)?|\d+|[^\w\s]")
 
@@ -200,7 +202,8 @@ class _Finder:
         """The phrase of tokens in which a material is said of the object, and whether the object turns to it."""
         looks = [self._find_made, self._find_of]
         if self._ends(end):
-            looks += [self._find_turn, self._find_likeness, *([self._find_predicate] if adjective else [])]
+            looks += [self._find_turn, self._find_likeness, self._find_object]
+            looks += [self._find_predicate] if adjective else []
         for look in looks:
             if (first := look(begin)) is not None:
                 return first, end, look == self._find_turn
@@ -290,6 +293,12 @@ class _Finder:
         word = self._get(before)
         deforms = word.startswith(tuple(self.around["deforms"])) or word in self.around["acts"]
         return before if deforms and self._get(at - 1) in ("like", "as") else None
+
+    def _find_object(self, begin: int) -> int | None:
+        """The beginning of "make the robot rubber"."""
+        if self.tokens[begin] in read_lexicon().motions:
+            return None  # "makes it rock"
+        return self._find_make(self._back(begin, self.described))
 
     def _find_noun(self, begin: int, end: int) -> int | None:
         """The end of "metal robot": the adjective stands before the object's noun, maybe with others between."""

@@ -15,7 +15,7 @@ from physagent_jax.forces.responses import scale_entry
 from physagent_jax.forces.schema import Action, ForceField, SkillScaling, VelocityConstraint
 from physagent_jax.forces.skills import STEEP, get_skill
 from physagent_jax.forces.swinging import find_strokes
-from physagent_jax.forces.upright import begin_of, end_of, leave_upright
+from physagent_jax.forces.upright import Entry, begin_of, end_of, leave_upright
 from physagent_jax.mpm.protocols import Constraint
 
 _LEVEL, _PARALLEL = 0.3, 0.99  # vertical component of an axis; cosine of two
@@ -59,7 +59,9 @@ def compile_force_field(
 
     def bind(group: str, index: int) -> Binding:
         entry, values = getattr(field, group)[index], getattr(parameters, group)[index]
-        turned = isinstance(entry, Action) and _is_turned_meanwhile(entry, field)
+        turned = (
+            isinstance(entry, Action) and _is_turned_meanwhile(entry, field) or _is_overturned(entry, field)
+        )
         stroke = strokes.get(index) if group == "actions" else None
         scale, until = scale_entry(scaling, entry), _find_next_begin(entry, field)
         tilted, moved = _find_tilt(entry, field, scaling.rotation * frame_dt)
@@ -81,6 +83,14 @@ def compile_force_field(
                 constraints += skill.make_pair(bound, other, pair.sign)
                 forces += bound.keep_balance(released=True)
     return tuple(forces), tuple(constraints)
+
+
+def _is_overturned(entry: Entry, field: ForceField) -> bool:
+    """Return whether the whole was turned over before an entry, and not back: nothing keeps it upright then."""
+    others = [each for each in (*field.constraints, *field.actions) if end_of(each) <= begin_of(entry)]
+    turns = [each for each in others if get_skill(each).is_axis and abs(each.vector[2]) < _LEVEL]
+    whole = [each for each in turns if each.region is None]
+    return bool(whole) and not leave_upright(whole, begin_of(entry))
 
 
 def _find_next_begin(entry: Action | VelocityConstraint, field: ForceField) -> float:

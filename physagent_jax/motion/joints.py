@@ -38,6 +38,7 @@ _PLAIN = 45.0  # [degrees] that a plain word turns a limb by
 _LEAST, _MOST = 15.0, 80.0  # [degrees]
 _RAISED, _LOWERED = 15.0, -50.0  # [degrees] over the horizon, where a plain word brings a limb up or down to
 _HANGING = -80.0  # the same of what is lowered until it hangs
+_OVERHEAD = 75.0  # the same of what is raised over the head
 _FARTHEST = 120.0  # [degrees] that it turns by for that
 _SWAYS = 0.75  # of a plain angle, to either side of a limb that goes to and fro
 _SEEN = 0.08  # [body lengths] that its tip goes to either side at least, so that it is seen
@@ -87,6 +88,7 @@ _LIMP, _CREASES = (
     ("droop", "flop", "hang", "wilt", "fall", "drop"),
     60.0,
 )  # begins of words; [degrees] for them
+_HIGH = frozenset(("overhead", "sky", "ceiling"))  # words for where a limb is raised high
 _SLOW = ("slow", "gradual", "lazi")  # begins of words for the pace alone
 _OWN_WAYS = dict(
     forward=1.0, forwards=1.0, backward=-1.0, backwards=-1.0, back=-1.0
@@ -303,12 +305,14 @@ class Turning:
             return angle
         if abs(rise) > _ALONG and not motion.sudden and "leg" not in self.part.roles[:1]:
             low = _HANGING if any(each.startswith("hang") for each in split_name(motion.words)) else _LOWERED
-            wanted = _RAISED - self.height if rise > 0 else self.height - low
+            high = not _HIGH.isdisjoint(split_name(motion.words))
+            wanted = (_OVERHEAD if high else _RAISED) - self.height if rise > 0 else self.height - low
             angle = clamp(wanted * min(strength, 1.0), angle, _FARTHEST)
         if motion.to_ground and rise < -_ALONG:
             return min(self._find_way_down(axis), self._find_zone(axis)[1])
         curls = _CURLS if self.supple and not self.curls else 1.0
-        limp = _CREASES * any(each.startswith(_LIMP) for each in split_name(motion.words))
+        words = split_name(motion.words)
+        limp = _CREASES * (any(each.startswith(_LIMP) for each in words) or not _HIGH.isdisjoint(words))
         return min(angle * curls, max(self._find_zone(axis)[1], limp))
 
     def _find_way_down(self, axis: Vector) -> float:

@@ -136,9 +136,10 @@ def explain_guess(
         return None
     label, number = part.label or part.name or part.roles[0], guessed[0] + 1
     if part.stands_for:
+        article = "" if part.stands_for.startswith("a ") else "the "
         return (
-            f"Whether '{text}' is the {part.stands_for} is not certain: `--part {_get_noun(text)}=N` names another "
-            "one (`physagent inspect` shows them all)."
+            f"Whether '{text}' is {article}{part.stands_for} is not certain: `--part {_get_noun(text)}=N` names "
+            "another one (`physagent inspect` shows them all)."
         )
     chance = f" ({part.confidence:.0%})" if faint else ""
     return (

@@ -184,6 +184,7 @@ class WorldRequest(Strict):
         drop_height: Height above the ground from which the object falls [body lengths].
         attitude: Rotation of the object before it begins, about the world's x and y axes together (a rotation vector)
             [degrees]: "drop it upside down".
+        restitution: Coefficient of restitution of what is hard, where it is to rebound from a wall [1].
     """
 
     gravity: Literal["down", "up", "none"] | None = None
@@ -191,6 +192,7 @@ class WorldRequest(Strict):
     obstacles: tuple[ObstacleRequest, ...] = ()
     drop_height: float | None = Field(default=None, ge=0, le=1e5)
     attitude: tuple[_Degrees, _Degrees] | None = None
+    restitution: float | None = Field(default=None, ge=0, le=1)
     words: str = ""
 
 

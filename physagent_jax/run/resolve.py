@@ -113,7 +113,7 @@ class ResolvedRun:
         if self.template.source.kind == "pillow":  # one body: "the cushion" is all of it
             named |= set(PRIORS["pillow"].words)
         words = [word for word in split_name(prompt) if word not in named]
-        guessed = guess_parts(body.shape, known, words, viewer, body.shells, name)
+        guessed = guess_parts(body.shape, known, words, viewer, body.shells, name, prompt)
         known = (*known, *guessed)
         places = find_places(body.shape, known, words, name, viewer, body.shells)
         told = (*guessed, *places)
@@ -167,12 +167,14 @@ class ResolvedRun:
         said = self.find_material(reply).preset
         keeps = hold is None and keeps_shape(reply)
         if keeps and is_hard(self.spec.material, self.template.matter, said):
-            template, told = make_rigid(template), (RIGID_NOTE,)  # a softer stand-in's looks are not seen
+            template = make_rigid(template, reply.world.restitution)  # a softer stand-in's looks are not seen
+            told = (RIGID_NOTE,)
         standing, notes = make_stand(template, body, options)
         bearing = standing.bearing
         if keeps and bearing is not None and is_stiffened(self.spec.material, said, bearing):
             told = (*told, STIFF_NOTE.format(bearing.most))
-            standing, notes = make_stand(make_rigid(template), body, options)
+            rigid = make_rigid(template, reply.world.restitution)
+            standing, notes = make_stand(rigid, body, options)
         return standing, (*told, *held, *support, *notes, *viewed)
 
     def _choose_support(self, reply: SemanticReply | None) -> Support:

@@ -102,10 +102,11 @@ def _is_chosen(choice: MaterialChoice) -> bool:
     return choice.says_stiffness or choice.poissons_ratio is not None or choice.damping_ratio is not None
 
 
-def make_rigid(template: SceneTemplate) -> SceneTemplate:
-    """The template with its object as a rigid body of the same density."""
+def make_rigid(template: SceneTemplate, restitution: float | None) -> SceneTemplate:
+    """The template with its object as a rigid body of the same density, with a coefficient of restitution."""
     material = template.material.changed(
         model=MaterialModel.RIGID,
+        restitution=restitution,
         reason=f"a rigid body, as nothing asks it to deform; {template.material.reason}",
     )
     timing = template.preset.timing

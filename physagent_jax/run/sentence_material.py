@@ -72,9 +72,8 @@ def choose_said_material(
     mention, meaning = known[0]
     near = f", the nearest to '{mention.word}' that there is" if meaning.near else ""
     start = " from the first frame on" if mention.turns else ""
-    notes.append(
-        f"material: {meaning.preset}{near}, by '{mention.phrase}' in the sentence{start}; --material overrides"
-    )
+    why = f"by '{mention.phrase}' in the sentence{start}" if mention.span else "as it is to give way"
+    notes.append(f"material: {meaning.preset}{near}, {why}; --material overrides")
     return SaidMaterial(meaning.preset, mention.phrase, tuple(notes))
 
 

@@ -22,7 +22,8 @@ from physagent_jax.mpm import Contact, Model
 from physagent_jax.mpm.numbers import read_number, take_numbers
 from physagent_jax.scene import config as c
 
-_NO_NUMBERS = ("damping_ratio", "tension")  # viscosity or drag is made of the one; the other is a yes or no
+_NO_NUMBERS = ("damping_ratio", "tension", "restitution")
+# Viscosity or drag is made of the first; the second is a yes or no, the third belongs to contact, not to matter.
 
 _PER_PARTICLE = ("materials", "velocity")  # may be given so
 

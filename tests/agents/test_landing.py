@@ -68,10 +68,17 @@ def test_the_stop_is_said_and_goes_with_the_jump_that_it_was_made_for():
     "sentence",
     [
         "the robot jumps twice, the second time much higher",
-        "it hops three times, each higher than the one before",
+        "the robot hops twice on the spot, and the second hop is way higher than the first",
+        "it jumps, then jumps higher",
     ],
 )
-def test_a_jump_that_is_to_be_higher_than_another_is_a_doubt_and_no_stretch(sentence):
-    reply = read(sentence, brief(world="ground"))
+def test_the_second_of_two_jumps_is_higher_where_that_is_said(sentence):
+    blows, _ = list_landings(sentence)
+    assert len(blows) == 2 and blows[1].magnitude > 1.3 * blows[0].magnitude
+    assert not read(sentence, brief(world="ground")).unsure
+
+
+def test_jumps_each_higher_than_the_one_before_are_a_doubt_and_no_stretch():
+    reply = read("it hops three times, each higher than the one before", brief(world="ground"))
     assert {each.action_type for each in reply.force_field.actions} == {ActionType.IMPULSE}
-    assert any("How much higher" in doubt for doubt in reply.unsure)
+    assert any("How much 'higher' each time" in doubt for doubt in reply.unsure)

@@ -607,3 +607,29 @@ def test_arms_that_swing_as_it_walks_are_not_left_behind():
         reply = read(sentence, **scene)
         assert any(each.region is not None for each in reply.force_field.constraints) is led
         assert any("does not swing" in note for note in reply.notes) is not led
+
+
+@pytest.mark.parametrize("where", ["above its head", "over the head", "up to the sky"])
+def test_arms_are_raised_as_high_as_is_told(where):
+    """They stopped a little over the horizon."""
+    plain, high = (
+        read(f"it raises both its arms{place}").force_field.constraints for place in ("", f" {where}")
+    )
+    for low, up in zip(plain, high, strict=True):
+        assert (
+            up.vector == pytest.approx(low.vector) and up.magnitude * up.gain > 1.5 * low.magnitude * low.gain
+        )
+
+
+@pytest.mark.parametrize(
+    "sentence", ["pull the robot arm to the left", "pull its grey robot arm to the left"]
+)
+def test_a_part_may_stand_behind_the_name_of_its_object(sentence):
+    reply = read(sentence, LEFT_ARM, HEAD)
+    assert [each.limb for each in reply.expectations] == [0] and not reply.unknown_parts
+
+
+def test_an_arm_that_is_pulled_long_is_drawn_out():
+    (first, _) = read("pull its left arm really long and let go", frame_count=100).force_field.constraints
+    assert first.constraint_type is ConstraintType.PARTICLE_TRANSLATION
+    assert first.vector == pytest.approx((-1, 0, 0))

@@ -25,6 +25,9 @@ def found(sentence, scene=ROBOT):
     [
         ("a robot made of jelly falls over", "jelly", "made of jelly"),
         ("push it to the left, made of jelly", "jelly", "made of jelly"),
+        ("make the robot rubber and push it", "rubber", "make the robot rubber"),
+        ("make him all jelly and let him drop", "jelly", "make him all jelly"),
+        ("pull it like its made of rubber", "rubber", "made of rubber"),
         ("it falls, made entirely of rubber", "rubber", "made entirely of rubber"),
         ("Made entirely of soft rubber, the robot bounces", "rubber", "Made entirely of soft rubber"),
         ("the robot, which is made out of wood, tips over", "wood", "made out of wood"),

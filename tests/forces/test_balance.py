@@ -64,6 +64,14 @@ def test_what_jumps_is_turned_back_to_how_it_stood():
     np.testing.assert_allclose(field, np.cross([wanted, 0, 0], r), atol=0.02 * abs(wanted))
 
 
+def test_what_was_turned_over_is_not_set_upright_again_as_it_is_pushed():
+    topple = dict(
+        constraint_type="enforce_particle_rotation", vector=(0, 1, 0), magnitude=1.0, active_time=(0, 14)
+    )
+    push = act("translation", (1, 0, 0), 25, 50)
+    assert find_balance(push) and not find_balance(push, constraints=[topple])
+
+
 def test_it_lets_go_when_something_else_begins_and_leaves_alone_what_rolls_is_kicked_or_turned():
     hop, topple = act("impulse", (0, 0, 1), 0, 1), act("torque", (1, 0, 0), 25, 50)
     (balance,) = find_balance(hop, topple)

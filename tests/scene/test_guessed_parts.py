@@ -199,3 +199,19 @@ def test_ragged_edges_below_a_pedestal_are_no_legs(length, covered, stands):
     edge = SimpleNamespace(nodes=np.arange(round(100 * covered)), length=length)
     roles.limbs = [edge]
     assert roles.bear([0]) is stands
+
+
+def test_what_sits_on_top_is_told_by_the_sentence_though_its_noun_is_not_known():
+    points, limbs = list_worm()
+    told = dict(shells=SimpleNamespace(candidates=[make_region_mask(limbs[1].moved, points)], are_cut=bool))
+    words = "the little gizmo on the roof wobbles".split()
+    (part,) = guess_parts(points, limbs, words, VIEWER, sentence=" ".join(words), **told)
+    assert part.name == "gizmo" and part.unsure
+    assert not guess_parts(points, limbs, words, VIEWER, sentence="the gizmo wobbles", **told)
+
+
+def test_shells_that_are_most_of_the_object_are_no_part_of_it():
+    points, limbs = list_worm()
+    bulk = points[:, 0] < 0.7
+    told = dict(shells=SimpleNamespace(candidates=[bulk], are_cut=bool))
+    assert bulk.mean() > 0.5 and not guess_parts(points, limbs, ["head"], VIEWER, **told)

@@ -18,7 +18,7 @@ from physagent_jax.agents.compiler.skills import compile_slots
 from physagent_jax.agents.compiler.words import look_up, suggest_motions
 from physagent_jax.agents.intent import Intent
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.materials import FLOWS, GIVING, LIMP, SOFT, YIELDING, YIELDS, find_meaning
+from physagent_jax.agents.materials import CRUSHED, FLOWS, GIVING, LIMP, SOFT, YIELDING, YIELDS, find_meaning
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_entry
@@ -31,6 +31,8 @@ from physagent_jax.motion.schema import AnchorRequest, MotionKind, SceneBrief, W
 EXAMPLES = (
     '"push the robot to the left", "a gentle wind sways the plant", "drop the guitar", "twist the loaf"'
 )
+_RESTITUTION = 0.7
+"""Coefficient of restitution of what is hard and is to come off a wall [1]: high enough to be seen."""
 
 
 def compile_intent(intent: Intent, brief: SceneBrief) -> SemanticReply:
@@ -62,7 +64,7 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     if not known and intent.held is None and intent.surroundings.gravity is None:
         raise _refuse(unknown, brief)
     clauses = apply_holding(known, intent.held)
-    anchor = choose_anchor(intent.held, clauses)
+    anchor = choose_anchor(intent.held, clauses, brief)
     anchor = find_support(clauses, brief, _is_soft(SOFT, intent, brief)) if anchor.kind is None else anchor
     held = anchor.kind in ("base", "top", "rest")
     anchored = held or (brief.anchored is not None and anchor.kind != "none")
@@ -101,6 +103,7 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
             obstacles=tuple(builder.obstacles),
             drop_height=builder.drop_height,
             attitude=builder.attitude,
+            restitution=_RESTITUTION if any(each.rebounds for each in solids) else None,
             words=", ".join(dict.fromkeys(filter(None, words))),
         ),
         frame_count=None if frame_count == brief.frame_count else frame_count,
@@ -126,7 +129,8 @@ def _choose_materials(intent: Intent, events: Iterable[Event], brief: SceneBrief
         and brief.object_kind not in LIMP
         and not _is_of(YIELDS, intent)
     )
-    return (*intent.materials, YIELDING) if firm else intent.materials
+    crushed = any(each.effect is Effect.STRIKE and each.gives for each in happens)
+    return (*intent.materials, CRUSHED if crushed else YIELDING) if firm else intent.materials
 
 
 def _is_soft(presets: tuple[str, ...], intent: Intent, brief: SceneBrief) -> bool:

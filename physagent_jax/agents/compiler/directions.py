@@ -10,9 +10,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import NamedTuple
 
-from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, ValueSource, WayKind
+from physagent_jax.agents.compiler.events import BY_DEFAULT, WAYS, Event, KnownPart, ValueSource, WayKind
 from physagent_jax.agents.lexicon import Effect, Names, read_lexicon
 from physagent_jax.core.strict import Vector
+from physagent_jax.forces.part import split_name
 from physagent_jax.motion.axes import find_lean_axis, find_turn_towards
 from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.schema import Amount, SceneBrief
@@ -26,6 +27,7 @@ _NO_WAY = (Effect.FALL, Effect.HOLD, Effect.RELEASE, Effect.STILL, Effect.SWELL,
 _LEVEL = 0.5  # cosine to the vertical below which a way is level
 _NORMALS: dict[Names, Names] = {("right",): ("up",), ("up",): ("right",)}
 """Turning horizontally is about the vertical."""
+_OWN_ENDS = dict(toward="ahead", away="behind")
 _SAME, _ALL_ROUND = 0.99, 360.0  # cosine; [degrees]
 
 
@@ -44,6 +46,19 @@ def take_heading(event: Event, brief: SceneBrief) -> None:
     heading = next((each for each in found if each is not None), None) or _assume(event, brief)
     event.direction = heading.vector
     event.sources["vector"] = ValueSource(heading.words, heading.why)
+
+
+def has_wheels(brief: SceneBrief) -> bool:
+    """Return whether it rolls on wheels, and so stays upright when it is rolled."""
+    named, wheeled = split_name(brief.object_name), read_lexicon().wheeled
+    wheels = ({"wheel", "wheels"} & {*split_name(part.name)} for part in brief.parts)
+    return brief.object_kind == "vehicle" or not wheeled.isdisjoint(named) or any(wheels)
+
+
+def find_side(part: KnownPart, brief: SceneBrief) -> Vector | None:
+    """The way to the side that a part tells (unit world vector), of a vehicle its own front or rear; None = none."""
+    own = _OWN_ENDS if has_wheels(brief) else {}
+    return normalise(sum_directions([own.get(name, name) for name in part.place.names], brief))
 
 
 def _find_axis(event: Event, brief: SceneBrief) -> Heading | None:
@@ -91,7 +106,9 @@ def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
     if not told:
         return None
     pulled_from = motion.pulls and not event.pick(WayKind.TO)  # "pull it from left to right"
-    own = read_lexicon().own_ways if motion.direction in ("ahead", "behind") else {}  # "walks forward"
+    drives = event.effect in TOWARDS and not event.parts and has_wheels(brief)
+    goes = motion.direction in ("ahead", "behind") or drives
+    own = read_lexicon().own_ways if goes else {}  # "walks forward"
     distinct = dict.fromkeys((way.kind, own.get(way.phrase, way.names)) for way in told)
     parts = [
         scale(sum_directions(names, brief), -1.0 if kind is WayKind.FROM and not pulled_from else 1.0)
@@ -158,8 +175,9 @@ def _find_obstacle(event: Event, brief: SceneBrief) -> Heading | None:
     if not solids or event.effect not in TOWARDS:
         return None
     words, told = solids[0].text or solids[0].kind, normalise(sum_directions(solids[0].sides, brief))
-    event.notes += [] if told else [f"'{words}': no side given, assumed {ASSUMED}."]
-    return Heading(told or getattr(brief.directions, ASSUMED), words, "towards what is in the way")
+    usual = "ahead" if has_wheels(brief) else ASSUMED
+    event.notes += [] if told else [f"'{words}': no side given, assumed {usual}."]
+    return Heading(told or sum_directions((usual,), brief), words, "towards what is in the way")
 
 
 def _find_blow(event: Event, brief: SceneBrief) -> Heading | None:
@@ -171,7 +189,7 @@ def _find_blow(event: Event, brief: SceneBrief) -> Heading | None:
     if part.phrase in read_lexicon().fronts:
         why = "a blow on the front drives it away"
         return Heading(brief.directions.away, event.words, why)
-    side = normalise(sum_directions(part.place.names, brief))
+    side = find_side(part, brief)
     return side and Heading(scale(side, -1.0), part.text, "a blow drives away from the side that it hits")
 
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from physagent_jax.agents import intent
 from physagent_jax.agents.compiler.amounts import MOST, find_target
-from physagent_jax.agents.compiler.directions import TOWARDS, take_heading
+from physagent_jax.agents.compiler.directions import TOWARDS, find_side, has_wheels, take_heading
 from physagent_jax.agents.compiler.events import (
     ACROSS,
     BY_DEFAULT,
@@ -16,12 +16,12 @@ from physagent_jax.agents.compiler.events import (
     ValueSource,
     WayKind,
 )
-from physagent_jax.agents.compiler.limbs import find_limbs, find_roles, sticks_out
+from physagent_jax.agents.compiler.limbs import find_limbs, find_roles, moves_pot, sticks_out
 from physagent_jax.agents.lexicon import NAMED, Effect, Motion, Repeat, read_lexicon
 from physagent_jax.agents.materials import LIMP
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.part import Part, is_plural, split_name
+from physagent_jax.forces.part import Part, is_plural
 from physagent_jax.forces.slabs import make_end_region, make_middle_region
 from physagent_jax.motion.attitudes import has_back_on_top
 from physagent_jax.motion.axes import find_lean_axis
@@ -54,6 +54,8 @@ _OWN_PARTS = dict(
 _SCURRYING = ("scuttle", "scurry", "paddle", "run")  # what legs and fins do by themselves
 _OTHERS = frozenset(("other", "another", "one", "each", "next"))  # beside a limb's name: not that of before
 _BEARERS = dict(hand="arm", hands="arms", fist="arm", fists="arms", head="neck")
+_HOPS = 20.0  # [degrees] by which an end is raised that hops up
+_SLAM = 1.3  # strength with which a wall is met that it comes off
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 
 
@@ -103,6 +105,9 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
     if effect is Effect.ROLL and turned and not told:
         return motions["roll over"], "roll over"  # "the plane rolls 180 degrees"
     sways = brief.anchored is not None or brief.object_kind == "plant"  # what is free is blown away
+    if effect is Effect.PUSH and any(each.rebounds for each in event.clause.solids):
+        # It is to be fast where it meets the wall, and free behind it.
+        return replace(motion, effect=Effect.STRIKE, strength=max(motion.strength, _SLAM)), phrase
     if event.verb is None and motion.wind and not told and sways:
         return replace(motions["sway"], strength=motion.strength), "sway"
     if hops and any(each.alternating for each in repeats):
@@ -114,6 +119,12 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
         phrase = "shuttle" if effect is Effect.STRIKE else "bob"
     elif (effect is Effect.ROLL or motion.steps) and any(each.alternating for each in repeats):
         phrase = "rock"  # "the boat rolls from side to side", "it waddles left and right"
+    elif _lifts_end(event, motion, brief):
+        raised = "behind" if event.parts[0].place.names == ("toward",) else "ahead"
+        event.parts, event.ways = [], []
+        return replace(
+            motions["rear up"], direction=raised, angle=_HOPS, brief=True
+        ), phrase  # "its rear hops up"
     elif motion.bounces and (counted or event.is_upwards):
         phrase = "jump"  # "it bounces three times"
     elif motion.tumbles and event.is_upwards:
@@ -146,6 +157,15 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
     else:
         return motion, phrase
     return motions[phrase], phrase
+
+
+def _lifts_end(event: Event, motion: Motion, brief: SceneBrief) -> bool:
+    """Return whether one end of a vehicle rises: it tips over the wheels at the other one."""
+    up = event.is_upwards or motion.direction == "up" and not event.pick(*WAYS)
+    rises = motion.effect is Effect.JUMP or motion.effect in (Effect.PUSH, Effect.STRIKE) and up
+    ends = [part.place.names for part in event.parts]
+    placed = ends in ([("toward",)], [("away",)]) and not find_limbs(event.parts[0], brief)
+    return rises and placed and has_wheels(brief) and brief.world == "ground"
 
 
 def _is_of_limbs(event: Event, brief: SceneBrief) -> bool:
@@ -201,13 +221,6 @@ def _is_on_its_back(event: Event, brief: SceneBrief) -> bool:
     """Return whether it is to lie on its back, which is on top."""
     way = any(each.phrase == "away" and each.text.lower() == "back" for each in event.ways)
     return has_back_on_top(brief) and (way or event.motion.bound and event.motion.direction == "away")
-
-
-def has_wheels(brief: SceneBrief) -> bool:
-    """Return whether it rolls on wheels, and so stays upright when it is rolled."""
-    named, wheeled = split_name(brief.object_name), read_lexicon().wheeled
-    wheels = ({"wheel", "wheels"} & {*split_name(part.name)} for part in brief.parts)
-    return brief.object_kind == "vehicle" or not wheeled.isdisjoint(named) or any(wheels)
 
 
 def _resolve_strength(event: Event, before: Event | None) -> None:
@@ -296,7 +309,10 @@ def _take_over_direction(event: Event, before: Event, brief: SceneBrief) -> None
     likewise = before.effect is event.effect and (
         event.effect is not Effect.SWAY or before.phrase == event.phrase
     )
-    if event.notes and (likewise or driven):  # "push it to the right, then push it harder"
+    slides = before.effect is Effect.TOPPLE and event.effect is Effect.PUSH and event.motion.generic
+    if slides and event.clause.order == "and":
+        event.clause = event.clause.model_copy(update=dict(order="then"))
+    if event.notes and (likewise or driven or slides):  # "push it to the right, then push it harder"
         _turn(event, before.direction, "no direction given: as before")
     tumbles = (
         event.effect is Effect.TURN and event.motion.tumbles and before.effect in (Effect.PUSH, Effect.STRIKE)
@@ -392,6 +408,8 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
     if own and not (event.parts or event.excluded):
         part = KnownPart(read_lexicon().parts[own], own, own)
         event.parts = [part] if find_limbs(part, brief) else []
+    if moves_pot(event, brief):
+        event.parts = []
     named = [*event.parts, *event.excluded]
     opposite = event.effect is Effect.TURN and len({each.place.names for each in event.parts}) == 2
     texts = dict.fromkeys(each.text for each in named)
@@ -449,7 +467,7 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
         event.doubts.append(explain_missing(named[0].text, brief.parts))
     if nowhere:
         return
-    event.part = normalise(sum_directions(place.names, brief))
+    event.part = find_side(named[0], brief)
     if not event.excludes_part:
         event.sources["region"] = ValueSource(named[0].text, "a part of the object")
     if event.part is None and event.excludes_part:

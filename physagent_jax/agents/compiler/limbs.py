@@ -33,6 +33,9 @@ _FOLIAGE = ("leaves", "fronds", "branches", "foliage")
 # Roles of shapes that leaves may have.
 _LEAVES = ("side", "arm", "wing", "ear", "horn", "tail", "spike", "top")
 _LEAF = 0.2  # share of the object, at most
+_POTS = frozenset(("pot", "flowerpot", "planter", "bucket", "vase"))
+_WITH_ALL = (Effect.SWAY, Effect.LEAN, Effect.TOPPLE, Effect.TURN, Effect.ROLL, Effect.PUSH, Effect.STRIKE)
+_WITH_ALL += (Effect.JUMP, Effect.FALL)
 _AGAINST = -0.7  # cosine of the way back
 _BENDING = (Effect.LEAN, Effect.SWAY, Effect.TURN, Effect.PUSH)
 _DRIVEN = (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE)
@@ -97,6 +100,12 @@ def bears_all(event: Event, brief: SceneBrief) -> bool:
     limbs = [brief.parts[index] for index in find_limbs(event.parts[0], brief)]
     low = [min(place[2] for place in each.moved.inside) < LOW for each in limbs if "nose" not in each.roles]
     return low == [True] and noun not in ("stem", "stalk")  # a mushroom's bends alone
+
+
+def moves_pot(event: Event, brief: SceneBrief) -> bool:
+    """Return whether the pot of a plant is moved, with all that stands in it: it is then not rooted."""
+    noun = event.parts[0].text.lower().split()[-1] if event.parts else ""
+    return brief.object_kind == "plant" and noun in _POTS and event.effect in _WITH_ALL
 
 
 def sticks_out(part: KnownPart) -> bool:

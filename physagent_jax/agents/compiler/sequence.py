@@ -14,13 +14,15 @@ from physagent_jax.agents.compiler.events import (
     is_landing_meanwhile,
 )
 from physagent_jax.agents.compiler.interpretation import interpret, resolve_obstacles
+from physagent_jax.agents.compiler.limbs import moves_pot
 from physagent_jax.agents.compiler.schedule import follows
 from physagent_jax.agents.intent import Held, Timing
 from physagent_jax.agents.lexicon import Effect, Repeat, read_lexicon
 from physagent_jax.agents.lexicon.types import HOLDABLE, is_end
 from physagent_jax.core.strict import Vector
+from physagent_jax.forces.calibration import MAGNITUDE_MAX
 from physagent_jax.motion.limbs import sum_directions
-from physagent_jax.motion.schema import AnchorRequest
+from physagent_jax.motion.schema import AnchorRequest, SceneBrief
 from physagent_jax.motion.swaying import lies
 from physagent_jax.motion.tipping import SLOW
 from physagent_jax.motion.vectors import dot, scale
@@ -77,22 +79,26 @@ def _put_landings_first(clauses: list[Event]) -> list[Event]:
 def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) -> None:
     """Adds what a clause tells."""
     interpret(event, _find_measure(events, event), builder.brief)
-    if events and events[-1].motion.manner == "detach" and not event.parts and event.effect in _FLYING:
+    apart = bool(events) and events[-1].motion.manner == "detach" and event.parts in ([], events[-1].parts)
+    if apart and (event.effect in _FLYING or event.motion.tumbles):
         builder.notes.append(f"'{event.words}' is taken to be said of the part that comes off.")
         return  # "its head falls off and rolls away"
-    if events and events[-1].effect is Effect.JUMP and event.phrase == "higher":
-        events[-1].doubts.append(
-            f"How much higher '{event.text}' goes than the jump before is not understood."
-        )
-        return  # "jumps twice, the second time higher": it is not drawn out
     falls = event.effect is Effect.FALL or any(each.effect in (*_ALOFT, *_UPSETTING) for each in events)
     if events and events[-1].effect is Effect.TOPPLE and event.effect is Effect.SWAY:
         if event.clause.order == "and":  # "it falls over sideways and rocks until it stops"
             event.clause = event.clause.model_copy(update=dict(order="then"))
+    if events and _is_crushed(events[-1], event):
+        slam = events[-1]
+        slam.motion = replace(slam.motion, effect=Effect.STRIKE, gives=True)
+        slam.strength, slam.doubts = MAGNITUDE_MAX, [*slam.doubts, *event.doubts]
+        return  # "it crashes into the wall, and its front crumples": it is of what gives way
     yields = event.motion.gives or bool(events) and events[-1].effect is Effect.FALL and _yields(event)
     if yields and falls and any(each.effect not in _RESTING for each in events):
         events[-1].doubts += event.doubts
         return  # "it falls and shatters", "it falls and flattens"
+    if builder.soft and events and events[-1].effect is Effect.FALL and _trembles(event):
+        builder.notes.append(f"'{event.words}': what is soft does so by itself as it lands.")
+        return  # led to and fro, it would hang where it has bounced to
     if event.verb is not None and event.verb.bounces and event.effect in (Effect.FALL, Effect.JUMP):
         bouncing = events[-1] if events and events[-1].effect is Effect.FALL else event
         bouncing.rebounds = event.repeat.count or _REBOUNDS
@@ -189,6 +195,19 @@ def _yields(event: Event) -> bool:
     """Return whether a change of shape is what the ground does as it is met: it is told of no later time."""
     shapes = event.effect is Effect.SCALE and event.motion.sign < 0
     return shapes and event.clause.order != "then" and not (event.ways or event.parts)
+
+
+def _is_crushed(before: Event, event: Event) -> bool:
+    """Return whether a change of shape, of all of it or of a part, is what a wall does that was met before."""
+    meets = bool(before.clause.solids) and before.effect in (Effect.PUSH, Effect.STRIKE) and not before.parts
+    shapes = event.effect in (Effect.SCALE, Effect.SWELL) and event.motion.sign < 0
+    return meets and (shapes or event.motion.gives) and not event.ways
+
+
+def _trembles(event: Event) -> bool:
+    """Return whether it goes to and fro by no way that is told: "it wobbles as it lands"."""
+    wobbles = event.motion.wobbles or event.motion.jiggles
+    return event.effect is Effect.SWAY and wobbles and not (event.ways or event.parts or event.repeat.count)
 
 
 def _goes_over(before: Event, event: Event) -> bool:
@@ -407,7 +426,7 @@ def _hold(event: Event, last: Event | None, after: Event | None) -> list[Event]:
     return []
 
 
-def choose_anchor(told: Held | None, clauses: list[Event]) -> AnchorRequest:
+def choose_anchor(told: Held | None, clauses: list[Event], brief: SceneBrief) -> AnchorRequest:
     """Choose the hold: an adjective ("rooted"), a motion ("hold the pot"), or an end that "does not move"."""
     if told is not None:
         return AnchorRequest(kind=told.end, words=told.text, described=told.described)
@@ -416,6 +435,8 @@ def choose_anchor(told: Held | None, clauses: list[Event]) -> AnchorRequest:
             end = "none" if event.clause.negated else _find_held_end(event, event.motion.holds)
         elif keeps_end(event, clauses):
             end = _find_held_end(event, None)
+        elif moves_pot(event, brief):
+            end = "none"
         else:
             continue
         return AnchorRequest.model_validate({"kind": end, "words": event.text})

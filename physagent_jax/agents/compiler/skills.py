@@ -30,6 +30,7 @@ from physagent_jax.motion.swaying import bend, find_bend, fold, leads_aside, lie
 from physagent_jax.motion.vectors import dot, normalise, scale
 from physagent_jax.motion.windows import Window, divide, divide_swings, make_impulse_window, shorten
 
+_SLOW = ("slow", "gradual", "lazi")  # begins of words for the pace alone
 _UPRIGHT = 0.7  # cosine
 _LEAN = 0.5  # torque of a lean relative to a full turn
 
@@ -141,6 +142,10 @@ def _alternate(task: Task, kind: ActionType, magnitude: float, windows: list[Win
 def _compile_lean(task: Task) -> None:
     """Parts, anchored things and things in the wind are pushed over; a free thing is turned."""
     event, brief = task.event, task.brief
+    paces = event.clause.strength
+    if paces and all(each.lower().startswith(_SLOW) for each in paces):  # as far as else, in more time
+        event = replace(event, strength=max(event.strength, event.motion.strength))
+        task = replace(task, event=event)
     if event.motion.manner == "fold" and (event.region or event.limbs or brief.anchored):
         # A part goes over, or what is rooted.
         event = replace(event, motion=replace(event.motion, manner="bend"))

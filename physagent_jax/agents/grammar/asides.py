@@ -25,6 +25,7 @@ from physagent_jax.agents.grammar.missiles import read_missiles
 from physagent_jax.agents.grammar.poses import read_landings, read_poses
 from physagent_jax.agents.grammar.subjects import read_subjects, sticks_out
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
+from physagent_jax.agents.intent import Solid
 from physagent_jax.agents.lexicon import Effect, Join, Motion
 
 OTHER = "other"
@@ -36,6 +37,7 @@ _REPLACED = {kind: (kind,) for kind in (MentionKind.PLACE, MentionKind.SENSE, Me
 _REST = {("nothing", "else"), ("everything", "else"), ("all", "else")}
 _HOVERING = (Effect.TURN, Effect.ROLL, Effect.STILL)
 _NEAR = 6  # words from a part to the one that it is on
+_REBOUNDING = ("bounc", "rebound", "ricochet")
 _REACH = 20  # words before a correction in which the corrected ones stand
 # What ends a comparison.
 _GOES_ON = (MentionKind.JOIN, MentionKind.TIME, MentionKind.REPEAT, MentionKind.QUANTITY)
@@ -67,6 +69,47 @@ def drop_others(mentions: list[Mention], names: frozenset[str]) -> list[Mention]
                 empty(m, OTHER if m.kind in MOTIONS or m.form in get_set("camera_verbs") else "aside")
                 for m in segment
             ]
+    return result
+
+
+def read_rebounds(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Lets what meets a wall come off it, if the next verb, or the one before, says so.
+
+    "It hits the wall and bounces back" asks for no other motion than that the wall gives it.
+    """
+    result = list(mentions)
+    for at, solid in enumerate(mentions):
+        if not isinstance(solid.value, Solid):
+            continue
+        verbs = [i for i, each in enumerate(mentions) if each.kind is MentionKind.VERB]
+        behind = next((i for i in verbs if i > at), None)
+        if behind is not None and mentions[behind].phrase in get_set("rebounding"):
+            end = next(
+                (i for i in range(behind, len(mentions)) if mentions[i].kind is MentionKind.JOIN), None
+            )
+            told = mentions[behind:end]
+            if any(each.kind in (MentionKind.REPEAT, MentionKind.SOLID) for each in told):
+                continue
+            result[behind : behind + len(told)] = map(empty, told)
+        elif (before := next((i for i in reversed(verbs) if i < at), None)) is None or not (
+            mentions[before].form.startswith(_REBOUNDING)
+        ):
+            continue
+        elif (verb := mentions[before].motion) is not None and verb.effect is Effect.RELEASE:
+            result[before] = replace(mentions[before], value=LEXICON.motions["move"], phrase="move")
+        result[at] = replace(solid, value=solid.value.model_copy(update=dict(rebounds=True)))
+    return result
+
+
+def read_heights(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Measures a leap by the one before: "it jumps twice, the second time higher" pushes nothing up."""
+    result, last = list(mentions), None
+    for at, mention in enumerate(mentions):
+        if mention.phrase == "higher" and last is not None and last.effect is Effect.JUMP:
+            stronger = dict(value=LEXICON.comparatives["harder"], phrase="harder")
+            result[at] = replace(mention, kind=MentionKind.COMPARATIVE, **stronger)
+        else:
+            last = mention.motion or last
     return result
 
 
@@ -375,7 +418,13 @@ def read_locations(mentions: list[Mention], _names: frozenset[str]) -> list[Ment
             kind = mentions[here].kind
             if kind is MentionKind.PLACE or hinged and kind is MentionKind.UNKNOWN:
                 result[at : here + 1] = [empty(m) for m in mentions[at : here + 1]]
-            if kind not in (MentionKind.FUNCTION, *LOOSE):
+                if mentions[here].form == "head" and mention.form in ("over", "above"):
+                    up = dict(kind=MentionKind.DIRECTION, value=("up",), words="overhead", phrase="overhead")
+                    result[here] = replace(mentions[here], **up)
+            again = [each.kind for each in mentions[here : here + 2]] == [
+                MentionKind.PLACE
+            ] * 2  # "the cab roof"
+            if kind not in (MentionKind.FUNCTION, *LOOSE) and not again:
                 break
     return result
 
@@ -432,6 +481,8 @@ PASSES = (
     read_comparisons,
     read_stillness,
     read_returns,
+    read_rebounds,
+    read_heights,
     read_poses,
     read_landings,
     read_aloft,

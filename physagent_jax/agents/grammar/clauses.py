@@ -245,7 +245,11 @@ def apply_negations(mentions: list[Mention]) -> list[Mention]:
             result += [mention] if mention.kind is not MentionKind.SOLID else []
         elif pending is None or mention.kind not in _NEGATABLE:
             result.append(mention)
-        elif mention.kind is MentionKind.VERB and _is_manner_denied(mentions[index + 1 : index + _REACH]):
+        elif (
+            mention.kind is MentionKind.VERB
+            and pending.phrase not in ("no", "without")
+            and _is_manner_denied(mentions[index + 1 : index + _REACH])
+        ):
             result.append(mention)  # "do not push it too hard" pushes it
         elif mention.kind is not MentionKind.DEGREE:
             result += _negate(pending, mention)

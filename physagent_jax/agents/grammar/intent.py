@@ -86,8 +86,9 @@ def _cut(words: str) -> str:
 
 
 def _find_order(clause: Clause) -> str:
-    if clause.join is Join.WHILE:
-        return "together"
+    rests = clause.has(Effect.STILL) and bool(clause.select(MentionKind.PLACE))
+    if clause.join is Join.WHILE or rests and clause.join is not Join.THEN:
+        return "together"  # "..., but the hull stays put"
     if clause.join is Join.COMMA and clause.has(Effect.STILL) and get_verb(clause.head).generic:
         return "and"  # "..., the rest stays"
     return "then" if clause.join in (Join.THEN, Join.COMMA, Join.BEFORE, Join.AFTER) else "and"

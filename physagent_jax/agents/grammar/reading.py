@@ -121,8 +121,8 @@ def _read_manner(reader: Reader, at: int) -> Mention | None:
 def _read_quantity(reader: Reader, at: int) -> Mention | None:
     """Reads "90 degrees", "half a body length", "twice as strong"."""
     found = match_quantity(reader.words, at)
-    if found is None:
-        return None
+    if found is None or reader.get_text(at).startswith("doubl") and reader.get_text(at + 1) == "over":
+        return None  # "it doubles over"
     quantity, behind = found
     if quantity.dimension == "strength":
         return reader.make_span(MentionKind.COMPARATIVE, quantity.value, "as strong", at, behind)
@@ -139,6 +139,10 @@ def _read_ordinal(reader: Reader, at: int) -> Mention | None:
         return None
     after = reader.get_text(at + 1)
     counted = after in ("time", "one") and reader.get_text(at - 2) != "for"
+    named = reader.tokens[at + 1] if at + 1 < len(reader.tokens) else None
+    last = get_last_motion(reader.mentions)
+    again = None if named is None else LEXICON.motions.get(named.lemma)
+    counted |= again is not None and last is not None and again.effect is last.effect is Effect.JUMP
     if counted or after in LEXICON.comparatives or after in LEXICON.intensities or after == "more":
         return reader.make_mention(MentionKind.ORDINAL, int(order), "ordinal", [at, at + 1][: 1 + counted])
     return None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 from physagent_jax.agents.grammar.clauses import (
     DRIVING,
@@ -44,19 +45,42 @@ def read_clauses(mentions: list[Mention]) -> list[Clause]:
         if blown:  # "a wind from the right blows it away": off, wherever that is
             clause.modifiers = [m for m in clause.modifiers if m.phrase != "away"]
     untils = [m.first for m in mentions if m.kind is MentionKind.JOIN and m.phrase == "until"]
-    return _sort_clauses(_merge_results(_turn_untils(clauses, untils)))
+    whens = [m.first for m in mentions if m.kind is MentionKind.JOIN and m.phrase == "when"]
+    return _sort_clauses(_merge_results(_turn_whens(_turn_untils(clauses, untils), whens)))
 
 
 def _turn_untils(clauses: list[Clause], untils: list[int]) -> list[Clause]:
     """Puts what does not happen until something else does behind that: "it does not fall until it is pushed"."""
     turned = list(clauses)
-    for at, (late, early) in enumerate(zip(clauses, clauses[1:])):
+    for at, (late, early) in enumerate(pairwise(clauses)):
         if late.verb is None or early.verb is None or not late.negated or get_verb(late.verb).generic:
             continue
         if any(late.verb.first < until < early.verb.first for until in untils):
             late.negated, late.join, early.join = False, Join.THEN, late.join
             turned[at : at + 2] = [early, late]
     return turned
+
+
+def _turn_whens(clauses: list[Clause], whens: list[int]) -> list[Clause]:
+    """Makes a result of what happens when something is done to it: "it tips over when it is hit from the left"."""
+    turned = list(clauses)
+    for at, (effect, act) in enumerate(pairwise(clauses)):
+        if effect.verb is None or act.verb is None or effect.negated or act.negated:
+            continue
+        behind = any(effect.verb.first < when < act.verb.first for when in whens)
+        if behind and _is_act(act) and (effect.has(Effect.SCALE) or not _is_act(effect)):
+            act.join, effect.join = effect.join, Join.RESULT
+            turned[at : at + 2] = [act, effect]
+        elif at == 0 and any(when < effect.verb.first for when in whens) and act.join is Join.COMMA:
+            act.join = Join.RESULT if _is_act(effect) else act.join  # "when it is hit, it tips over"
+    return turned
+
+
+def _is_act(clause: Clause) -> bool:
+    """Return whether something else does it to the object."""
+    verb = get_verb(clause.verb)
+    pressed = verb.effect is Effect.SCALE and verb.sign < 0 and verb.manner != "crumple"
+    return not verb.generic and (clause.has(*DRIVING) or pressed)
 
 
 def _inherit(clauses: list[Clause], index: int) -> None:
@@ -123,6 +147,8 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
             continue
         if clause.join is Join.COMMA:
             clause.join = _find_comma(merged, clause)
+        if clause.join is Join.AND and _is_dented(before, clause):
+            clause.join = Join.RESULT
         if clause.join in (Join.RESULT, Join.AND) and before.has(Effect.STILL):
             clause.join = Join.THEN  # "nothing happens until it is hit", "it stops and shakes"
         if clause.join is Join.RESULT and _is_first_of_steps(clause, clauses[index + 1 :]):
@@ -153,6 +179,13 @@ def _is_saying_size_again(before: Clause, clause: Clause) -> bool:
     alike = first.effect is second.effect in (Effect.SCALE, Effect.SWELL) and first.sign == second.sign
     measured = bool(clause.select(MentionKind.QUANTITY)) and not before.modifiers
     return alike and measured and clause.join is Join.AND and before.verb is not clause.verb
+
+
+def _is_dented(blow: Clause, clause: Clause) -> bool:
+    """Return whether a blow leaves a dent: "it is struck on its left side and keeps the dent"."""
+    verb = get_verb(clause.verb)
+    dents = verb.effect is Effect.SCALE and verb.quick and verb.sign < 0
+    return blow.has(Effect.STRIKE) and dents and not clause.select(*WHERE)
 
 
 def _is_first_of_steps(clause: Clause, behind: list[Clause]) -> bool:
@@ -228,6 +261,10 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
         ends = second.effect in (Effect.STILL, Effect.RELEASE) or is_end(first, second)
         effect.join = Join.THEN if ends or drops else Join.WHILE
         return [effect]
+    if (
+        first.effect is Effect.STRIKE and second.effect is Effect.LEAN
+    ):  # "hit it in the belly so that it folds"
+        cause.modifiers = [m for m in cause.modifiers if m.kind is not MentionKind.PLACE or sticks_out(m)]
     yields = second.effect in (Effect.SCALE, Effect.SWELL) and not effect.select(*WAYS)
     if falls and yields or first.effect is Effect.SCALE and first.sign < 0 and second.effect is Effect.SWELL:
         return []  # "press it until it bulges", "drop it, so it squashes": it does so by itself
@@ -262,7 +299,14 @@ def _is_carried_off(before: Clause, clause: Clause) -> bool:
     )
     driven = pushed and not before.select(*WHERE) and bool(clause.select(*WAYS))
     elsewhere = before.select(MentionKind.DIRECTION) and clause.select(MentionKind.DIRECTION)
+    elsewhere = elsewhere or _is_sinking_at_wall(before, clause)
     return before.has(Effect.STRIKE) and not elsewhere or driven
+
+
+def _is_sinking_at_wall(before: Clause, clause: Clause) -> bool:
+    """Return whether it goes down a wall that it met: "thrown against a wall and slides down"."""
+    ways = clause.select(*WAYS)
+    return bool(before.select(MentionKind.SOLID) and ways) and all(way.value == ("down",) for way in ways)
 
 
 def _is_moved_by_wind(wind: Clause, clause: Clause) -> bool:
@@ -301,7 +345,7 @@ def _sort_clauses(clauses: list[Clause]) -> list[Clause]:
             held_back.join = Join.THEN
             ordered.append(held_back)
             held_back = None
-    for before, clause in zip(ordered, ordered[1:]):
+    for before, clause in pairwise(ordered):
         if clause.join is Join.AND and before.join is Join.COMMA and before is not ordered[0]:
             clause.join = Join.COMMA
     return ordered

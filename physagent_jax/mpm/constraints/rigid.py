@@ -127,12 +127,20 @@ class RigidBody(Constraint):
     momentum is kept exactly, the energy of a tumbling body to second order. Distances between the particles and
     F^T F never change but by round-off.
 
+    A body that rebounds is given the impulses of the boundaries once more, times the coefficient of restitution
+    (Poisson's hypothesis: Routh 1905, article 179), which keeps Coulomb's law.
+
     Attributes:
         particles: Indices, int32, shape (k,); one beyond the last particle stands for none. A body may be a
             single particle.
+        restitution: Coefficient of restitution against boundaries [1], scalar; None = 0.
+        least_speed: Change of the centre's velocity in a substep, in an impact without rebound, below which there is
+            none: what rests would rock [m/s], scalar.
     """
 
     particles: jax.Array = dataclasses.field(metadata=HELD)
+    restitution: jax.Array | None = None
+    least_speed: jax.Array | float = 0.0
 
     def before_p2g(self, model: Model, state: State) -> State:
         """Replace v and C by the rigid field of equal momenta."""
@@ -158,7 +166,8 @@ class RigidBody(Constraint):
         v, w = motion.velocity, motion.angular_velocity()
         if model.boundaries:
             carried = self._gather_mass(model), s.take(p).place_particles(grid)
-            v, w = _project_on_boundaries(model, motion, *carried, (v, w), time)
+            after = _project_on_boundaries(model, motion, *carried, (v, w), time)
+            v, w = after if self.restitution is None else self._rebound((v, w), after)
         rigid = jnp.where(
             (owned & motion.is_determined())[:, None], motion.field(v, w), velocity.reshape(-1, 3)
         )
@@ -176,6 +185,14 @@ class RigidBody(Constraint):
         moved = dataclasses.replace(after, x=after.x.at[p].set(x), F=after.F.at[p].set(F))
         turned = dataclasses.replace(motion, r=r)
         return self._set_motion(moved, turned, motion.velocity, motion.angular_velocity(turn))
+
+    def _rebound(
+        self, before: tuple[jax.Array, jax.Array], after: tuple[jax.Array, jax.Array]
+    ) -> tuple[jax.Array, jax.Array]:
+        """Velocity of the centre and angular velocity with the impulses between ``before`` and ``after`` once more."""
+        hit = ((after[0] - before[0]) ** 2).sum() > self.least_speed**2
+        share = jnp.where(hit, 0.0 if self.restitution is None else self.restitution, 0)
+        return after[0] + share * (after[0] - before[0]), after[1] + share * (after[1] - before[1])
 
     def _measure_motion(self, model: Model, state: State) -> RigidMotion:
         p, dx = self.particles, model.grid.dx

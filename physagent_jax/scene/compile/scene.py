@@ -41,9 +41,11 @@ from physagent_jax.scene.compile.idle import find_idle
 from physagent_jax.scene.compile.materials import ParticleMaterials
 from physagent_jax.scene.compile.origins import Origins
 from physagent_jax.scene.compile.parameters import keep_balance, put_materials, put_own, put_rest
-from physagent_jax.scene.compile.select import DTYPE
+from physagent_jax.scene.compile.select import DTYPE, to_array
 from physagent_jax.scene.damping import compute_drag, find_lowest_mode
 from physagent_jax.scene.parameters import SceneParameters, check_parameters
+
+_SLOW = 0.5  # twice the cells of a fall: what hits more slowly does not rebound
 
 
 @dataclasses.dataclass(frozen=True)
@@ -182,7 +184,11 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     grips = [each for each in constraints if isinstance(each, PrescribedMotion)]
     if config.anchor.kind == "region":  # what is twisted goes along, though it is of the rest
         anchor_mask &= ~_mark_led(grips, len(rest))
-    bodies = tuple(RigidBody(buckets.find_places(mask)) for mask in materials.find_rigid_bodies())
+    slow = to_array(np.sqrt(_SLOW * config.domain.dx * np.linalg.norm(config.gravity)))
+    bodies = tuple(
+        RigidBody(buckets.find_places(mask), None if e is None else to_array(e), slow)
+        for mask, e in materials.find_rigid_bodies()
+    )
     # What slides past what is held must not strain it.
     rigid = any(each.rigid for each in grips)
     rigid |= isinstance(config.anchor.region, CellsRegion) and config.anchor.region.rigid

@@ -60,7 +60,7 @@ MODEL_PARAMETERS: Mapping[MaterialModel, Mapping[str, Any]] = {
         **_VISCOSITY,
     },
     MaterialModel.FLUID: {"bulk_modulus": _DERIVED, "tension": False, **_VISCOSITY},
-    MaterialModel.RIGID: {},
+    MaterialModel.RIGID: {"restitution": None},
     MaterialModel.STATIONARY: {},
 }
 OPTIONAL_PARAMETERS = tuple(dict.fromkeys(name for each in MODEL_PARAMETERS.values() for name in each))
@@ -109,6 +109,8 @@ class Material(Strict):
         hardening_cap: Largest such factor; default 20.
         bulk_modulus: K of a fluid [Pa]; default E / (3 (1 - 2 nu)). Without E, E follows from K.
         tension: Whether a fluid resists being pulled apart; default false.
+        restitution: Coefficient of restitution of a rigid body against the ground and walls; default 0. What deforms
+            rebounds as its elasticity lets it.
     """
 
     model: MaterialModel = MaterialModel.NEO_HOOKEAN
@@ -131,6 +133,7 @@ class Material(Strict):
     hardening_cap: Annotated[float, Field(ge=1, le=1e6)] | None = None
     bulk_modulus: _Strength | None = None
     tension: bool | None = None
+    restitution: Annotated[float, Field(ge=0, le=1)] | None = None
 
     @model_validator(mode="before")
     @classmethod

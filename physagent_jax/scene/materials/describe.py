@@ -20,6 +20,7 @@ _NAMES = {
     "hardening_cap": ("hardening cap", ""),
     "bulk_modulus": ("bulk modulus", "Pa"),
     "tension": ("bears tension", ""),
+    "restitution": ("coefficient of restitution", ""),
 }
 
 

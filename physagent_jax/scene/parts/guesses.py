@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import re
 from collections.abc import Collection, Iterable, Sequence
 from importlib import resources
 from typing import Any
@@ -31,6 +32,7 @@ from physagent_jax.scene.parts.shells import Shells, find_shells
 _LEAST, _LEAST_SHELL = 0.5, 0.62  # mean of the measures of what is taken, of a limb and of shells
 _CHANCE = 0.5  # that it is meant
 _LARGEST = 0.4  # share of the figure that a limb has at most
+_BULK = 0.5  # the same of shells: what is more is the object itself
 _LOOSE = frozenset(("side", "top", "bottom"))  # roles of limbs of which only the place is known
 _ON_TOP = 0.6  # of the height, above which the axle of what turns is upright
 _THIN = 0.5  # spread along an axle over that across, up to which it tells the axle
@@ -42,6 +44,13 @@ _NEARLY = 0.9  # of the best score, that what holds the best one has at least
 _NAMED = 0.5  # overlap (intersection over union) from which on a shell is a part that has a name
 _APART_BY = 0.15  # of the length, by which places are on different sides
 _APART = 0.1  # share of the smaller one in the larger, up to which two are apart
+
+
+_TOPPER = "topper"  # its row is that of whatever sits on top
+_ON_TOP_OF = re.compile(
+    r"\b(?:the|its|his|her|their) (?:[a-z]+ ){0,3}?([a-z]+) (?:on|atop|on top of) (?:the|its|his|her|their)(?: [a-z]+)?"
+    r" (?:roof|top|lid|head)\b|\b(?:the|its|his|her|their) (?:[a-z]+ ){0,3}?([a-z]+) on top\b"
+)
 
 
 @functools.cache
@@ -58,6 +67,7 @@ def guess_parts(
     viewer: Frame,
     shells: Shells | None = None,
     name: str = "",
+    sentence: str = "",
 ) -> tuple[Part, ...]:
     """The parts that some words are taken to mean, for want of surer ones, so named.
 
@@ -68,13 +78,16 @@ def guess_parts(
         viewer: The viewer's directions.
         shells: Its shells; None = it has one alone.
         name: What the object is called; its words are no part's.
+        sentence: The sentence, which may tell that something sits on top: "the cone on the roof".
     """
+    on_top = {noun for pair in _ON_TOP_OF.findall(sentence.lower()) for noun in pair if noun}
     named = {word.removesuffix("s") for part in parts if part.name for word in split_name(part.name)}
     own, found = {*split_name(name)}, []
     search = _Search(points, parts, viewer, shells or find_shells(points))
     for word in dict.fromkeys(words):
         noun = next((each for each in (word, word.removesuffix("s")) if each in read_guesses()), None)
-        row = read_guesses().get(noun or "", {})
+        noun = noun or (word if word in on_top else None)
+        row = read_guesses().get(noun or "", read_guesses()[_TOPPER] if noun else {})
         if noun is None or {noun, noun.removesuffix("s")} & named or noun in own or search.knows(row):
             continue
         found += search.guess(noun, row, several=word != noun or not SIDES.isdisjoint(words))
@@ -223,6 +236,7 @@ class _Search:
             mask
             for mask in self.shells.candidates
             if all((mask & each).sum() < _NAMED * (mask | each).sum() for each in named)
+            and mask.sum() < _BULK * self._whole.sum()
         ]
         return [_Candidate(mask, None, "a piece of the surface") for mask in free]
 

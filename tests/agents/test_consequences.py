@@ -1,0 +1,100 @@
+"""Consequences of an act, and of a landing: a fall, a bow, a dent, a wobble."""
+
+import pytest
+
+from physagent_jax.motion.schema import MotionKind
+from tests.agents.scenes import brief, read
+
+
+@pytest.mark.parametrize("still", ["but the legs stay put", "and the legs stay still"])
+def test_a_part_that_stays_put_does_so_while_the_other_moves(still):
+    reply = read(f"the top of the robot sways in a storm {still}")
+    windows = {each.window for each in reply.expectations}
+    assert len(windows) == 1
+
+
+PLANT = brief(object_name="ficus", object_kind="plant", world="ground", anchored="base", may_be_held=True)
+
+
+@pytest.mark.parametrize(
+    "prompt", ["push the pot to the right", "a small shove makes the pot rock", "the pot tips over"]
+)
+def test_a_pot_that_moves_takes_its_plant_along_and_is_not_rooted(prompt):
+    reply = read(prompt, PLANT)
+    assert reply.anchor.kind == "none" and not reply.unknown_parts
+    assert all(each.part is None and not each.partial for each in reply.expectations)
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "the robot falls over when it is hit from the left",
+        "when it is hit from the left, the robot falls over",
+        "it is hit from the left so that it falls over",
+    ],
+)
+def test_what_happens_when_it_is_acted_on_comes_of_that(prompt):
+    """It fell over by itself, no way told, and was hit as well."""
+    seen = read(prompt, brief(world="ground")).expectations
+    (turn,) = [each for each in seen if each.kind is MotionKind.ROTATE]
+    assert turn.direction == (0.0, 1.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "the robot crumples when a hand presses on it from above",
+        "the robot is pressed from above and crumples",
+    ],
+)
+def test_what_is_pressed_and_crumples_is_pressed_once(prompt):
+    first = read(prompt, brief(world="ground")).expectations[0]
+    assert first.kind is MotionKind.SQUEEZE and first.direction == (0.0, 0.0, -1.0)
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "punch the robot in the stomach so it folds forward",
+        "the robot folds forward",
+        "hit it so that it doubles over",
+    ],
+)
+def test_what_is_hit_in_the_stomach_bows_as_a_whole(prompt):
+    (seen,) = read(prompt, brief(world="ground")).expectations
+    assert seen.kind is MotionKind.ROTATE and seen.part is None and not seen.partial
+    assert seen.direction == (1.0, 0.0, 0.0)  # its top towards us
+
+
+def test_what_stands_straight_again_comes_back():
+    (seen,) = read("the robot leans back slowly, then stands straight again").expectations
+    assert seen.kind is MotionKind.ROTATE and seen.released
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    ["it is struck on its left side and keeps the dent", "hit it on its left side so that a dent stays"],
+)
+def test_a_dent_is_left_where_it_was_struck(prompt):
+    (seen,) = read(prompt).expectations
+    assert seen.kind is MotionKind.SQUEEZE and seen.stays and seen.part == (-1.0, 0.0, 0.0)
+
+
+def test_what_is_lifted_off_goes_up_and_is_put_back_down():
+    up, down = read("someone lifts the top off and puts it back").expectations
+    assert up.direction == (0.0, 0.0, 1.0) and down.direction == (0.0, 0.0, -1.0) and down.put_back
+
+
+@pytest.mark.parametrize("prompt", ["drop it, no bouncing just a heavy thud", "drop it without bouncing"])
+def test_what_is_not_to_bounce_is_not_thrown_up_again(prompt):
+    reply = read(prompt, brief(world="ground"))
+    assert not reply.force_field.actions and reply.force_field.default_drop
+
+
+def test_what_is_soft_wobbles_by_itself_as_it_lands():
+    """Led to and fro, it hung where it had bounced to."""
+    scene = brief(object_name="jelly", object_kind="jelly", world="ground")
+    reply = read("the jelly is dropped and wobbles when it lands", scene)
+    assert [each.kind for each in reply.expectations] == [MotionKind.FALL]
+    firm = read("the robot is dropped and wobbles when it lands", brief(world="ground"))
+    assert MotionKind.SWAY in {each.kind for each in firm.expectations}
