@@ -43,6 +43,7 @@ _ASIDE = 0.9  # cosine below which a leap goes aside
 # third of a length and comes down six tenths aside; and with which a leap comes down as far aside as is told.
 _THROWN, _LED = 0.45, 0.77
 _FLUNG = 1.5  # power of a strength by which what is flung hard goes farther: it flies, and does not hop
+_AGAINST = 1.6  # strength as which it is taken where a wall is to be reached
 _RESTITUTION = 0.65  # speed after a rebound over that before it
 _PRESSED, _MOST_REBOUNDS = 1.0, 4  # frames for which it touches the ground; rebounds at most
 _SPUN_UP = 3.0  # frames in which what is thrown up is set spinning
@@ -70,7 +71,8 @@ def compile_strike(task: Task) -> None:
     if event.motion.gravity and builder.grounded and not builder.anchored and abs(dot(way, up)) < most:
         share = _LED if event.effect is Effect.JUMP and event.amount else _THROWN
         flung = event.effect is Effect.STRIKE and event.amount is None
-        share *= max(strength, 1.0) ** _FLUNG if flung else 1.0
+        least = _AGAINST if event.clause.solids else 1.0
+        share *= max(strength, least) ** _FLUNG if flung else 1.0
         flown, strength = normalise(add([way, scale(up, lift)])) or way, share * strength
     for index, part in enumerate(divide(window, [1.0] * count)):
         blow = scale(flown, -1.0 if swings and index % 2 else 1.0)

@@ -165,7 +165,7 @@ def _lifts_end(event: Event, motion: Motion, brief: SceneBrief) -> bool:
     rises = motion.effect is Effect.JUMP or motion.effect in (Effect.PUSH, Effect.STRIKE) and up
     ends = [part.place.names for part in event.parts]
     placed = ends in ([("toward",)], [("away",)]) and not find_limbs(event.parts[0], brief)
-    return rises and placed and has_wheels(brief) and brief.world == "ground"
+    return rises and placed and not motion.manner and has_wheels(brief) and brief.world == "ground"
 
 
 def _is_of_limbs(event: Event, brief: SceneBrief) -> bool:
