@@ -22,8 +22,8 @@ from physagent_jax.mpm import Contact, Model
 from physagent_jax.mpm.numbers import read_number, take_numbers
 from physagent_jax.scene import config as c
 
-_NO_NUMBERS = ("damping_ratio", "tension", "restitution")
-# Viscosity or drag is made of the first; the second is a yes or no, the third belongs to contact, not to matter.
+_NO_NUMBERS = ("damping_ratio", "tension")
+# Viscosity or drag is made of the first; the second is a yes or no.
 
 _PER_PARTICLE = ("materials", "velocity")  # may be given so
 
@@ -46,6 +46,7 @@ class MaterialParameters:
         plastic_viscosity: [Pa s].
         friction_angle: [degrees].
         critical_compression, critical_stretch, hardening_coefficient, hardening_cap: Parameters of snow.
+        restitution: Coefficient of restitution of a rigid body [1].
     """
 
     density: Array | None = None
@@ -63,6 +64,7 @@ class MaterialParameters:
     hardening_coefficient: Array | None = None
     hardening_cap: Array | None = None
     bulk_modulus: Array | None = None
+    restitution: Array | None = None
 
     @staticmethod
     def of(material: c.Material, viscosity: Array | None = None) -> MaterialParameters:

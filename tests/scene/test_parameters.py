@@ -96,7 +96,9 @@ def test_the_numbers_are_those_that_the_scene_has(rich, folder, body):
     assert plain.force_field is plain.gravity is plain.damping_rate is None
     assert plain.forces == plain.constraints == ()
     assert set(MaterialParameters.of(fluid).get_given()) == {"density", "bulk_modulus"}
-    assert set(MaterialParameters.of(c.Material(model=c.MaterialModel.RIGID)).get_given()) == {"density"}
+    rigid = c.Material(model=c.MaterialModel.RIGID)
+    assert set(MaterialParameters.of(rigid).get_given()) == {"density"}
+    assert set(MaterialParameters.of(rigid.changed(restitution=0.5)).get_given()) == {"density", "restitution"}
 
 
 def test_every_number_of_every_material_has_a_place():
@@ -189,6 +191,23 @@ def test_numbers_may_be_given_per_particle(rich):
     np.testing.assert_allclose(made.state.v, velocity, rtol=1e-6)
     slope = jax.jit(jax.grad(lambda e: sum(law.mu.sum() for law in put(e).model.materials)))(stiffness)
     np.testing.assert_allclose(slope, np.where(rich.choice == 1, 1 / 2.6, 0), rtol=1e-5)
+
+
+@pytest.mark.parametrize("traced", [False, True])
+def test_a_rigid_body_gets_another_restitution(traced, folder, body):
+    rigid = c.Material(model=c.MaterialModel.RIGID, restitution=0.5)
+    scenes = [
+        compile_scene(make_config(folder, material=rigid.changed(restitution=e)), body, folder)
+        for e in (0.5, 0.8)
+    ]
+    numbers = SceneParameters(materials=(MaterialParameters(restitution=np.asarray(0.8)),))
+
+    def put(numbers):
+        return parts(scenes[0].with_parameters(numbers))
+
+    assert differ(parts(scenes[1]), jax.jit(put)(numbers) if traced else put(numbers)) < 1e-7
+    with pytest.raises(UserError, match="one coefficient of restitution"):
+        put(SceneParameters(materials=(MaterialParameters(restitution=np.ones(len(scenes[0].state.x))),)))
 
 
 def test_a_longer_direction_is_the_same_direction(rich):

@@ -115,8 +115,8 @@ def test_stationary_particles_and_rigid_bodies_are_told_apart():
     )
     x = X[order][:, 0]
     np.testing.assert_array_equal(materials.find_stationary(), (x > 0.45) & (x < 0.5))
-    (first, e), (second, _) = materials.find_rigid_bodies()
-    assert e is None
+    (one, first), (other, second) = materials.find_rigid_bodies()
+    assert (one, other) == (1, 3)
     np.testing.assert_array_equal(first, x < 0.42)
     np.testing.assert_array_equal(second, x > 0.58)
     assert (

@@ -156,11 +156,11 @@ class ParticleMaterials:
         """Particles that never move, shape (n,): a prescribed motion holds them."""
         return self._select_model(c.MaterialModel.STATIONARY)[self.choice]
 
-    def find_rigid_bodies(self) -> tuple[tuple[np.ndarray, float | None], ...]:
-        """Particles of each rigid body, shape (n,), and its restitution: each rigid entry of ``choices`` is a body."""
-        rigid = np.flatnonzero(self._select_model(c.MaterialModel.RIGID))
-        bodies = [(self.choice == index, self.choices[index].restitution) for index in rigid]
-        return tuple(body for body in bodies if body[0].any())
+    def find_rigid_bodies(self) -> tuple[tuple[int, np.ndarray], ...]:
+        """Index in ``choices`` and particles, shape (n,), of each rigid body: each rigid entry is one."""
+        rigid = np.flatnonzero(self._select_model(c.MaterialModel.RIGID)).tolist()
+        bodies = [(index, self.choice == index) for index in rigid]
+        return tuple(body for body in bodies if body[1].any())
 
     def _select_model(self, model: c.MaterialModel) -> np.ndarray:
         return np.array([material.model is model for material in self.choices])

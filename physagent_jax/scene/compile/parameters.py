@@ -18,14 +18,19 @@ from physagent_jax.mpm.step import kirchhoff_stress
 from physagent_jax.scene import config as c
 from physagent_jax.scene.compile.materials import ParticleMaterials
 from physagent_jax.scene.compile.origins import Origins
-from physagent_jax.scene.parameters import SceneParameters
+from physagent_jax.scene.parameters import MaterialParameters, SceneParameters
 
 _ROUNDS = 16  # in which stretches are found that have the stresses
 _MOST_STRAIN = 0.2  # by which such a round may change any stretch
 
 
 def put_materials(
-    model: Model, state: State, materials: ParticleMaterials, parameters: SceneParameters, volume: np.ndarray
+    model: Model,
+    state: State,
+    materials: ParticleMaterials,
+    origins: Origins,
+    parameters: SceneParameters,
+    volume: np.ndarray,
 ) -> tuple[ParticleMaterials, Model]:
     """``model`` with other materials, and who has which.
 
@@ -33,11 +38,13 @@ def put_materials(
         model: Model of the scene.
         state: For its precision.
         materials: Who has which.
+        origins: Where its constraints came from.
         parameters: Those of materials are looked at.
         volume: Rest volumes of the particles [m^3], shape (n,).
 
     Raises:
-        UserError: A number is neither a scalar nor one per particle.
+        UserError: A number is neither a scalar nor one per particle, or a body has several coefficients of
+            restitution.
     """
     given = [{} if each is None else each.get_given() for each in parameters.materials]
     names = {name for each in given for name in each}
@@ -55,9 +62,34 @@ def put_materials(
         )
         made = materials.with_numbers(own, state.x.dtype).with_numbers(materials.numbers, state.x.dtype)
         changes["viscosity"] = made.leaf(made.get_values("viscosity"))
-    if names - {"density", "viscosity"}:
+    if names - {"density", "viscosity", "restitution"}:
         changes["materials"] = materials.build_materials()
+    if "restitution" in names:
+        model = origins.replace(
+            model, bodies=_put_restitution(model, state, materials, origins, parameters.materials)
+        )
     return materials, model.replace(**changes)
+
+
+def _put_restitution(
+    model: Model,
+    state: State,
+    materials: ParticleMaterials,
+    origins: Origins,
+    given: tuple[MaterialParameters | None, ...],
+) -> tuple[Any, ...]:
+    """The model's rigid bodies with other coefficients of restitution."""
+    bodies = list(origins.split_constraints(model)[0])
+    for place, (index, _) in enumerate(materials.find_rigid_bodies()):
+        numbers = given[index]
+        if numbers is None or numbers.restitution is None:
+            continue
+        if np.shape(numbers.restitution) != ():
+            raise UserError("A body has one coefficient of restitution", got=np.shape(numbers.restitution))
+        bodies[place] = dataclasses.replace(
+            bodies[place], restitution=cast(numbers.restitution, state.x.dtype)
+        )
+    return tuple(bodies)
 
 
 def put_own(

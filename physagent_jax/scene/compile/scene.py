@@ -92,7 +92,9 @@ class CompiledScene:
         if isinstance(parameters, ForceFieldParameters):
             parameters = SceneParameters(force_field=parameters)
         check_parameters(parameters, SceneParameters.of(self))
-        materials, model = put_materials(self.model, self.state, self.materials, parameters, self._rest[1])
+        materials, model = put_materials(
+            self.model, self.state, self.materials, self.origins, parameters, self._rest[1]
+        )
         if parameters.force_field is not None:
             rest, volume = self._rest[0].astype(self.state.x.dtype), self._rest[1]
             skills, grips = compile_skills(self.config, self.body, rest, volume, parameters.force_field)
@@ -185,9 +187,12 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     if config.anchor.kind == "region":  # what is twisted goes along, though it is of the rest
         anchor_mask &= ~_mark_led(grips, len(rest))
     slow = to_array(np.sqrt(_SLOW * config.domain.dx * np.linalg.norm(config.gravity)))
+    choices = materials.choices
     bodies = tuple(
-        RigidBody(buckets.find_places(mask), None if e is None else to_array(e), slow)
-        for mask, e in materials.find_rigid_bodies()
+        RigidBody(
+            buckets.find_places(mask), None if (e := choices[index].restitution) is None else to_array(e), slow
+        )
+        for index, mask in materials.find_rigid_bodies()
     )
     # What slides past what is held must not strain it.
     rigid = any(each.rigid for each in grips)
