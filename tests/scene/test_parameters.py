@@ -98,7 +98,10 @@ def test_the_numbers_are_those_that_the_scene_has(rich, folder, body):
     assert set(MaterialParameters.of(fluid).get_given()) == {"density", "bulk_modulus"}
     rigid = c.Material(model=c.MaterialModel.RIGID)
     assert set(MaterialParameters.of(rigid).get_given()) == {"density"}
-    assert set(MaterialParameters.of(rigid.changed(restitution=0.5)).get_given()) == {"density", "restitution"}
+    assert set(MaterialParameters.of(rigid.changed(restitution=0.5)).get_given()) == {
+        "density",
+        "restitution",
+    }
 
 
 def test_every_number_of_every_material_has_a_place():

@@ -190,7 +190,9 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
     choices = materials.choices
     bodies = tuple(
         RigidBody(
-            buckets.find_places(mask), None if (e := choices[index].restitution) is None else to_array(e), slow
+            buckets.find_places(mask),
+            None if (e := choices[index].restitution) is None else to_array(e),
+            slow,
         )
         for index, mask in materials.find_rigid_bodies()
     )
