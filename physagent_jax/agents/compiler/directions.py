@@ -24,6 +24,7 @@ ASSUMED = "left"
 TOWARDS = (Effect.PUSH, Effect.STRIKE, Effect.SCALE, Effect.LEAN, Effect.ROLL, Effect.JUMP, Effect.TOPPLE)
 """Effects that go a way."""
 _NO_WAY = (Effect.FALL, Effect.HOLD, Effect.RELEASE, Effect.STILL, Effect.SWELL, Effect.BURST)
+_FOOT = 0.9  # cosine to the vertical from which on a side is what it stands on
 _LEVEL = 0.5  # cosine to the vertical below which a way is level
 _NORMALS: dict[Names, Names] = {("right",): ("up",), ("up",): ("right",)}
 """Turning horizontally is about the vertical."""
@@ -190,6 +191,8 @@ def _find_blow(event: Event, brief: SceneBrief) -> Heading | None:
         why = "a blow on the front drives it away"
         return Heading(brief.directions.away, event.words, why)
     side = find_side(part, brief)
+    if side and dot(side, brief.directions.down) > _FOOT:
+        return None  # it stands on the ground
     return side and Heading(scale(side, -1.0), part.text, "a blow drives away from the side that it hits")
 
 

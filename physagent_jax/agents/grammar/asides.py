@@ -26,10 +26,11 @@ from physagent_jax.agents.grammar.poses import read_landings, read_poses
 from physagent_jax.agents.grammar.subjects import read_subjects, sticks_out
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.intent import Solid
-from physagent_jax.agents.lexicon import Effect, Join, Motion
+from physagent_jax.agents.lexicon import Effect, Join, Motion, Repeat
 
 OTHER = "other"
 """Phrase of emptied words that are said of something else than the object."""
+_ECHO = "again and again"  # phrase of a verb's repetition
 
 _REPLACED = {kind: (kind,) for kind in (MentionKind.PLACE, MentionKind.SENSE, MentionKind.QUANTITY)} | {
     way: WAYS for way in WAYS
@@ -253,6 +254,8 @@ def _tells(mention: Mention) -> bool:
 
 def _match_correction(mentions: list[Mention], at: int) -> int:
     """The number of mentions from ``at`` on that take back what stands before; 0 if they do not."""
+    if mentions[at].phrase == "rather than":
+        return 0
     words = [m.words.lower() if m.kind is MentionKind.JOIN else m.form for m in mentions[at : at + 3]]
     for size in (3, 2, 1):
         if " ".join(word for word in words[:size] if word != ",") in get_set("corrections"):
@@ -455,15 +458,58 @@ def read_stances(mentions: list[Mention], _names: frozenset[str]) -> list[Mentio
     return result
 
 
+def read_echoes(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Makes a count of a verb that is said again and again, and empties doubled comparatives.
+
+    "Hop hop hop" hops three times; "smaller and smaller swings" are swings, and "lower and lower" is lower.
+    """
+    result: list[Mention] = []
+    for at, mention in enumerate(mentions):
+        last = result[-1] if result else None
+        motion = mention.motion
+        lands = (
+            motion is not None and motion.effect is Effect.FALL and not motion.bounces
+        )  # "clatter clatter"
+        if mention.kind is MentionKind.VERB and last is not None and not lands:
+            count = last.value.count or 0 if isinstance(last.value, Repeat) and last.phrase == _ECHO else 1
+            said = result[-2] if count > 1 else last
+            if said.phrase == mention.phrase and said.form == mention.form:
+                told = replace(mention, kind=MentionKind.REPEAT, value=Repeat(count + 1), phrase=_ECHO)
+                result[-1:] = [told] if count > 1 else [last, told]
+                continue
+        result.append(mention)
+        doubled = len(result) > 2 and result[-2].value is Join.AND and result[-3].form == mention.form
+        compares = mention.motion is not None and mention.motion.generic and mention.form.endswith("er")
+        if doubled and compares:
+            behind = mentions[at + 1] if at + 1 < len(mentions) else None
+            noun = behind is not None and behind.kind not in (MentionKind.JOIN, MentionKind.TIME)
+            result[-3 if noun else -2 :] = [empty(m) for m in result[-3 if noun else -2 :]]
+    return result
+
+
 def read_stillness(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
-    """Makes a verb of a "still" that is said of a part: "the leaves rustle, trunk perfectly still"."""
+    """Makes a verb of a "still" that is said of a part, and none of an adverb; empties what denies a part the same.
+
+    "The leaves rustle, trunk perfectly still"; "it is still wet"; "the cap wobbles, the stem doesn't".
+    """
     result = list(mentions)
     for begin, end in list_segments(mentions):
         segment = mentions[begin:end]
-        told = any(each.kind in MOTIONS for each in segment) or not _count_places(segment)
-        if not told and segment[-1].form == "still":
+        for at, (each, behind) in enumerate(pairwise(segment), begin):
+            lasting = each.words.lower().endswith("still") and each.motion is not None
+            if lasting and (behind.kind is MentionKind.UNKNOWN or behind.form.endswith("ing")):
+                result[at] = empty(each, each.form)
+        if (
+            not segment
+            or any(each.kind in MOTIONS for each in result[begin:end])
+            or not _count_places(segment)
+        ):
+            continue
+        if begin and segment[-1].kind is MentionKind.NOT:
+            result[begin:end] = [empty(each) for each in segment]
+        if segment[-1].form == "still":
             result[end - 1] = _read_as(segment[-1], "stay still")
-            if begin and mentions[begin - 1].value is Join.COMMA:
+            if begin and mentions[begin - 1].value in (Join.COMMA, Join.BUT):
                 result[begin - 1] = replace(mentions[begin - 1], value=Join.WHILE)
     return result
 
@@ -474,6 +520,7 @@ def _read_as(mention: Mention, word: str) -> Mention:
 
 
 PASSES = (
+    read_echoes,
     read_missiles,
     drop_others,
     read_corrections,

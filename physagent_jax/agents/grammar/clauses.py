@@ -217,6 +217,8 @@ def _combine(join: Join, mention: Mention, first: bool) -> Join:
     if first:
         if mention.phrase in get_set("during"):
             return Join.WHILE
+        if mention.value is Join.BUT:
+            return Join.BUT  # "despite the wind it stands still"
         opens = mention.phrase == "until" or mention.value is Join.BEFORE  # "until it is hit, it stays still"
         return Join.BEFORE if opens else Join.AFTER if mention.value is Join.AFTER else join
     if mention.phrase in get_set("meanwhile"):

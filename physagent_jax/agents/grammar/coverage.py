@@ -207,6 +207,30 @@ def _is_heading(spot: _Spot) -> bool:
     return spot.word[0].isdigit() and (spot.index == 0 or spot.get(1) in (":", "."))
 
 
+def _is_interjection(spot: _Spot) -> bool:
+    """A word by itself before or behind all else: "timber, it goes over", "it falls, duh"; no verb of a list."""
+    ends = spot.begin == 0 or spot.end == len(spot.mentions)
+    around = (*spot.mentions[spot.begin - 1 : spot.begin], *spot.mentions[spot.end : spot.end + 1])
+    apart = bool(around) and all(not m.words.isalnum() for m in around)
+    return ends and apart and spot.end - spot.begin == 1 and not spot.word.endswith(("s", "ing", "ed"))
+
+
+def _is_drawn_out(spot: _Spot) -> bool:
+    """An exclamation, by a letter that is said on and on: "noooo"."""
+    return any(a == b == c for a, b, c in zip(spot.word, spot.word[1:], spot.word[2:]))
+
+
+def _is_style(spot: _Spot) -> bool:
+    """A comparison in a compound: "giraffe style", "accordion style"."""
+    return spot.word in get_set("styles") or spot.get(1) in get_set("styles")
+
+
+def _is_landing_on_its_own(spot: _Spot) -> bool:
+    """A particle before what it stands on then: "back onto its front wheels"."""
+    behind = [m.kind for m in spot.mentions[spot.index + 1 : spot.index + 6]]
+    return spot.word == "onto" and spot.get(1) in get_set("owners_of_parts") and MentionKind.PLACE in behind
+
+
 def _is_number(spot: _Spot) -> bool:
     """A number, or a sign that turns one around: "by -45 degrees"."""
     return not spot.word.isalpha() or spot.word == "minus"
@@ -357,8 +381,12 @@ def _is_acting(spot: _Spot) -> bool:
 
 # In their order: the first that holds decides whether the word is ignored; what none holds for is doubtful.
 _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
+    (_is_landing_on_its_own, True),
     (_is_a_particle, False),
     (_is_a_known_word, True),
+    (_is_interjection, True),
+    (_is_drawn_out, True),
+    (_is_style, True),
     (_is_matter_of_a_part, True),
     (lambda spot: spot.word in get_set("remains") and spot.motion is not None, True),
     (lambda s: s.word == "head" and s.mentions[s.index - 1].words in s.names and s.motion is None, True),

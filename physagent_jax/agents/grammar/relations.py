@@ -17,7 +17,7 @@ from physagent_jax.agents.grammar.clauses import (
 )
 from physagent_jax.agents.grammar.mentions import WAYS, Mention, MentionKind
 from physagent_jax.agents.grammar.subjects import sticks_out
-from physagent_jax.agents.grammar.tables import LEXICON
+from physagent_jax.agents.grammar.tables import LEXICON, get_set
 from physagent_jax.agents.grammar.tokens import is_participle
 from physagent_jax.agents.intent import Quantity
 from physagent_jax.agents.lexicon import Effect, Join, Motion, Repeat
@@ -33,6 +33,7 @@ _MOVING = (
 )
 # What an object does by itself beside its motion; a push or a blow brings about what follows.
 _FORMS = (Effect.TURN, Effect.SWAY, Effect.JUMP, Effect.ROLL, Effect.SCALE, Effect.SWELL, Effect.LEAN)
+_ELSEWHERE = (*WAYS, MentionKind.PLACE, MentionKind.EXCLUDED, MentionKind.TIME)
 _SEPARATE = (Effect.FALL, Effect.TOPPLE, Effect.STILL, Effect.RELEASE, Effect.HOLD)
 
 
@@ -46,7 +47,39 @@ def read_clauses(mentions: list[Mention]) -> list[Clause]:
             clause.modifiers = [m for m in clause.modifiers if m.phrase != "away"]
     untils = [m.first for m in mentions if m.kind is MentionKind.JOIN and m.phrase == "until"]
     whens = [m.first for m in mentions if m.kind is MentionKind.JOIN and m.phrase == "when"]
+    thens = [m.first for m in mentions if m.value is Join.THEN and m.words[0].isalpha()]
+    clauses = _withstand(clauses, thens)
     return _sort_clauses(_merge_results(_turn_whens(_turn_untils(clauses, untils), whens)))
+
+
+def _withstand(clauses: list[Clause], thens: list[int]) -> list[Clause]:
+    """Leaves rest alone where the whole stays where it is whatever acts on it: "it does not move though it is hit"."""
+    told = [clause for clause in clauses if clause.head is not None]
+    yields = any(clause.join is Join.BUT for clause in told)
+    rests = [clause for clause in told if _is_unmoved(clause) or yields and _is_staying(clause)]
+    passive = all(c.cause or c.has(Effect.STILL) or _is_act(c) for c in told if not _is_unmoved(c))
+    if not rests or not passive:
+        return clauses
+    first = min(m.first for m in rests[0].mentions)
+    if any(0 < then < first for then in thens):  # "push it, then it does not move"
+        return clauses
+    word = LEXICON.motions["stay still"]
+    still = replace(rests[0].mentions[0], kind=MentionKind.VERB, value=word, phrase="stay still")
+    return [Clause(rests[0].join, still, mentions=rests[0].mentions)]
+
+
+def _is_unmoved(clause: Clause) -> bool:
+    """Return whether a clause denies any motion of the whole: "does not move", "won't budge an inch"."""
+    if clause.verb is None or not clause.negated or clause.select(*_ELSEWHERE):
+        return False
+    idiom = all(m.words.lower().startswith(("a", "one")) for m in clause.select(MentionKind.QUANTITY))
+    return clause.verb.phrase.split()[0] in get_set("budging") and idiom
+
+
+def _is_staying(clause: Clause) -> bool:
+    """Return whether a clause says that the whole is at rest all along: "stands still", and not "stops"."""
+    stays = clause.verb is not None and clause.verb.phrase.split()[0] in get_set("staying")
+    return stays and clause.has(Effect.STILL) and not clause.negated and not clause.select(*_ELSEWHERE)
 
 
 def _turn_untils(clauses: list[Clause], untils: list[int]) -> list[Clause]:

@@ -17,6 +17,8 @@ _TOKEN = re.compile(
 )
 _SIGNS = {"%": "percent", "\u00b0": "degrees", "/": "per", "-": "minus", "\u2212": "minus"}
 _LEAST, _LEAST_NAME, _LONG_NAME = 3, 6, 8  # letters of words, and of names, in which slips are undone
+_AROUND = re.compile(r" (?:the|its|his|her|their|a) ")  # "round the middle"
+_RUN = re.compile(r"(.)\1{2,}")
 _LEAST_VERB = 6  # letters of a verb in which one that is left out is found
 
 
@@ -62,13 +64,18 @@ def tokenise(sentence: str) -> tuple[Token, ...]:
         dash = word in ("-", "\u2013", "\u2014") and not text[match.end() : match.end() + 1].isdigit()
         word = {"ca": "can", "wo": "will"}.get(word, word) if negated else _SIGNS.get(word, word)
         word = "," if dash else word  # "push it left - gently"
-        turns = word == "round" and bool(tokens) and tokens[-1].lemma in FORMS.values()
-        turns = turns and not text[match.end() :].startswith(" and round")
-        word = "around" if turns else word  # "spins round"
-        tokens.append(Token(word, FORMS.get(word, word), match.start(), match.end(), suffix == "s"))
+        word = "around" if word == "round" and _is_around(tokens, text[match.end() :]) else word
+        for each in read_sections()["informal"].get(word, word).split():
+            tokens.append(Token(each, FORMS.get(each, each), match.start(), match.end(), suffix == "s"))
         if negated:
             tokens.append(Token("not", "not", match.start(), match.end()))
     return tuple(token for token in tokens if token.text)
+
+
+def _is_around(before: Sequence[Token], behind: str) -> bool:
+    """Return whether "round" tells where: "spins round", "squeeze it round the middle"."""
+    turns = bool(before) and before[-1].lemma in FORMS.values() and not behind.startswith(" and round")
+    return turns or bool(before) and before[-1].text != "and" and _AROUND.match(behind) is not None
 
 
 FORMS = read_forms()
@@ -130,6 +137,10 @@ def _find_meant(text: str, names: frozenset[str]) -> str | None:
     near = [text[:i] + text[i + 1] + text[i] + text[i + 2 :] for i in range(len(text) - 1)]
     near += [text[:i] + text[i + 1 :] for i in range(1, len(text)) if text[i] == text[i - 1]]
     near += [text[:i] + text[i] + text[i:] for i in range(1, len(text) - 1)]  # "midle"
+    near += [
+        word for kept in (r"\1", r"\1\1") if (word := _RUN.sub(kept, text)) not in LEXICON.negations
+    ]  # "sooo"
+    near += [text + "g"] if text.endswith("in") else []  # "landin"
     found = {word for word in near if word != text and (word in KNOWN or word in names)}
     if len(found) == 1:
         return found.pop()
