@@ -52,6 +52,12 @@ BIRD = [
     *(("box", (x, 0, -0.27), (0.03, 0.03, 0.15)) for x in (0.08, -0.08)),
 ]
 
+IMP = [
+    ("ball", (0, 0, 0), (0.4, 0.35, 0.4)),
+    *(("box", (x, 0, 0.44), (0.04, 0.04, 0.14)) for x in (0.2, -0.2)),
+    *(("box", (x, 0, 0.1), (0.12, 0.05, 0.06)) for x in (0.47, -0.47)),
+]
+
 
 def contain(solids, points):
     """A mask of the points in a union of boxes, ellipsoids, upright rings and tubes (kind, centre, half sizes).
@@ -112,12 +118,13 @@ def list_roles(points):
         (MAN, ["arm", "arm", "head", "leg", "leg"]),
         (BEAST, ["head", "leg", "leg", "leg", "leg", "tail"]),
         (RABBIT, ["ear", "ear", "head"]),
+        (IMP, ["ear", "ear", "horn", "horn"]),
         ([("box", (0, 0, 0), (1, 0.5, 0.5))], []),
         ([("box", (0, 0, 0), (0.5, 0.5, 0.5))], []),
         ([("box", (0, 0, 0), (1, 0.7, 0.1))], []),
         ([("ball", (0, 0, 0), (0.5, 0.5, 0.5))], []),
     ],
-    ids=["man", "beast", "rabbit", "box", "cube", "slab", "ball"],
+    ids=["man", "beast", "rabbit", "imp", "box", "cube", "slab", "ball"],
 )
 def test_the_parts_of_known_shapes_are_found(solids, roles):
     assert list_roles(fill(solids)) == roles

@@ -51,6 +51,7 @@ _STEEP = 0.7  # cosine to the vertical
 _OWN_PARTS = dict(
     nod="head", wag="tail", flap="wings", wave="arm", salute="arm", clap="arms"
 )  # with no other named
+_WINGS = frozenset("wing wings fin fins flipper flippers".split())  # what beats, and is not beaten
 _SCURRYING = ("scuttle", "scurry", "paddle", "run")  # what legs and fins do by themselves
 _OTHERS = frozenset(("other", "another", "one", "each", "next"))  # beside a limb's name: not that of before
 _BEARERS = dict(hand="arm", hands="arms", fist="arm", fists="arms", head="neck")
@@ -133,6 +134,8 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
         phrase = "roll"  # "tumbles to the right"
     elif motion.manner == "detach" and not event.parts and phrase.split()[0] in motions:
         phrase = phrase.split()[0]  # "the robot falls off"
+    elif phrase == "beat" and event.parts and not _WINGS.isdisjoint(event.parts[0].text.lower().split()):
+        phrase = "flap"
     elif (motion.steps or phrase in _SCURRYING) and _is_of_limbs(event, brief):
         phrase = "wiggle"  # "its legs scuttle"
     elif _drops_limb(event, motion, brief):

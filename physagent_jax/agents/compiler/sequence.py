@@ -229,11 +229,12 @@ def _goes_over(before: Event, event: Event) -> bool:
 
 
 def _sets_rocking(before: Event, event: Event) -> bool:
-    """Return whether a light push is what makes it rock where it stands: "a nudge from behind, it rocks a bit"."""
+    """Return whether a light push, or a blow anywhere, makes it rock where it stands: "a nudge, it rocks a bit"."""
     pushed, motion = before.effect in (Effect.PUSH, Effect.STRIKE) and before.strength <= 1, before.motion
-    told = before.parts or before.amount or before.is_timed or before.repeat.count
+    hit = before.parts and before.effect is Effect.STRIKE  # "a ball hits its rim"
+    told = before.parts and not hit or before.amount or before.is_timed or before.repeat.count
     goes = motion.gravity or motion.hauls or before.is_in_wind
-    level = before.direction is not None and abs(before.direction[2]) < _LEVEL
+    level = hit or before.direction is not None and abs(before.direction[2]) < _LEVEL
     rocks = event.motion.manner == "rock" or event.motion.jiggles
     rocks &= event.effect is Effect.SWAY and not (event.parts or event.is_timed)
     soon = {"and": True, "then": before.strength < _PLAIN}.get(event.clause.order, False)
@@ -247,8 +248,9 @@ def _is_free(event: Event, builder: ForceFieldBuilder) -> bool:
 
 
 def _join_push(before: Event, event: Event) -> Event:
-    """The rocking along the way of the push that sets it going, unless it tells its own."""
+    """The rocking along the way of the push that sets it going, unless it tells its own, or that is upright."""
     own = not event.sources["vector"].why.endswith(BY_DEFAULT)
+    own |= before.direction is None or abs(before.direction[2]) >= _LEVEL
     way = {} if own else dict(direction=before.direction, notes=before.notes)
     sources = event.sources if own else event.sources | {"vector": before.sources["vector"]}
     motion = replace(event.motion, manner="rock")

@@ -198,6 +198,8 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         return behind in LEXICON.part_adjectives or behind in LEXICON.part_nouns
     if kind is not MentionKind.VERB:
         return False
+    if text == "beat" and (reader.is_after_determiner(at) or not (before.isalpha() or behind.isalpha())):
+        return True  # "it waits for a beat", "Beat. Then it falls"
     if len(words) > 1:  # "push it over and over" does not push it over, "push it over the edge" neither
         over = words[-2:] == (GAP, "over") and (
             behind in get_set("determiners") or behind in NUMBERS or behind.isdigit()

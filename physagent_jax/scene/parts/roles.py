@@ -32,6 +32,7 @@ _TAIL = 0.06  # length over the object's, at least
 _LEAST = 0.1  # the same of wings and arms, where no head is found
 _END = 0.18  # of the length, from the middle to what lies at an end of the object
 _EAR_END, _TOP = 0.15, 0.75  # of the length from the middle, and of the height, beyond which ears are
+_BROW = 0.4  # of the height, above which the ears and horns of what is all head are
 _ALIKE = 0.9  # likeness to its image from which on an object is clearly its own
 _TINY = 0.03  # share of the object, above which nothing is an ear of a head that is not found
 _UNDER = 0.15  # of the length, by which the feet of what stands on two legs may be off its middle
@@ -90,7 +91,7 @@ class Roles:
             found |= self._name_head(self.head)
         if self.head is None and not self.legs and self.things.find_spikes():
             return self.things.assign({})
-        found |= self._name_pairs(found)
+        found |= self._name_horns(self._name_pairs(found))
         tail = self._find_tail(found)
         if tail is not None:
             found[tail] = ("tail",)
@@ -237,6 +238,15 @@ class Roles:
             if role is not None:
                 named |= {k: (role,), j: (role,)}
         return named
+
+    def _name_horns(self, named: Told) -> Told:
+        """The pairs of a figure, or the ears and the horns of what is a head and no more: neither pair bears it."""
+        pairs = {role: [k for k, told in named.items() if told == (role,)] for role in ("arm", "ear")}
+        small = all(self.limbs[k].share < _TINY for k in named)
+        high = all(self.limbs[k].joint[2] > self.low[2] + _BROW * self.height for k in named)
+        if self.legs or self.head is not None or not (small and high) or not all(map(len, pairs.values())):
+            return named
+        return named | dict.fromkeys(pairs["ear"], ("horn",)) | dict.fromkeys(pairs["arm"], ("ear",))
 
     def _name_pair(self, limb: Limb, flat: bool, named: Told) -> PartRole | None:
         """The role of a pair that is neither legs nor on a head that is found; None if it may be several things."""
