@@ -524,7 +524,7 @@ def _lead(wish: Wish) -> _Replaced:
         effort = math.radians(angle) / TURN
     else:
         effort = find_wanted_way(expectation, brief, usual) / TRAVEL
-    over = level and told and told.target > _OVER
+    over = level and told and (expectation.put_back or told.target > _OVER)  # or set upright again
     leads = told and min(wish.list_other_begins(), default=math.inf) >= expectation.window[1] - 0.5
     stands = _stands_alone(wish) or leads and brief.world == "ground" and not wish.force_field.default_drop
     tilts = level and math.degrees(effort * TURN) <= (_UPENDED if told else _TILT) and stands

@@ -208,6 +208,8 @@ def follows(before: Event, event: Event) -> bool:
         return True  # "rolls left and tips over at the end", "stands still and suddenly spins"
     rests = effect is Effect.STILL and (not event.motion.generic or event.is_timed)
     thrown = effect is Effect.STRIKE and event.motion.gravity and before.motion.direction == "up"
+    if before.effect is Effect.TOPPLE and event.motion.puts_back:
+        return True  # "it falls over and gets up again"
     if effect is Effect.SWAY and before.effect is Effect.TURN and before.motion.angle == 180:
         return True  # "lands on its back and rocks"
     over = effect is Effect.TURN and event.motion.angle == 180 and before.motion.direction in ("up", None)

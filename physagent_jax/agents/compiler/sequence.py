@@ -21,14 +21,16 @@ from physagent_jax.agents.lexicon import Effect, Repeat, read_lexicon
 from physagent_jax.agents.lexicon.types import HOLDABLE, is_end
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX
+from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.limbs import sum_directions
-from physagent_jax.motion.schema import AnchorRequest, SceneBrief
+from physagent_jax.motion.schema import Amount, AnchorRequest, SceneBrief
 from physagent_jax.motion.swaying import lies
 from physagent_jax.motion.tipping import SLOW
 from physagent_jax.motion.vectors import dot, scale
 
 _AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
 _ROCKING = ("let", "rock", "swing", "sway", "tip")  # begins of phrases for what comes back by itself
+_LAID = 90.0  # [degrees] that what has fallen over is turned by
 _OVER = 120.0  # [degrees] from where on it is turned over
 _LEVEL = 0.5  # cosine to the vertical below which what stands falls aside
 _ALOFT = (Effect.FALL, Effect.JUMP)  # or thrown, or lifted
@@ -337,7 +339,9 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
     """Letting go of something at rest lets it fall; letting go before a fall is part of the fall."""
     result: list[Event] = []
     for event, after in zip(events, [*events[1:], None]):
-        if event.effect is not Effect.RELEASE:
+        returned = event.motion.puts_back or event.is_back
+        returned &= bool(result) and result[-1].effect is Effect.TOPPLE
+        if event.effect is not Effect.RELEASE and not returned:
             result.append(event)
             continue
         if result and result[-1].effect is Effect.RELEASE:
@@ -350,10 +354,13 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
         elif acted and _is_turned_over(result[-1]) and not event.motion.lets_go:
             back = scale(result[-1].direction, -1.0) if result[-1].direction else None
             result.append(replace(result[-1], clause=event.clause, when=event.when, direction=back))
+        elif acted and result[-1].effect is Effect.TOPPLE and not event.motion.lets_go:
+            if event.phrase.startswith(_ROCKING):  # "tip it over, then let it rock back upright"
+                result[-1:] = [_stop_halfway(result[-1]), event]
+            else:
+                result.append(_raise(result[-1], event, builder.brief))
         elif acted:
             result.append(event)
-            if result[-2].effect is Effect.TOPPLE and event.phrase.startswith(_ROCKING):
-                result[-2] = _stop_halfway(result[-2])  # "tip it over, then let it rock back upright"
         elif event.motion.alone and after is not None and after.clause.order == "together":
             continue  # "it recoils as it is hit"
         elif (phrase := event.motion.alone) and (
@@ -374,6 +381,15 @@ def _is_turned_over(event: Event) -> bool:
     told = event.amount is not None and event.amount.unit == "degrees" and event.amount.value > _OVER
     level = event.direction is not None and abs(event.direction[2]) < _LEVEL
     return event.effect is Effect.TURN and told and level and not (event.parts or event.limbs)
+
+
+def _raise(fallen: Event, event: Event, brief: SceneBrief) -> Event:
+    """The turn that sets upright again what has fallen over as a whole: "it falls over, then gets up again"."""
+    if fallen.direction is None or fallen.parts or fallen.limbs:
+        return event
+    axis, laid = scale(find_lean_axis(fallen.direction, brief), -1.0), Amount(value=_LAID, unit="degrees")
+    motion = replace(read_lexicon().motions["turn"], puts_back=True)
+    return replace(event, motion=motion, phrase="turn", direction=axis, amount=laid)
 
 
 def _stop_halfway(event: Event) -> Event:
