@@ -156,7 +156,7 @@ class _Finder:
         self.unnamed = self.before - {"the"}
         self.no_material = self.before | self.around["of"] | self.around["function_words"]
         found = list(_TOKEN.finditer(text.replace("-", " ").replace("\u2019", "'")))
-        self.tokens = [match.group().lower() for match in found]
+        self.tokens = ["of" if match.group().lower() == "outta" else match.group().lower() for match in found]
         self.spans = [match.span() for match in found]
         self.own = set(re.findall(r"[^\W\d_]+", brief.object_name.lower()))
         nouns = set(brief.object_nouns) | {f"{noun}s" for noun in brief.object_nouns}
@@ -202,7 +202,7 @@ class _Finder:
         """The phrase of tokens in which a material is said of the object, and whether the object turns to it."""
         looks = [self._find_made, self._find_of]
         if self._ends(end):
-            looks += [self._find_turn, self._find_likeness, self._find_object]
+            looks += [self._find_turn, self._find_likeness, self._find_object, self._find_contracted]
             looks += [self._find_predicate] if adjective else []
         for look in looks:
             if (first := look(begin)) is not None:
@@ -288,11 +288,23 @@ class _Finder:
         return place if self._get(place) in self.around["turns"] else None
 
     def _find_likeness(self, at: int) -> int | None:
-        """The beginning of "wobbles like" or "soft as": a likeness in deforming, and no other."""
-        before = self._back(at - 1, self.around["adverbs"] | {"it", "as", "itself"}, 5)
+        """The beginning of "wobbles like", "soft as" or "it's like": a likeness in deforming, or of the whole."""
+        like = self._back(at, self.described | {"a", "an"})
+        before = self._back(like, self.around["adverbs"] | {"it", "as", "itself"}, 5)
         word = self._get(before)
         deforms = word.startswith(tuple(self.around["deforms"])) or word in self.around["acts"]
-        return before if deforms and self._get(at - 1) in ("like", "as") else None
+        whole = word in self.around["contracted"] and self._get(like) == "like" and before == like - 1
+        return before if (deforms or whole) and self._get(like) in ("like", "as") else None
+
+    def _find_contracted(self, at: int) -> int | None:
+        """The beginning of "it's rubber", and of "pretend its rubber"."""
+        place = self._back(at, self.described)
+        supposed = self._get(place - 1) in self.around["supposing"]
+        return (
+            place
+            if self._get(place) in self.around["contracted"] and ("'" in self._get(place) or supposed)
+            else None
+        )
 
     def _find_object(self, begin: int) -> int | None:
         """The beginning of "make the robot rubber"."""

@@ -98,3 +98,33 @@ def test_what_is_soft_wobbles_by_itself_as_it_lands():
     assert [each.kind for each in reply.expectations] == [MotionKind.FALL]
     firm = read("the robot is dropped and wobbles when it lands", brief(world="ground"))
     assert MotionKind.SWAY in {each.kind for each in firm.expectations}
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "the robot falls over to the left, then it gets up again",
+        "tip the robot over to the left and stand it back upright",
+        "it is blown over to the left yet rights itself",
+    ],
+)
+def test_what_has_fallen_over_is_turned_upright_again(prompt):
+    """Its weight does not do that; it was read as the end of the fall."""
+    *fallen, raised = read(prompt, brief(world="ground")).expectations
+    assert raised.kind is MotionKind.ROTATE and raised.put_back and raised.amount.value == 90
+    over = next(each for each in fallen if each.kind is MotionKind.ROTATE)
+    assert raised.direction == tuple(-c for c in over.direction) and raised.window[0] >= over.window[1]
+
+
+@pytest.mark.parametrize(
+    "prompt", ["a ball hits its head and the robot rocks", "a nudge and it rocks a little"]
+)
+def test_what_sets_it_rocking_does_not_push_it_away(prompt):
+    (seen,) = read(prompt, brief(world="ground")).expectations
+    assert seen.kind is MotionKind.SWAY and seen.manner == "rock"
+
+
+@pytest.mark.parametrize("part", ["foot", "base"])
+def test_a_kick_at_what_it_stands_on_goes_sideways(part):
+    (seen,) = read(f"kick the robot at its {part}", brief(world="ground")).expectations
+    assert seen.direction == (-1.0, 0.0, 0.0)

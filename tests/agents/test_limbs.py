@@ -633,3 +633,20 @@ def test_an_arm_that_is_pulled_long_is_drawn_out():
     (first, _) = read("pull its left arm really long and let go", frame_count=100).force_field.constraints
     assert first.constraint_type is ConstraintType.PARTICLE_TRANSLATION
     assert first.vector == pytest.approx((-1, 0, 0))
+
+
+@pytest.mark.parametrize(
+    "prompt", ["it beats its wings slowly, twice", "its wings beat twice", "it flaps its wings twice"]
+)
+def test_wings_beat_to_and_fro(prompt):
+    wings = [make_part("wing", (c, 0, 0), (c / abs(c), 0, 0)) for c in (-0.3, 0.3)]
+    seen = read(prompt, *wings).expectations
+    assert [(each.kind, each.limb, each.repeats) for each in seen] == [
+        (MotionKind.SWAY, k, 2) for k in (0, 1)
+    ]
+
+
+@pytest.mark.parametrize("prompt", ["it swings its left arm up", "swing the left arm upwards"])
+def test_a_swing_one_way_is_one_move(prompt):
+    (seen,) = read(prompt).expectations
+    assert seen.kind is MotionKind.MOVE and seen.direction[2] > 0.5
