@@ -32,7 +32,7 @@ def make_brief(
     return SceneBrief(
         object_name=template.source.name,
         object_kind=template.source.kind,
-        object_nouns=(*list_nouns(template.source.kind), *_name_head(parts)),
+        object_nouns=list_nouns(template.source.kind),
         anchored=None if anchor.kind == "none" else anchor.reason or anchor.kind,
         frame_count=timing.frame_count,
         frames_fixed=frames_fixed,
@@ -50,9 +50,3 @@ def make_brief(
         directions=directions,
         parts=label_parts(parts, directions),
     )
-
-
-def _name_head(parts: tuple[Part, ...]) -> tuple[str, ...]:
-    """The nouns of what is a head and no more: it has ears and horns, and no head, limbs or name of a part."""
-    roles = {each.roles[0] if each.roles and not each.name else "" for each in parts}
-    return ("head", "face") if roles and roles <= {"ear", "horn"} and len(roles) == 2 else ()

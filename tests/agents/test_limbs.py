@@ -650,3 +650,14 @@ def test_wings_beat_to_and_fro(prompt):
 def test_a_swing_one_way_is_one_move(prompt):
     (seen,) = read(prompt).expectations
     assert seen.kind is MotionKind.MOVE and seen.direction[2] > 0.5
+
+
+def test_what_is_all_head_is_meant_by_its_head():
+    """It has ears and horns and nothing else: "the head" was a piece of its surface."""
+    ears, horns = (
+        [make_part(role, (c, 0, 0), (c / abs(c), 0, 0)) for c in (-0.3, 0.3)] for role in ("ear", "horn")
+    )
+    (seen,) = read("the monster's head nods", *ears, *horns).expectations
+    assert seen.limb is None and not seen.partial
+    (seen,) = read("the head nods", *ears, HEAD).expectations
+    assert seen.limb == 2

@@ -223,3 +223,23 @@ def test_what_gives_way_falls_only_where_nothing_else_acts():
     assert [each.kind.value for each in melts.expectations] == ["squeeze"]
     assert breaks.force_field.default_drop and not hit.force_field.default_drop
     assert not (melts.unsure or breaks.unsure or hit.unsure)
+
+
+@pytest.mark.parametrize(
+    ("prompt", "word"),
+    [
+        ("push its arm back, its like soft wax so it stays bent", "wax"),
+        ("it's like jelly and it wobbles", "jelly"),
+        ("pretend it's rubber and drop it", "rubber"),
+        ("make the robot bouncy n drop it", "bouncy"),
+        ("drop it and let it bounce like a basketball", "basketball"),
+        ("robot made outta clay is squashed", "clay"),
+    ],
+)
+def test_a_likeness_of_the_whole_is_a_material(prompt, word):
+    assert [each.word for each in find_materials(prompt, brief())] == [word]
+
+
+@pytest.mark.parametrize("prompt", ["a basketball hits it", "it jumps on a pillow", "its rubber arm bends"])
+def test_other_things_are_no_materials(prompt):
+    assert not find_materials(prompt, brief())

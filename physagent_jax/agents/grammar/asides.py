@@ -26,7 +26,7 @@ from physagent_jax.agents.grammar.poses import read_landings, read_poses
 from physagent_jax.agents.grammar.subjects import read_subjects, sticks_out
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.intent import Solid
-from physagent_jax.agents.lexicon import Effect, Join, Motion, Repeat
+from physagent_jax.agents.lexicon import Effect, Join, Motion, Place, Repeat
 
 OTHER = "other"
 """Phrase of emptied words that are said of something else than the object."""
@@ -156,7 +156,11 @@ def _is_filmed(segment: list[Mention], names: frozenset[str]) -> bool:
 def _is_done_by_another(segment: list[Mention], names: frozenset[str]) -> bool:
     """Return whether the subject is another thing, and nothing is done to the object: "the door slams on the left"."""
     at = next((i for i, m in enumerate(segment) if m.kind is MentionKind.VERB), None)
-    if at is None or any(m.kind is MentionKind.CAUSE for m in segment) or not segment[at].form.endswith("s"):
+    if (
+        at is None
+        or any(m.kind is MentionKind.CAUSE for m in segment)
+        or not segment[at].form.endswith(("s", "ed"))
+    ):
         return False
     subject = at
     while (
@@ -432,6 +436,31 @@ def read_locations(mentions: list[Mention], _names: frozenset[str]) -> list[Ment
     return result
 
 
+def read_stands(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Makes a way of the part that something leans onto: "tilt it onto its back legs" moves no leg."""
+    result, leaning = list(mentions), False
+    for at, mention in enumerate(mentions):
+        if mention.motion is not None:
+            leaning = mention.motion.effect is Effect.LEAN
+        if not leaning or mention.form != "onto":
+            continue
+        near = mentions[at + 1 : at + _NEAR]
+        places = [each for each in near if isinstance(each.value, Place)]
+        between = near[: near.index(places[0])] if places else near
+        told = (MentionKind.FUNCTION, MentionKind.QUANTITY, MentionKind.DIRECTION, *LOOSE)
+        if not places or any(each.kind not in told for each in between):
+            continue
+        names = next((each.value for each in between if each.kind is MentionKind.DIRECTION), None)
+        names = names or getattr(places[0].value, "names", ())
+        sides = tuple(name for name in names if name not in ("up", "down"))
+        last = at + 1 + len(between)
+        result[at : last + 1] = [empty(each) for each in mentions[at : last + 1]]
+        if sides and not any(each.kind in WAYS for each in mentions[max(at - _NEAR, 0) : at]):
+            way = dict(kind=MentionKind.DIRECTION, value=sides, phrase=" ".join(sides))
+            result[last] = replace(places[0], **way)
+    return result
+
+
 def read_looks(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
     """Empties the way to or from the viewer in which something turns to look: it turns about the upright for that."""
     result, looks, last = list(mentions), False, None
@@ -478,6 +507,10 @@ def read_echoes(mentions: list[Mention], _names: frozenset[str]) -> list[Mention
                 result[-1:] = [told] if count > 1 else [last, told]
                 continue
         result.append(mention)
+        around = [mentions[k] for k in (at - 1, at + 1) if 0 <= k < len(mentions)]
+        apart = all(each.kind is MentionKind.JOIN and not each.words.isalnum() for each in around)
+        if apart and around and mention.form in get_set("sounds"):
+            result[-1] = empty(mention)  # "Thump. It tips over"
         doubled = len(result) > 2 and result[-2].value is Join.AND and result[-3].form == mention.form
         compares = mention.motion is not None and mention.motion.generic and mention.form.endswith("er")
         if doubled and compares:
@@ -535,6 +568,7 @@ PASSES = (
     read_aloft,
     read_results,
     read_locations,
+    read_stands,
     read_stances,
     read_looks,
     read_subjects,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Iterator
 
 from physagent_jax.agents.grammar.measures import make_moment
@@ -91,6 +92,8 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
         kind = MentionKind.CAUSE
     elif kind is MentionKind.DIRECTION and words == ("away",) and _is_way_told_behind(reader, at):
         kind, value = MentionKind.FUNCTION, None  # "flies away to the right"
+    elif kind is MentionKind.DIRECTION and words[0] in ("off", "clear") and _is_part_told(reader):
+        kind, value = MentionKind.FUNCTION, None  # "two wheels off the ground"
     elif kind is MentionKind.DIRECTION and words == ("right",) and _is_exactly(reader, at):
         kind, value = MentionKind.FUNCTION, None
     elif kind is MentionKind.DIRECTION and (
@@ -102,6 +105,12 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
     elif kind is MentionKind.INTENSITY and _is_describing_object(reader, at, len(used)):
         kind, value = MentionKind.FUNCTION, None
     return reader.make_mention(kind, value, " ".join(words), used)
+
+
+def _is_part_told(reader: Reader) -> bool:
+    """Return whether a part stands before this in its segment."""
+    back = itertools.takewhile(lambda each: each.kind is not MentionKind.JOIN, reversed(reader.mentions))
+    return any(each.kind is MentionKind.PLACE for each in back)
 
 
 def match_phrases(reader: Reader, first: str, at: int) -> list[tuple[Entry, list[int]]]:

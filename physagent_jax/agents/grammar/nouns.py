@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -14,9 +14,11 @@ from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.grammar.tokens import FORMS, tokenise
 from physagent_jax.agents.intent import Solid
 from physagent_jax.agents.lexicon import NAMED, Effect, Names, Place
+from physagent_jax.forces.part import Part
 from physagent_jax.motion.parts import list_names
 from physagent_jax.motion.schema import SceneBrief
 
+_HEADS = frozenset(("head", "heads"))
 _LEAST = 4  # letters of half a name that stands for all of it
 _REACH = 12  # words before "the right one" in which the part is named
 
@@ -35,7 +37,7 @@ def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
     nouns = _find_unmistakable(brief.object_nouns) - parts - others
     tokens = tokenise(sentence)
     texts = [token.text for token in tokens]
-    own |= _find_halves(name, texts)
+    own |= _find_halves(name, texts) | (_HEADS if _is_a_head(brief.parts) else frozenset())
     if f" {' '.join(_split(brief.object_name))} " in f" {' '.join(texts)} ":
         own.update(_split(brief.object_name))  # "the robot arm", whose parts are arms too
     places = [at for at, text in enumerate(texts) if text in own]
@@ -52,6 +54,12 @@ def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
         if texts[at + 1 : at + 2] == ["of"]:
             beside.update(texts[at + 2 : at + 3])
     return frozenset(own | (beside & nouns))
+
+
+def _is_a_head(parts: Sequence[Part]) -> bool:
+    """Return whether an object is a head and no more: it has ears and horns, and no head, limbs or named part."""
+    roles = {each.roles[0] if each.roles and not each.name else "" for each in parts}
+    return roles == {"ear", "horn"}
 
 
 def is_telling(name: str) -> bool:

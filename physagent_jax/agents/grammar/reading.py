@@ -44,6 +44,7 @@ def _read_at(reader: Reader, at: int) -> Mention:
     if one != token.text and one in reader.names and NUMBERS.get(before, 0.0) > 1:  # there is one object
         return reader.make_mention(MentionKind.UNKNOWN, None, f"{before} {token.text}", [at])
     noun = reader.is_after_determiner(at) or reader.get_text(at + 1) in reader.names  # "race car"
+    noun |= at > 0 and reader.tokens[at - 1].possessive  # "the monster's head"
     if token.text in reader.names and (noun or token.lemma not in LEXICON.motions):
         return reader.make_mention(MentionKind.FUNCTION, None, token.text, [at])
     found = (read(reader, at) for read in _READERS)
