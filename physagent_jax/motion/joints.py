@@ -198,8 +198,7 @@ class Turning:
         way = self._gape(motion) or motion.direction or self.swing
         if self.curls and abs(dot(way, self.arm)) > _ALONG:  # it cannot curl along itself
             way = self.swing if self.hangs else self.brief.directions.toward
-        place = self.part.origin == "place"  # it has no joint
-        angle = self.find_angle(motion, None if place else self.find_axis(way, sudden=motion.sudden), way)
+        angle = self._find_seen(motion, way)
         course = motion.direction and self.find_course(way, angle, sudden=motion.sudden)
         kept = max(window[1], min(motion.window[1], until))
         back = (kept, min(kept + window[1] - window[0], until))
@@ -220,7 +219,7 @@ class Turning:
         """
         done = self._face(done)
         way = done.direction or self.swing
-        angle = self.find_angle(done, None if self.part.origin == "place" else self.find_axis(way), way)
+        angle = self._find_seen(done, way)
         window, course = self._find_window(motion, until), scale(self.find_course(way, angle), -1.0)
         words = split_name(motion.words)
         aside = not _ASIDE.isdisjoint(words[-1:]) and "back" not in words
@@ -390,8 +389,18 @@ class Turning:
         if motion.amount is not None:
             return angle
         angle *= _CURLS if self.supple else 1.0
+        return math.copysign(max(abs(angle), self._find_least(motion)), angle)
+
+    def _find_seen(self, motion: ExpectedMotion, way: Vector) -> float:
+        """As `find_angle`, but no less than is seen of a short limb; what has only a place has no joint."""
+        axis = None if self.part.origin == "place" else self.find_axis(way, sudden=motion.sudden)
+        angle = self.find_angle(motion, axis, way)
+        return angle if axis is None else max(angle, min(self._find_least(motion), _CREASED))
+
+    def _find_least(self, motion: ExpectedMotion) -> float:
+        """The angle by which a short limb is seen to turn [degrees]; 0 where the sentence tells how far it goes."""
         seen = math.degrees(_SEEN / max(norm(self.part.arm), 1e-9))
-        return math.copysign(max(abs(angle), min(seen, _WIDEST)), angle)
+        return 0.0 if motion.amount is not None else min(seen, _WIDEST)
 
     def _nod(self, motion: ExpectedMotion) -> Vector | None:
         """The way of a head that nods: down where it looks aside, forward where it is upright."""

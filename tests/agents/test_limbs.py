@@ -661,3 +661,12 @@ def test_what_is_all_head_is_meant_by_its_head():
     assert seen.limb is None and not seen.partial
     (seen,) = read("the head nods", *ears, HEAD).expectations
     assert seen.limb == 2
+
+
+def test_a_short_limb_that_is_moved_gently_is_seen_to_move():
+    """Its tip goes by 0.08 body lengths where its skin allows that: by a slight word it went a quarter of it."""
+    short = make_part("arm", (-0.15, 0, 0), (-1, 0, 0))
+    (made,) = read("gently push its left arm up a tiny bit", short, HEAD).force_field.constraints
+    assert np.linalg.norm(find_turn(made)) == pytest.approx(30, abs=0.5)
+    (made,) = read("tilt its left arm up by 10 degrees", short, HEAD).force_field.constraints
+    assert np.linalg.norm(find_turn(made)) == pytest.approx(10, abs=0.5)

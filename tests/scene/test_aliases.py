@@ -46,6 +46,7 @@ def find(parts, sentence, name="thing"):
         ),
         (("windmill blades", "windmill paddle"), "pull the tail vane", {"tail vane": "windmill paddle"}),
         (("hood", "roof"), "press the bonnet down", {"bonnet": "hood"}),
+        (("foot", "toes"), "its sneaker taps", {"sneaker": "foot"}),
         (("pot", "leaves"), "shake the foliage", {"foliage": "leaves"}),
         (("seats", "body"), "press the seat", {"seat": "seats"}),
         (

@@ -14,6 +14,7 @@ from physagent_jax.agents.lexicon import Effect, Join, Motion, Place
 
 GAP = "~"
 LONGEST_GAP = 4
+_ADVERBS = 6  # words from "from" to "up"
 Entry = tuple[tuple[str, ...], MentionKind, object]
 
 
@@ -90,6 +91,8 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
         kind, value = MentionKind.FUNCTION, None  # "lift it by the end of its handle": all of it
     elif kind is MentionKind.VERB and isinstance(value, Motion) and _is_means(reader, value, at):
         kind = MentionKind.CAUSE
+    elif kind is MentionKind.DIRECTION and words == ("up",) and _is_height(reader, at):
+        kind, value = MentionKind.FUNCTION, None
     elif kind is MentionKind.DIRECTION and words == ("away",) and _is_way_told_behind(reader, at):
         kind, value = MentionKind.FUNCTION, None  # "flies away to the right"
     elif kind is MentionKind.DIRECTION and words[0] in ("off", "clear") and _is_part_told(reader):
@@ -293,6 +296,12 @@ def _is_means(reader: Reader, motion: Motion, at: int) -> bool:
         before -= 1
     means = reader.get_text(before) in ("a", "an", "one") and reader.get_text(before - 1) == "with"
     return means and motion.effect in (Effect.PUSH, Effect.STRIKE)
+
+
+def _is_height(reader: Reader, at: int) -> bool:
+    """Return whether "up" tells from where something falls: "from ridiculously high up"."""
+    before = [reader.get_text(at - step) for step in range(1, _ADVERBS)]
+    return before[0] in ("high", "far") and "from" in before
 
 
 def _is_way_told_behind(reader: Reader, at: int) -> bool:
