@@ -25,7 +25,7 @@ FILES: Mapping[str, PinnedFile] = {
         "mesh, by Kenney (kenney.nl), CC0-1.0",
         "model.gltf",
     ),
-    "skater": PinnedFile(
+    "skaterboy": PinnedFile(
         "skater-male.gltf",
         f"{MARKET}/skater-male",
         "7bf4ba6916e00fc8ba8c04b181fd12223d71cf80b2199144ba8a081aca7f43ec",
@@ -99,23 +99,23 @@ _PAIRS = (
         "lift drop sequence stillness quantity",
     ),
     Case(
-        "skater",
+        "skaterboy",
         "Bend his left arm down, then let it spring back.",
         "bend part sequence",
     ),
     Case(
-        "skater",
+        "skaterboy",
         "Hi there, could you please make the boy's big head wobble gently from side to side, as if "
         "it were made of soft rubber, while his sneakers stay planted on the floor?",
         "sway part slight material stillness",
     ),
     Case(
-        "skater",
+        "skaterboy",
         "lol chuck a ball realy hard at his chest so he topples over backwards",
         "hit throw tip violent part",
     ),
     Case(
-        "skater",
+        "skaterboy",
         "A hand lifts the figure about half a metre off the ground by the top of its head, holds "
         "it there for one second, and then releases it so that it lands on its shoes and falls "
         "over onto its right side.",

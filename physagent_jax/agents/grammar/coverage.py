@@ -212,7 +212,12 @@ def _is_interjection(spot: _Spot) -> bool:
     ends = spot.begin == 0 or spot.end == len(spot.mentions)
     around = (*spot.mentions[spot.begin - 1 : spot.begin], *spot.mentions[spot.end : spot.end + 1])
     apart = bool(around) and all(not m.words.isalnum() for m in around)
-    return ends and apart and spot.end - spot.begin == 1 and not spot.word.endswith(("s", "ing", "ed"))
+    return (
+        ends
+        and apart
+        and spot.end - spot.begin == 1
+        and not spot.word.endswith(("s", "ing", "ed", "ly", "wise"))
+    )
 
 
 def _is_drawn_out(spot: _Spot) -> bool:
