@@ -233,7 +233,7 @@ def _goes_over(before: Event, event: Event) -> bool:
 def _sets_rocking(before: Event, event: Event) -> bool:
     """Return whether a light push, or a blow anywhere, makes it rock where it stands: "a nudge, it rocks a bit"."""
     pushed, motion = before.effect in (Effect.PUSH, Effect.STRIKE) and before.strength <= 1, before.motion
-    hit = before.parts and before.effect is Effect.STRIKE  # "a ball hits its rim"
+    hit = bool(before.parts) and before.effect is Effect.STRIKE  # "a ball hits its rim"
     told = before.parts and not hit or before.amount or before.is_timed or before.repeat.count
     goes = motion.gravity or motion.hauls or before.is_in_wind
     level = hit or before.direction is not None and abs(before.direction[2]) < _LEVEL

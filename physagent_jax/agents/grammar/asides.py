@@ -450,8 +450,9 @@ def read_stands(mentions: list[Mention], _names: frozenset[str]) -> list[Mention
         told = (MentionKind.FUNCTION, MentionKind.QUANTITY, MentionKind.DIRECTION, *LOOSE)
         if not places or any(each.kind not in told for each in between):
             continue
-        names = next((each.value for each in between if each.kind is MentionKind.DIRECTION), None)
-        names = names or getattr(places[0].value, "names", ())
+        ways = (each.value for each in between if each.kind is MentionKind.DIRECTION)
+        named = next(ways, None) or getattr(places[0].value, "names", ())
+        names = named if isinstance(named, tuple) else ()
         sides = tuple(name for name in names if name not in ("up", "down"))
         last = at + 1 + len(between)
         result[at : last + 1] = [empty(each) for each in mentions[at : last + 1]]

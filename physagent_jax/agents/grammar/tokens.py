@@ -65,7 +65,8 @@ def tokenise(sentence: str) -> tuple[Token, ...]:
         word = {"ca": "can", "wo": "will"}.get(word, word) if negated else _SIGNS.get(word, word)
         word = "," if dash else word  # "push it left - gently"
         word = "around" if word == "round" and _is_around(tokens, text[match.end() :]) else word
-        for each in read_sections()["informal"].get(word, word).split():
+        spelt: str = read_sections()["informal"].get(word, word)
+        for each in spelt.split():
             tokens.append(Token(each, FORMS.get(each, each), match.start(), match.end(), suffix == "s"))
         if negated:
             tokens.append(Token("not", "not", match.start(), match.end()))
