@@ -128,3 +128,9 @@ def test_what_sets_it_rocking_does_not_push_it_away(prompt):
 def test_a_kick_at_what_it_stands_on_goes_sideways(part):
     (seen,) = read(f"kick the robot at its {part}", brief(world="ground")).expectations
     assert seen.direction == (-1.0, 0.0, 0.0)
+
+
+def test_what_acts_in_vain_is_said_to_be_left_out():
+    notes = read("kick the robot hard, but it does not move", brief(world="ground")).notes
+    assert any("'kick' acts on it, but it is not to move" in each for each in notes)
+    assert not any("acts on it" in each for each in read("the robot stays still").notes)

@@ -13,7 +13,7 @@ from physagent_jax.agents.grammar.asides import OTHER
 from physagent_jax.agents.grammar.clauses import Clause, mark_displacements
 from physagent_jax.agents.grammar.coverage import Coverage, ignore_captions, is_mostly_unknown, sort_words
 from physagent_jax.agents.grammar.intent import make_intent
-from physagent_jax.agents.grammar.mentions import WAYS, MentionKind
+from physagent_jax.agents.grammar.mentions import MOTIONS, WAYS, Mention, MentionKind
 from physagent_jax.agents.grammar.nouns import collect_names
 from physagent_jax.agents.grammar.patterns import suggest_patterns
 from physagent_jax.agents.grammar.reading import read_mentions
@@ -75,11 +75,23 @@ def read_intent(prompt: str, brief: SceneBrief) -> Intent:
         if coverage.taken
         else []
     )
+    notes += [
+        f"'{words}' acts on it, but it is not to move: nothing is made of that."
+        for words in _list_resisted(clauses, mentions)
+    ]
     mark_displacements(clauses, [token.text for token in correct_spelling(tokenise(text), names)])
     intent = make_intent(clauses, mentions, coverage, notes + describe_corrections(text, names))
     if not (intent.clauses or intent.held or intent.surroundings.gravity):
         raise _refuse(prompt, brief, coverage, others)
     return intent.model_copy(update={"materials": tuple(each.word for each in materials)})
+
+
+def _list_resisted(clauses: list[Clause], mentions: list[Mention]) -> list[str]:
+    """The words for what acts on an object that stays still all the same: it is left out (`relations`)."""
+    if [clause.verb.phrase for clause in clauses if clause.verb] != ["stay still"]:
+        return []
+    kept = {mention.first for mention in clauses[0].mentions}
+    return [each.words for each in mentions if each.kind in MOTIONS and each.first not in kept]
 
 
 def _assume_push(clauses: list[Clause]) -> list[Clause]:
