@@ -36,9 +36,9 @@ from physagent_jax.motion.vectors import (
 
 _PLAIN = 45.0  # [degrees] that a plain word turns a limb by
 _LEAST, _MOST = 15.0, 80.0  # [degrees]
-_RAISED, _LOWERED = 15.0, -50.0  # [degrees] over the horizon, where a plain word brings a limb up or down to
+_RAISED, _LOWERED = 50.0, -50.0  # [degrees] over the horizon, where a plain word brings a limb up or down to
 _HANGING = -80.0  # the same of what is lowered until it hangs
-_OVERHEAD = 75.0  # the same of what is raised over the head
+_OVERHEAD = 80.0  # the same of what is raised over the head
 _FARTHEST = 120.0  # [degrees] that it turns by for that
 _SWAYS = 0.75  # of a plain angle, to either side of a limb that goes to and fro
 _SEEN = 0.08  # [body lengths] that its tip goes to either side at least, so that it is seen
@@ -85,11 +85,11 @@ _CURLING = frozenset(("curl", "coil"))  # begins of words for what bends over al
 _JAWS = frozenset(("jaw", "mouth"))  # words for what opens downwards
 _ASIDE = frozenset(("left", "right"))  # words for a side that a limb is brought to
 _LIMP, _CREASES = (
-    ("droop", "flop", "hang", "wilt", "fall", "drop"),
+    ("droop", "flop", "hang", "wilt", "fall", "drop", "limp"),
     60.0,
 )  # begins of words; [degrees] for them
 _HIGH = frozenset(("overhead", "sky", "ceiling"))  # words for where a limb is raised high
-_SLOW = ("slow", "gradual", "lazi")  # begins of words for the pace alone
+_SLOW = ("slow", "gradual", "lazi", "limp")  # begins of words for the pace alone
 _OWN_WAYS = dict(
     forward=1.0, forwards=1.0, backward=-1.0, backwards=-1.0, back=-1.0
 )  # as it looks, and the other way
@@ -295,7 +295,9 @@ class Turning:
         """
         if motion.amount is not None and motion.amount.unit == "degrees":
             return motion.amount.value
-        slow = any(each.startswith(_SLOW) for each in split_name(motion.words))
+        words = split_name(motion.words)
+        slow, limp = (any(each.startswith(begins) for each in words) for begins in (_SLOW, _LIMP))
+        high = not _HIGH.isdisjoint(words)
         strength = max(motion.strength, 1.0) if slow else motion.strength  # as far as else, in more time
         plain, most = (_CURLED, _CURLED) if self.curls else (_PLAIN, _MOST)
         angle = clamp(plain * strength, _LEAST, most)
@@ -303,16 +305,13 @@ class Turning:
         if axis is None:
             return angle
         if abs(rise) > _ALONG and not motion.sudden and "leg" not in self.part.roles[:1]:
-            low = _HANGING if any(each.startswith("hang") for each in split_name(motion.words)) else _LOWERED
-            high = not _HIGH.isdisjoint(split_name(motion.words))
+            low = _HANGING if limp else _LOWERED
             wanted = (_OVERHEAD if high else _RAISED) - self.height if rise > 0 else self.height - low
             angle = clamp(wanted * min(strength, 1.0), angle, _FARTHEST)
         if motion.to_ground and rise < -_ALONG:
             return min(self._find_way_down(axis), self._find_zone(axis)[1])
         curls = _CURLS if self.supple and not self.curls else 1.0
-        words = split_name(motion.words)
-        limp = _CREASES * (any(each.startswith(_LIMP) for each in words) or not _HIGH.isdisjoint(words))
-        return min(angle * curls, max(self._find_zone(axis)[1], limp))
+        return min(angle * curls, max(self._find_zone(axis)[1], _CREASES * (limp or high)))
 
     def _find_way_down(self, axis: Vector) -> float:
         """The angle about an axis at which it meets the ground, or is nearly as low as it can be [degrees]."""
@@ -411,10 +410,18 @@ class Turning:
         return table.down if level else find_facing(self.brief.parts) or table.toward
 
     def _face(self, motion: ExpectedMotion) -> ExpectedMotion:
-        """The motion as the object has it: what is bent "backwards" goes to its own back, where its front is known."""
+        """The motion as the object has it: what is bent "backwards" goes to its own back, where its front is known.
+
+        A head that is seen from its side and tilted "to the left" is tilted to its own left.
+        """
         front, table, way = find_facing(self.brief.parts), self.brief.directions, motion.direction
         said = [sign for word, sign in _OWN_WAYS.items() if word in split_name(motion.words)]
-        if front is None or way is None or len(said) != 1 or motion.kind is MotionKind.ROTATE:
+        if front is None or way is None or motion.kind is MotionKind.ROTATE:
+            return motion
+        aside = dot(way, table.left)
+        if motion.manner == "rock" and self.is_head and min(abs(aside), abs(dot(way, front))) > _ALONG:
+            return motion.model_copy(update=dict(direction=scale(cross(table.up, front), aside)))
+        if len(said) != 1:
             return motion
         if dot(way, scale(table.toward, said[0])) < _ALONG:  # other words tell it
             return motion

@@ -24,7 +24,7 @@ _TOLD = 0.3  # of a unit vector, from which on parts with names tell where the f
 _OWN_SIDES = frozenset(("left", "right"))
 PLACES = ("top", "bottom", "side")
 """Roles that tell a part's place alone: a word for another part takes it where it is the only one there."""
-STEMS = frozenset(("trunk", "stem", "stalk", "pole", "mast", "post"))
+STEMS = frozenset(("trunk", "stem", "stalk", "pole", "mast", "post", "handle", "shaft", "haft"))
 """Words for parts that all the rest may stand on."""
 LOW = 0.15
 """Share of the object's height below which a part stands on the ground."""

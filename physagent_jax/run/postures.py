@@ -1,7 +1,7 @@
 """Words for parts that tell how all of the object comes to lie or goes: "nose first", "ends up on its wheels".
 
-Nothing is done to such a part: it is neither looked for nor asked for. The words are the lexicon's
-(`agents/lexicon/postures.yaml`).
+Nothing is done to such a part, nor to one that a likeness names ("as if it wants to shake hands"): it is neither looked
+for nor asked for. The words are the lexicon's (`agents/lexicon/postures.yaml`).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from physagent_jax.core.reading import read_packaged_yaml
 
 @functools.cache
 def _make_patterns() -> tuple[re.Pattern[str], ...]:
-    """Patterns with the group "part": on what it comes to lie, what goes first, and what is turned up or down."""
+    """Patterns with the group "part": on what it comes to lie, what goes first, what is turned, what it is likened to."""
     words = {key: str(value) for key, value in read_packaged_yaml(LEXICON_PACKAGE, "postures.yaml").items()}
     told = {key: _join(value.split()) for key, value in words.items()}
     part = rf"(?:{told['adjectives']}\s+)*(?P<part>{told['parts']})\b"
@@ -27,6 +27,9 @@ def _make_patterns() -> tuple[re.Pattern[str], ...]:
         re.compile(rf"{goes}\s+{told['prepositions']}\s+{told['owners']}\s+{part}"),
         re.compile(rf"{part}[\s-]+{first}\b"),
         re.compile(rf"(?<!\w){owned}{part}[\s-]+{told['turned']}\b"),
+        re.compile(
+            r"\b(?:as if|as though|like (?=an?\b|someone|it|he|she|they|when))(?P<part>.*?)(?:[,.;:!]|\bthen\b|$)"
+        ),
     )
 
 

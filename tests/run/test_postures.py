@@ -24,6 +24,8 @@ from tests.agents.test_named_parts import make_part
         ("the truck tips over and lies on its side", "side"),
         ("drop the plant upside down onto its leaves", "leaves"),
         ("the bear stands on the tip of its nose belly-up", "belly"),
+        ("the dog lifts a paw like it wants to shake hands", "hands"),
+        ("it sways as if it had no legs, then falls", "legs"),
     ],
 )
 def test_a_posture_acts_on_no_part(sentence, word):

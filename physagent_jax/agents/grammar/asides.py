@@ -462,6 +462,24 @@ def read_stands(mentions: list[Mention], _names: frozenset[str]) -> list[Mention
     return result
 
 
+def read_grounding(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Makes a way of what a bend is to touch: "bend it until its top touches the ground" bends it to the ground."""
+    result, bends, until = list(mentions), False, None
+    for at, mention in enumerate(mentions):
+        motion = mention.motion
+        if mention.kind is MentionKind.JOIN:
+            until = at if mention.value is Join.RESULT else None
+        elif motion is None:
+            bends |= until is None and mention.kind is MentionKind.PLACE and sticks_out(mention)
+        elif until is None:
+            bends = motion.manner == "bend" or motion.effect is Effect.PUSH and bends
+        elif bends and motion.lands:
+            result[until:at] = [empty(each) for each in mentions[until:at]]
+            way = dict(kind=MentionKind.DIRECTION, value=("down",), phrase="to the ground")
+            result[at] = replace(mention, **way)
+    return result
+
+
 def read_looks(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
     """Empties the way to or from the viewer in which something turns to look: it turns about the upright for that."""
     result, looks, last = list(mentions), False, None
@@ -566,6 +584,7 @@ PASSES = (
     read_heights,
     read_poses,
     read_landings,
+    read_grounding,
     read_aloft,
     read_results,
     read_locations,
