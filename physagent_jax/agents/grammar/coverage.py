@@ -177,7 +177,7 @@ def is_look(word: str) -> bool:
     """Return whether a word tells a look, a mood, a light, a camera or the like: "merrily", "naughty", "cinematic"."""
     stem = word.removesuffix("ly")
     return not _LOOKS.isdisjoint(
-        (word, *((stem, stem.removesuffix("i") + "y", stem + "le") if stem != word else ()))
+        (word, *((stem, stem.removesuffix("i") + "y", stem + "le", stem.removesuffix("al")) if stem != word else ()))
     )
 
 
