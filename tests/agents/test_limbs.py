@@ -59,7 +59,8 @@ def test_a_limb_is_drawn_out_along_itself_and_snaps_back():
 
 
 @pytest.mark.parametrize(
-    "sentence", ["stretch its arms to twice their length", "raise both arms, stretch them to double the length"]
+    "sentence",
+    ["stretch its arms to twice their length", "raise both arms, stretch them to double the length"],
 )
 def test_limbs_are_stretched_by_what_is_told_each_along_itself(sentence):
     """Before, they were moved by two lengths."""
@@ -70,7 +71,10 @@ def test_limbs_are_stretched_by_what_is_told_each_along_itself(sentence):
 
 @pytest.mark.parametrize(
     "sentence",
-    ["raise its left arm, then let go so it flops back down", "pull its left arm up and let it go so that it falls"],
+    [
+        "raise its left arm, then let go so it flops back down",
+        "pull its left arm up and let it go so that it falls",
+    ],
 )
 def test_a_limb_that_is_let_go_falls_back_alone(sentence):
     reply = read(sentence)

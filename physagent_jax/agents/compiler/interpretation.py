@@ -279,7 +279,9 @@ def _act_from_sides(event: Event, brief: SceneBrief) -> None:
     sides, told = event.pick(WayKind.SIDES), event.pick(*WAYS)
     limbs = event.parts and find_limbs(event.parts[0], brief)
     all_around = bool(sides) and sides[0].names == ("all",)
-    sized = any(each.unit == "share" for each in event.clause.quantities)  # "stretch its ears to twice their length"
+    sized = any(
+        each.unit == "share" for each in event.clause.quantities
+    )  # "stretch its ears to twice their length"
     spread = len(limbs) > 1 and event.effect is Effect.SCALE and event.motion.sign > 0 and not (told or sized)
     if event.effect is Effect.BURST and told:
         event.motion = replace(event.motion, effect=Effect.STRIKE)

@@ -338,11 +338,12 @@ def _is_told(verb: Motion, told: list[Mention]) -> bool:
 
 def _find_end(mentions: list[Mention], index: int) -> int:
     """The end of a comparison: a connective, a way, a time, a count; "and the beast" is no end."""
-    segments = dict(list_segments(mentions))
+    names = (MentionKind.FUNCTION, *LOOSE[:2])
     for at in range(index + 1, len(mentions)):
-        named = mentions[at].value is Join.AND and mentions[at + 1 : segments[at + 1]]
-        if named and all(each.kind in (MentionKind.FUNCTION, *LOOSE[:2]) for each in named):
-            continue
+        if mentions[at].value is Join.AND:
+            behind = next((each for each in mentions[at + 1 :] if each.kind not in names), None)
+            if at + 1 < len(mentions) and (behind is None or behind.kind is MentionKind.JOIN):
+                continue
         way = mentions[at].kind is MentionKind.DIRECTION and mentions[at - 1].form in ("to", "the")
         if mentions[at].kind in _GOES_ON or way:
             return at
@@ -547,7 +548,8 @@ def read_exclamations(mentions: list[Mention], _names: frozenset[str]) -> list[M
         begins = at == 0 or _is_mark(mentions[at - 1])
         ends = behind is not None and (_is_mark(behind) or behind.phrase == _ECHO)
         if verb and begins and ends and mention.form == mention.phrase and (same or not calls):
-            calls, count = [*calls, at], count + 1
+            calls.append(at)
+            count += 1
         elif calls and (mark or mention.phrase == _ECHO and isinstance(mention.value, Repeat)):
             calls.append(at)
             count += 0 if mark or not isinstance(mention.value, Repeat) else (mention.value.count or 1) - 1

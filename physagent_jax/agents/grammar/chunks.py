@@ -14,7 +14,7 @@ from physagent_jax.agents.lexicon import Effect, Join, Motion, Place
 
 GAP = "~"
 LONGEST_GAP = 4
-_OVER = ("end", "heels", "tail", "head")  # "end over end" turns on and on
+_ENDS = ("end", "heels", "tail", "head", "nose")  # "end over end" turns on and on
 _ADVERBS = 6  # words from "from" to "up"
 Entry = tuple[tuple[str, ...], MentionKind, object]
 
@@ -215,8 +215,9 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         return True  # "it waits for a beat", "Beat. Then it falls"
     if len(words) > 1:  # "push it over and over" does not push it over, "push it over the edge" neither
         over = words[-2:] == (GAP, "over") and (
-            behind in get_set("determiners") or behind in NUMBERS or behind.isdigit() or behind in _OVER
+            behind in get_set("determiners") or behind in NUMBERS or behind.isdigit()
         )
+        over |= words[-2:] == (GAP, "over") and {behind, reader.get_text(used[-1] - 1)} <= set(_ENDS)
         return over or begins_longer_phrase(reader, used[-1])
     described = before in LEXICON.intensities and not before.endswith("ly")
     article = reader.get_text(at - 2) in ("the", "its", "a", "an")
@@ -285,10 +286,12 @@ def _is_standing(reader: Reader, at: int, place: Place) -> bool:
         at -= 2 + reader.is_after_determiner(at)  # "it balances on the end of its handle"
     below = place.names == ("down",) or place.role.startswith("leg")
     spot = motion is not None and motion.effect in (Effect.SWAY, Effect.TURN, Effect.JUMP) and below
+    if rests or not spot:
+        return rests and reader.get_preposition(at) == "on"
     at -= 1
     while reader.get_text(at) in get_set("determiners") | get_set("owners_of_feet") | {"one"}:
         at -= 1  # "hops on one foot"
-    return (rests or spot) and reader.get_text(at) == "on"
+    return reader.get_text(at) == "on"
 
 
 def _is_past(reader: Reader, at: int) -> bool:

@@ -70,7 +70,7 @@ def _is_dangling(mentions: list[Mention], at: int) -> bool:
 
 
 def read_aims(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
-    """Takes a way of what a motion is to point at, unless the way is told: "bend its arm until it points at the sky"."""
+    """Makes a way of what a motion is to point at, unless one is told: "bend it until it points at the sky"."""
     result = list(mentions)
     for begin, end in list_segments(mentions):
         aims = [at for at in range(begin, end) if _is_aim(mentions[at])]
@@ -78,16 +78,18 @@ def read_aims(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
             continue
         last = max((at for at in range(begin) if mentions[at].motion is not None), default=begin)
         told, verb = {mention.kind for mention in mentions[last:begin]}, mentions[last].motion
-        if not _is_result(mentions, begin) or told & {*WAYS}:
-            result[begin:end] = [
-                empty(each) if at in aims or told & {*WAYS} else each
-                for at, each in enumerate(mentions[begin:end], begin)
-            ]
+        follows = _is_result(mentions, begin)
+        aside = mentions[aims[0]].form.endswith("ing") or has_motion(mentions[:end])
+        if follows and told & {*WAYS}:
+            result[begin:end] = map(empty, mentions[begin:end])
+        elif not follows and aside:  # "it rises, looking at the sky"
+            for at in aims:
+                result[at] = empty(mentions[at])
         elif MentionKind.PLACE in told:
             parts = (at for at in range(begin, end) if mentions[at].kind is MentionKind.PLACE)
             for at in parts:
                 result[at] = empty(mentions[at])  # "tip its head until its face points at the ceiling"
-        elif verb is not None and verb.effect is Effect.LEAN:
+        elif not follows or verb is not None and verb.effect in (Effect.LEAN, Effect.TURN):
             for at in aims:  # which end of it is to point there, is not said
                 result[at] = replace(mentions[at], kind=MentionKind.UNKNOWN, phrase=mentions[at].form)
     return result
@@ -99,14 +101,17 @@ def _is_aim(mention: Mention) -> bool:
 
 def _begins_outcome(mentions: list[Mention], begin: int, at: int, end: int) -> bool:
     """Return whether a purpose, or what is left, begins at ``at`` in a segment: "to touch", "leaving a heap"."""
+    form = mentions[at].form
+    if form not in get_set("leading_to") and form != "to":
+        return False
     before = get_last_motion(mentions[:at] if at == begin else mentions[begin:at])
     if before is None or before.generic:
         return False
-    told = {mention.kind for mention in mentions[at:end]}
-    if mentions[at].form in get_set("leading_to"):
+    if form != "to":
+        told = {mention.kind for mention in mentions[at:end]}
         return not told & {MentionKind.PLACE, *MOTIONS, *WAYS}
     aim = mentions[at + 1] if at + 2 < end else None
-    if aim is None or mentions[at].form != "to":
+    if aim is None:
         return False
     strange = aim.kind is MentionKind.UNKNOWN and aim.phrase not in get_set("paths") | get_set("worlds")
     return strange and not aim.form.endswith("s") or aim.form in get_set("aims")
@@ -130,21 +135,24 @@ def _is_becoming(segment: list[Mention]) -> bool:
 
 
 def read_ends(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
-    """Empties how something stands or lies at rest: "it comes to rest level", "it falls over and ends up lying flat"."""
+    """Empties how something stands or lies at rest: "it comes to rest level", "ends up lying flat"."""
     result = list(mentions)
     motion, lies = None, None
     for at, mention in enumerate(mentions):
         flat = mention.phrase == "flat" and mention.motion is not None
-        if motion is not None and (flat or mention.form in get_set("ends_of_rest")):
+        if mention.kind is MentionKind.JOIN:
+            leans = motion is not None and motion.effect is Effect.LEAN
+            motion, lies = motion if leans else None, None
+        elif motion is not None and (flat or mention.form in get_set("ends_of_rest")):
             if motion.effect in _RESTING or motion.lands or flat and motion.topples:
                 result[at] = empty(mention)
             if flat and lies is not None and not has_motion(mentions[:lies]):  # "it lies flat"
-                result[lies] = replace(
-                    mentions[lies], value=LEXICON.motions["lie down"], phrase="lie down"
-                )
+                result[lies] = replace(mentions[lies], value=LEXICON.motions["lie down"], phrase="lie down")
         elif mention.motion is not None:
-            back = mention.phrase.startswith("settle back") and motion is not None
-            if back and motion.effect is Effect.LEAN:  # "tilt it, then it settles back level"
+            back = mention.phrase.startswith("settle back")
+            if (
+                back and motion is not None and motion.effect is Effect.LEAN
+            ):  # "tilt it, then it settles back level"
                 result[at] = replace(mention, value=LEXICON.motions["return"], phrase="return")
             motion, lies = mention.motion, at if mention.phrase == "lie" else None
     return result
@@ -153,10 +161,11 @@ def read_ends(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
 def read_tumbles(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
     """Turns over what spins or is thrown "end over end": no top does that."""
     result: list[Mention] = []
+    last: int | None = None
     for mention in mentions:
         over = mention.motion is not None and mention.motion.generic and mention.motion.tumbles
-        last = max((at for at, each in enumerate(result) if each.motion is not None), default=None)
         verb = None if last is None else result[last].motion
+        last = len(result) if mention.motion is not None and not over else last
         if not over or last is None or verb is None:
             result.append(mention)
         elif verb.effect is Effect.TURN and not verb.tumbles:
