@@ -58,6 +58,30 @@ def test_a_limb_is_drawn_out_along_itself_and_snaps_back():
     assert out.held_until == back.active_time[0]
 
 
+@pytest.mark.parametrize(
+    "sentence",
+    ["stretch its arms to twice their length", "raise both arms, stretch them to double the length"],
+)
+def test_limbs_are_stretched_by_what_is_told_each_along_itself(sentence):
+    """Before, they were moved by two lengths."""
+    made = [each for each in read(sentence).expectations if each.kind is MotionKind.STRETCH]
+    assert [each.limb for each in made] == [0, 1]
+    assert all(each.amount is not None and each.amount.value == 2 for each in made)
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "raise its left arm, then let go so it flops back down",
+        "pull its left arm up and let it go so that it falls",
+    ],
+)
+def test_a_limb_that_is_let_go_falls_back_alone(sentence):
+    reply = read(sentence)
+    assert [(each.limb, each.released) for each in reply.expectations] == [(0, True)]
+    assert not reply.unsure and reply.anchor.kind == "rest"
+
+
 def test_a_limb_that_is_stretched_across_itself_is_left_to_a_force():
     reply = read("stretch its left arm upwards", frame_count=100)
     assert not [each for each in reply.force_field.constraints if each.bend is not None]

@@ -13,6 +13,7 @@ from physagent_jax.motion.schema import Amount, ObstacleRequest
 
 BY_DEFAULT = "by default"
 ACROSS = "across the part"
+ALONG = "along the part"
 
 
 class WayKind(enum.Enum):

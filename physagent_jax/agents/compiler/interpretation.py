@@ -9,6 +9,7 @@ from physagent_jax.agents.compiler.amounts import MOST, find_target
 from physagent_jax.agents.compiler.directions import TOWARDS, find_side, has_wheels, take_heading
 from physagent_jax.agents.compiler.events import (
     ACROSS,
+    ALONG,
     BY_DEFAULT,
     WAYS,
     Event,
@@ -278,7 +279,10 @@ def _act_from_sides(event: Event, brief: SceneBrief) -> None:
     sides, told = event.pick(WayKind.SIDES), event.pick(*WAYS)
     limbs = event.parts and find_limbs(event.parts[0], brief)
     all_around = bool(sides) and sides[0].names == ("all",)
-    spread = len(limbs) > 1 and event.effect is Effect.SCALE and event.motion.sign > 0 and not told
+    sized = any(
+        each.unit == "share" for each in event.clause.quantities
+    )  # "stretch its ears to twice their length"
+    spread = len(limbs) > 1 and event.effect is Effect.SCALE and event.motion.sign > 0 and not (told or sized)
     if event.effect is Effect.BURST and told:
         event.motion = replace(event.motion, effect=Effect.STRIKE)
     elif spread or limbs and all_around and event.effect in (Effect.PUSH, Effect.LEAN):
@@ -450,6 +454,8 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
             _turn(event, limb.swing, ACROSS)
         elif assumed and (event.motion.wrings or part.axle and event.effect is Effect.TURN):
             _turn(event, part.axle or limb.arm, "about the part's own line")
+        elif assumed and event.effect is Effect.SCALE and event.motion.sign > 0:
+            _turn(event, limb.arm, ALONG)
         elif assumed and _meets_face(event, part, limb.arm, brief):  # "poke its eye"
             way = scale(limb.arm, 1.0 if event.motion.pulls else -1.0)
             _turn(event, way, "out of or into the part's face")

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
 from physagent_jax.agents.compiler.events import (
+    ALONG,
     BY_DEFAULT,
     WAYS,
     Event,
@@ -22,6 +23,7 @@ from physagent_jax.agents.lexicon.types import HOLDABLE, is_end
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX
 from physagent_jax.motion.axes import find_lean_axis
+from physagent_jax.motion.joints import Turning
 from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.schema import Amount, AnchorRequest, SceneBrief
 from physagent_jax.motion.swaying import lies
@@ -56,10 +58,30 @@ def make_events(clauses: list[Event], builder: ForceFieldBuilder) -> list[Event]
             builder.notes.append(f"'{event.words}' is negated: it does not happen.")
         else:
             _add_event(events, event, builder)
+    events = [part for each in events for part in _stretch_each(each, builder.brief)]
     events = _share_time(_find_releases(events, builder))
     if any(each.effect not in _RESTING for each in events):
         events = [each for each in events if not _is_only_posture(each, events)]
     return events
+
+
+def _stretch_each(event: Event, brief: SceneBrief) -> list[Event]:
+    """The stretches of several limbs at once, each along its own line."""
+    if event.effect is not Effect.SCALE or event.motion.sign < 0 or len(event.limbs) < 2:
+        return [event]
+    together = event.clause.model_copy(update=dict(order="together"))
+    own = event.sources["vector"].why == ALONG
+    return [
+        replace(
+            event,
+            clause=together if number else event.clause,
+            limbs=(limb,),
+            region=brief.parts[limb].moved,
+            part=brief.parts[limb].side,
+            direction=Turning(brief.parts[limb], brief, brief.frame_count).arm if own else event.direction,
+        )
+        for number, limb in enumerate(event.limbs)
+    ]
 
 
 def _put_landings_first(clauses: list[Event]) -> list[Event]:
@@ -341,13 +363,18 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
     for event, after in zip(events, [*events[1:], None]):
         returned = event.motion.puts_back or event.is_back
         returned &= bool(result) and result[-1].effect is Effect.TOPPLE
+        limb = bool(next((each.limbs for each in reversed(result) if each.effect not in _RESTING), ()))
         if event.effect is not Effect.RELEASE and not returned:
-            result.append(event)
+            let_go = limb and result[-1].motion.lets_go and not event.parts and event.clause.order != "then"
+            if not (let_go and event.effect in (Effect.FALL, Effect.TOPPLE)):
+                result.append(event)  # else "lift its arm, let go so it falls back down": the arm does
             continue
         if result and result[-1].effect is Effect.RELEASE:
             continue  # "release it and let it swing back" is one release
         acted = any(each.effect not in _RESTING for each in result)
-        if event.motion.lets_go and _is_lifted(result, builder):
+        if event.motion.lets_go and limb:
+            result.append(event)
+        elif event.motion.lets_go and _is_lifted(result, builder):
             result.append(_make_another(event, "fall"))
         elif after is not None and after.effect in (Effect.FALL, Effect.TOPPLE):
             continue

@@ -22,6 +22,7 @@ from physagent_jax.agents.grammar.mentions import (
     list_segments,
 )
 from physagent_jax.agents.grammar.missiles import read_missiles
+from physagent_jax.agents.grammar.outcomes import read_aims, read_ends, read_outcomes, read_tumbles
 from physagent_jax.agents.grammar.poses import read_landings, read_poses
 from physagent_jax.agents.grammar.subjects import read_subjects, sticks_out
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
@@ -284,11 +285,12 @@ def read_comparisons(mentions: list[Mention], _names: frozenset[str]) -> list[Me
         if mention.kind is not MentionKind.FUNCTION or not (likens or supposes) or at is None or verb is None:
             continue
         end = _find_end(mentions, index)
+        telling = _is_telling(verb) or likens and _is_told(verb, mentions[at:end])
         model = _find_model(mentions[index:end]) if likens else None
         same = model is not None and LEXICON.motions[model].effect is verb.effect
         if model is not None and verb.generic and not same:
             result[at] = replace(result[at], value=LEXICON.motions[model], phrase=model)
-        elif not (_is_telling(verb) or same or supposes and not verb.generic):
+        elif not (telling or same or supposes and not verb.generic):
             continue
         told = (MentionKind.VERB, MentionKind.PLACE, *LOOSE[:2])
         inside = [i for i in range(index, end) if not supposes or mentions[i].kind in told]
@@ -323,9 +325,25 @@ def _is_telling(verb: Motion) -> bool:
     return not verb.generic and shaped and not (verb.effect is Effect.SCALE and verb.sign > 0)
 
 
+def _is_told(verb: Motion, told: list[Mention]) -> bool:
+    """Return whether a comparison adds nothing to a verb and its way: "push it to the left like a bulldozer"."""
+    words = {mention.form for mention in told}
+    if words & get_set("telling_models") or told[0].phrase in ("move", "go"):
+        return False
+    way = any(each.kind in (*WAYS, MentionKind.AXIS, MentionKind.PLANE, MentionKind.SIDES) for each in told)
+    stretched = verb.effect is Effect.SCALE and (way or bool(words & get_set("stretchy")))
+    struck = verb.effect is Effect.STRIKE and not verb.gravity
+    return stretched or struck or verb.bounces or verb.effect is Effect.PUSH and way
+
+
 def _find_end(mentions: list[Mention], index: int) -> int:
-    """The end of a comparison: a connective, a way, a time, a count."""
+    """The end of a comparison: a connective, a way, a time, a count; "and the beast" is no end."""
+    names = (MentionKind.FUNCTION, *LOOSE[:2])
     for at in range(index + 1, len(mentions)):
+        if mentions[at].value is Join.AND:
+            behind = next((each for each in mentions[at + 1 :] if each.kind not in names), None)
+            if at + 1 < len(mentions) and (behind is None or behind.kind is MentionKind.JOIN):
+                continue
         way = mentions[at].kind is MentionKind.DIRECTION and mentions[at - 1].form in ("to", "the")
         if mentions[at].kind in _GOES_ON or way:
             return at
@@ -539,6 +557,38 @@ def read_echoes(mentions: list[Mention], _names: frozenset[str]) -> list[Mention
     return result
 
 
+def read_exclamations(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Makes a count of a verb that is called out before it is told: "hop hop hop! It hops forward"."""
+    result, calls, count = list(mentions), [], 0
+    for at, (mention, behind) in enumerate(zip(mentions, [*mentions[1:], None])):
+        verb, mark = mention.kind is MentionKind.VERB, _is_mark(mention)
+        same = verb and bool(calls) and mention.phrase == mentions[calls[0]].phrase
+        begins = at == 0 or _is_mark(mentions[at - 1])
+        ends = behind is not None and (_is_mark(behind) or behind.phrase == _ECHO)
+        if verb and begins and ends and mention.form == mention.phrase and (same or not calls):
+            calls.append(at)
+            count += 1
+        elif calls and (mark or mention.phrase == _ECHO and isinstance(mention.value, Repeat)):
+            calls.append(at)
+            count += 0 if mark or not isinstance(mention.value, Repeat) else (mention.value.count or 1) - 1
+        elif same and count > 1:
+            end = next((k for k in range(at, len(mentions)) if mentions[k].kind is MentionKind.JOIN), None)
+            told = any(each.kind is MentionKind.REPEAT for each in mentions[calls[-1] + 1 : end])
+            count += begins and mentions[at - 1].value is Join.COMMA  # "push, push, push it"
+            repeat = replace(mention, kind=MentionKind.REPEAT, value=Repeat(count), phrase=_ECHO)
+            for call in calls:
+                result[call] = empty(mentions[call])
+            return result if told else [*result[: at + 1], repeat, *result[at + 1 :]]
+        elif verb or mention.kind is MentionKind.JOIN:
+            calls, count = [], 0
+    return result
+
+
+def _is_mark(mention: Mention) -> bool:
+    """Return whether a connective is a mark of punctuation."""
+    return mention.kind is MentionKind.JOIN and not mention.words.isalpha()
+
+
 def read_stillness(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
     """Makes a verb of a "still" that is said of a part, and none of an adverb; empties what denies a part the same.
 
@@ -573,11 +623,16 @@ def _read_as(mention: Mention, word: str) -> Mention:
 
 PASSES = (
     read_echoes,
+    read_exclamations,
     read_missiles,
     drop_others,
     read_corrections,
     mark_exceptions,
     read_comparisons,
+    read_aims,
+    read_outcomes,
+    read_ends,
+    read_tumbles,
     read_stillness,
     read_returns,
     read_rebounds,

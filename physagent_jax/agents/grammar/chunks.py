@@ -14,6 +14,7 @@ from physagent_jax.agents.lexicon import Effect, Join, Motion, Place
 
 GAP = "~"
 LONGEST_GAP = 4
+_ENDS = ("end", "heels", "tail", "head", "nose")  # "end over end" turns on and on
 _ADVERBS = 6  # words from "from" to "up"
 Entry = tuple[tuple[str, ...], MentionKind, object]
 
@@ -87,7 +88,9 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
     if not matches:
         return None
     (words, kind, value), used = max(matches, key=lambda match: (len(match[0][0]), GAP not in match[0][0]))
-    if kind is MentionKind.PLACE and words[0] != "one" and reader.is_gripped(at):
+    if isinstance(value, Place) and _is_standing(reader, at, value):
+        kind, value = MentionKind.FUNCTION, None  # "wobble it on its base"
+    elif kind is MentionKind.PLACE and words[0] != "one" and reader.is_gripped(at):
         kind, value = MentionKind.FUNCTION, None  # "lift it by the end of its handle": all of it
     elif kind is MentionKind.VERB and isinstance(value, Motion) and _is_means(reader, value, at):
         kind = MentionKind.CAUSE
@@ -200,8 +203,6 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         owned |= before == "one" and reader.get_text(at - 2) not in ("with", "by", "of")
         if words[0] in ("one", "a", "an") and before in (*get_set("before_ways"), words[-1] != "of" and "on"):
             return True  # "it rolls to one side of the room", "stand it on one end"
-        if value.names == ("down",) and _is_standing(reader, at):
-            return True  # "wobble it on its base"
         another = before in ("a", "an") and not set(words) & LEXICON.one_of_many
         return (text in LEXICON.agents and not owned) or another and reader.get_text(at + 1) != "of"
     if kind is MentionKind.POSE and words[-1] in ("down", "up") and reader.is_after_determiner(at):
@@ -216,6 +217,7 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         over = words[-2:] == (GAP, "over") and (
             behind in get_set("determiners") or behind in NUMBERS or behind.isdigit()
         )
+        over |= words[-2:] == (GAP, "over") and {behind, reader.get_text(used[-1] - 1)} <= set(_ENDS)
         return over or begins_longer_phrase(reader, used[-1])
     described = before in LEXICON.intensities and not before.endswith("ly")
     article = reader.get_text(at - 2) in ("the", "its", "a", "an")
@@ -276,11 +278,20 @@ def _find_owner(reader: Reader, at: int) -> int:
     return at - 1
 
 
-def _is_standing(reader: Reader, at: int) -> bool:
+def _is_standing(reader: Reader, at: int, place: Place) -> bool:
     """Return whether what is done last is done on the spot: what it stands on is no part that is moved."""
     motion = get_last_motion(reader.mentions)
-    spot = motion is not None and motion.effect in (Effect.SWAY, Effect.TURN, Effect.JUMP, Effect.STILL)
-    return spot and reader.get_preposition(at) == "on"
+    rests = motion is not None and motion.effect is Effect.STILL
+    if rests and reader.get_preposition(at) == "of":
+        at -= 2 + reader.is_after_determiner(at)  # "it balances on the end of its handle"
+    below = place.names == ("down",) or place.role.startswith("leg")
+    spot = motion is not None and motion.effect in (Effect.SWAY, Effect.TURN, Effect.JUMP) and below
+    if rests or not spot:
+        return rests and reader.get_preposition(at) == "on"
+    at -= 1
+    while reader.get_text(at) in get_set("determiners") | get_set("owners_of_feet") | {"one"}:
+        at -= 1  # "hops on one foot"
+    return reader.get_text(at) == "on"
 
 
 def _is_past(reader: Reader, at: int) -> bool:

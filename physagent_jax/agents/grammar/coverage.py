@@ -176,9 +176,8 @@ def is_mostly_unknown(mentions: list[Mention], coverage: Coverage) -> bool:
 def is_look(word: str) -> bool:
     """Return whether a word tells a look, a mood, a light, a camera or the like: "merrily", "naughty", "cinematic"."""
     stem = word.removesuffix("ly")
-    return not _LOOKS.isdisjoint(
-        (word, *((stem, stem.removesuffix("i") + "y", stem + "le") if stem != word else ()))
-    )
+    stems = (stem, stem.removesuffix("i") + "y", stem + "le", stem.removesuffix("al")) if stem != word else ()
+    return not _LOOKS.isdisjoint((word, *stems))
 
 
 def _is_named_here(spot: _Spot, named: bool, taken: list[str]) -> bool:

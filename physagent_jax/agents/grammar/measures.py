@@ -159,7 +159,8 @@ def _make_quantity(
         "": False,
         "always": True,
         "counted": counted,
-        "measured": counted or groups.get("metres") not in ("m", "foot", "feet"),  # "a foot"
+        "measured": (counted or groups.get("metres") not in ("m", "foot", "feet"))  # "a foot"
+        and not (groups.get("metres") in ("foot", "feet") and words.get(at - 1) in get_set("before_feet")),
         "owned": counted or "'s" in text,
         "part": value < 1.0,
         "by": by,

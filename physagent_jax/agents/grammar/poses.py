@@ -58,13 +58,15 @@ def _find_side(mentions: list[Mention], at: int) -> tuple[int, str | None]:
         return at, str(mention.value)
     if mention.phrase == "upside down":
         return at, "up"
-    owned = at >= 2 and mentions[at - 1].form in get_set("pronouns_of_owners")
-    if not owned or mentions[at - 2].form not in ("on", "onto") or mention.kind not in _NOUNS:
+    first = at - 1
+    while first > 0 and mentions[first].form in get_set("owners_of_feet"):
+        first -= 1  # "on all four of its feet"
+    if first in (0, at - 1) or mentions[first].form not in ("on", "onto") or mention.kind not in _NOUNS:
         return at, None
     if (side := read_sections()["lying"].get(mention.phrase)) is not None:
-        return at - 2, side
+        return first, side
     side = " ".join(mention.value.names) if isinstance(mention.value, Place) else ""
-    return at - 2, side if side in ("up", "down", "toward", "away", "left", "right") else ""
+    return first, side if side in ("up", "down", "toward", "away", "left", "right") else ""
 
 
 def _find_drop(mentions: list[Mention], verbs: list[int]) -> int | None:

@@ -71,11 +71,14 @@ def _read_nothing(reader: Reader, at: int) -> Mention | None:
 
 
 def _read_load(reader: Reader, at: int) -> Mention | None:
-    """Reads "someone sits down on the sofa": it is pressed."""
+    """Reads "someone sits down on the sofa", "someone sits on it": it is pressed."""
     behind = at + 1 + (reader.get_text(at + 1) == "down")
     noun = behind + 1 + (reader.get_text(behind + 1) in get_set("determiners"))
     loaded = reader.tokens[at].lemma in get_set("loads") and reader.get_text(behind) in ("on", "onto", "upon")
-    if not loaded or reader.get_text(noun) not in reader.names or has_motion(reader.mentions):
+    told = reader.names | (
+        get_set("objects") if reader.get_text(at - 1) in get_set("persons") else frozenset()
+    )
+    if not loaded or reader.get_text(noun) not in told or has_motion(reader.mentions):
         return None
     press = LEXICON.motions["press"]
     return reader.make_mention(MentionKind.VERB, press, "press", list(range(at, behind + 1)))
