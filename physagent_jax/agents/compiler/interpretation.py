@@ -32,7 +32,7 @@ from physagent_jax.motion.limbs import stands_on_legs, sum_directions
 from physagent_jax.motion.parts import explain_guess, explain_missing
 from physagent_jax.motion.schema import Amount, ObstacleRequest, SceneBrief
 from physagent_jax.motion.swaying import lies, stands_slim
-from physagent_jax.motion.vectors import clamp, dot, normalise, scale
+from physagent_jax.motion.vectors import add, clamp, dot, normalise, scale
 
 # What each kind of way means nothing for; nor does a part for what all of the object does.
 _NO_WAYS = (Effect.SWELL, Effect.BURST, Effect.STILL)
@@ -48,6 +48,7 @@ _USELESS = {
 _WHOLE = (Effect.ROLL, Effect.BURST, Effect.TOPPLE, Effect.JUMP, Effect.FALL)
 _ONCE = (Effect.FALL, Effect.TOPPLE, Effect.ROLL, Effect.BURST, Effect.RELEASE, Effect.STILL)
 _STEEP = 0.7  # cosine to the vertical
+_UPRIGHT = 0.9  # the same, from which on a part lies above or below
 _OWN_PARTS = dict(
     nod="head", wag="tail", flap="wings", wave="arm", salute="arm", clap="arms"
 )  # with no other named
@@ -62,6 +63,7 @@ _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 
 def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     """Fill in what a clause's words come to; "harder", "back" and "the other way" are measured by ``before``."""
+    _aim_at_parts(event, brief)
     event.motion, event.phrase = _choose_motion(event, brief, before is None)
     event.repeat = _sum_repeats(event)
     _resolve_strength(event, before if event.clause.inherited else None)
@@ -91,6 +93,25 @@ def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     if not able[event.motion.by] or event.motion.gives and event.clause.solids:
         event.doubts.append(f"How '{event.words}' is done is not understood.")
     event.obstacles += resolve_obstacles(event.clause.solids, event.direction, brief)
+
+
+def _aim_at_parts(event: Event, brief: SceneBrief) -> None:
+    """Makes directions of the parts that it goes towards: "tip it toward its handle" is where that lies."""
+    told = [way for way in event.ways if way.place is not None]
+    event.ways = [way for way in event.ways if way.place is None]
+    for way in told:
+        part = KnownPart(way.place or NAMED, way.phrase, way.text)
+        sides = [brief.parts[limb].side for limb in find_limbs(part, brief)] or [find_side(part, brief)]
+        side = normalise(add(each for each in sides if each is not None))
+        if side is None:
+            event.unknown_parts.append(way.text)
+            event.doubts.append(explain_missing(way.text, brief.parts))
+            continue
+        steep = abs(dot(side, brief.directions.up)) > _UPRIGHT
+        axes = ("up", "down") if steep else ("left", "right", "toward", "away")
+        shares = {name: dot(side, getattr(brief.directions, name)) for name in axes}
+        names = tuple(name for name, share in shares.items() if share > max(shares.values()) / 2)
+        event.ways.append(replace(way, names=names, place=None))
 
 
 def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion, str]:
@@ -134,6 +155,8 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
         phrase = "roll"  # "tumbles to the right"
     elif motion.manner == "detach" and not event.parts and phrase.split()[0] in motions:
         phrase = phrase.split()[0]  # "the robot falls off"
+    elif motion.manner == "detach" and not event.parts and brief.object_kind == "plant":
+        phrase = "fall over"  # "the tree is sawn off"
     elif phrase == "swing" and not repeats and event.pick(WayKind.TO) and (event.parts or event.is_upwards):
         phrase = "raise" if event.is_upwards else "move"  # "swings its arm forward": once
     elif phrase == "beat" and event.parts and not _WINGS.isdisjoint(event.parts[0].text.lower().split()):
@@ -148,7 +171,9 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
         phrase = "move"  # "it coasts to the left"; else it goes on by itself
     elif motion.by == "limp" and brief.object_kind != "cloth" and not event.parts and stands_slim(brief):
         phrase = "bend"  # "the lamp droops"
-    elif motion.gives and _droops(event, brief) and phrase.split()[0] in ("sag", "slump", "flop"):
+    elif (
+        motion.gives and _droops(event, brief) and phrase.split()[0] in ("sag", "slump", "flop", "give", "go")
+    ):
         return replace(
             motions["droop"], manner="bend", by=""
         ), phrase  # "slumps to one side", "the plant sags"
