@@ -28,7 +28,7 @@ def test_all_of_it_goes_towards_a_part(sentence, kind, way):
 
 def test_a_part_goes_towards_another_one():
     (motion,) = read("it curls its tail towards its head", HEAD, TAIL, **GROUND).expectations
-    assert motion.limb == 1 and motion.direction[2] > 0
+    assert motion.limb == 1 and motion.direction is not None and motion.direction[2] > 0
 
 
 def test_a_part_that_is_not_there_is_no_way():
@@ -88,3 +88,13 @@ def test_the_raised_end_of_a_car_is_dropped_from_where_it_is():
     sentence = "pull up the front of the car until it stands on its back wheels, then drop it"
     (motion,) = read(sentence, HEAD, object_name="car", object_kind="vehicle", **GROUND).expectations
     assert motion.released
+
+
+def test_a_tree_that_is_sawn_off_falls_over():
+    scene = dict(object_name="tree", object_kind="plant", **GROUND)
+    for sentence in (
+        "the tree is sawn off and falls to the left",
+        "saw the tree off at its base to the left",
+    ):
+        kinds = {each.kind for each in read(sentence, HEAD, **scene).expectations}
+        assert kinds == {MotionKind.ROTATE, MotionKind.FALL}, sentence

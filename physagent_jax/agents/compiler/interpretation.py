@@ -56,6 +56,7 @@ _WINGS = frozenset("wing wings fin fins flipper flippers".split())  # what beats
 _SCURRYING = ("scuttle", "scurry", "paddle", "run")  # what legs and fins do by themselves
 _OTHERS = frozenset(("other", "another", "one", "each", "next"))  # beside a limb's name: not that of before
 _BEARERS = dict(hand="arm", hands="arms", fist="arm", fists="arms", head="neck")
+_SEVERING = ("break", "snap", "crack", "cut", "chop", "saw", "hack", "shear", "tear", "rip")
 _HOPS = 20.0  # [degrees] by which an end is raised that hops up
 _SLAM = 1.3  # strength with which a wall is met that it comes off
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
@@ -153,10 +154,10 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
         return replace(motions["toss"], tumbles=True), phrase  # "flip it into the air"
     elif phrase == "tumble" and event.goes_aside and first:
         phrase = "roll"  # "tumbles to the right"
+    elif _is_felled(event, motion, brief):
+        phrase = "fall over"
     elif motion.manner == "detach" and not event.parts and phrase.split()[0] in motions:
         phrase = phrase.split()[0]  # "the robot falls off"
-    elif motion.manner == "detach" and not event.parts and brief.object_kind == "plant":
-        phrase = "fall over"  # "the tree is sawn off"
     elif phrase == "swing" and not repeats and event.pick(WayKind.TO) and (event.parts or event.is_upwards):
         phrase = "raise" if event.is_upwards else "move"  # "swings its arm forward": once
     elif phrase == "beat" and event.parts and not _WINGS.isdisjoint(event.parts[0].text.lower().split()):
@@ -187,6 +188,12 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
     else:
         return motion, phrase
     return motions[phrase], phrase
+
+
+def _is_felled(event: Event, motion: Motion, brief: SceneBrief) -> bool:
+    """Return whether a plant is severed as a whole, so that it falls over: "the tree is sawn off"."""
+    severed = motion.manner == "detach" and not event.parts and event.phrase.split()[0] in _SEVERING
+    return severed and brief.object_kind == "plant"
 
 
 def _lifts_end(event: Event, motion: Motion, brief: SceneBrief) -> bool:

@@ -119,7 +119,9 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
             return  # "it drops and bounces twice"
     lowered = all(each.effect in _LOWERING for each in events) and event.motion.lands
     if events and event.effect is Effect.FALL and (events[-1].motion.gives or lowered):
-        return  # "it sags until its belly touches the ground"
+        if not event.goes_aside:
+            return  # "it sags until its belly touches the ground"
+        events.pop()  # "it collapses and falls to the left": it falls over
     _measure_return(event, events)
     event = _put_under_gravity(event, builder.gravity)
     level = event.direction is not None and abs(dot(event.direction, builder.brief.directions.up)) < _LEVEL
