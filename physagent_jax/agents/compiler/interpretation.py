@@ -173,7 +173,7 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
     elif motion.by == "limp" and brief.object_kind != "cloth" and not event.parts and stands_slim(brief):
         phrase = "bend"  # "the lamp droops"
     elif (
-        motion.gives and _droops(event, brief) and phrase.split()[0] in ("sag", "slump", "flop", "give", "go")
+        motion.gives and _droops(event, brief) and phrase.split()[0] in ("sag", "slump", "flop", "give")
     ):
         return replace(
             motions["droop"], manner="bend", by=""
