@@ -172,9 +172,7 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
         phrase = "move"  # "it coasts to the left"; else it goes on by itself
     elif motion.by == "limp" and brief.object_kind != "cloth" and not event.parts and stands_slim(brief):
         phrase = "bend"  # "the lamp droops"
-    elif (
-        motion.gives and _droops(event, brief) and phrase.split()[0] in ("sag", "slump", "flop", "give")
-    ):
+    elif motion.gives and _droops(event, brief):
         return replace(
             motions["droop"], manner="bend", by=""
         ), phrase  # "slumps to one side", "the plant sags"
@@ -215,8 +213,10 @@ def _is_of_limbs(event: Event, brief: SceneBrief) -> bool:
 
 def _droops(event: Event, brief: SceneBrief) -> bool:
     """Return whether what sags hangs down rather than gives way: "the plant sags", "its ears sag"."""
-    limp = bool(event.ways) or brief.object_kind in LIMP
-    return limp or bool(event.parts and find_limbs(event.parts[0], brief))
+    limb = bool(event.parts and find_limbs(event.parts[0], brief))
+    if event.phrase.split()[0] not in ("sag", "slump", "flop"):
+        return limb and event.phrase.startswith("give")  # "its arm gives out"
+    return limb or bool(event.ways) or brief.object_kind in LIMP
 
 
 def _drops_limb(event: Event, motion: Motion, brief: SceneBrief) -> bool:
