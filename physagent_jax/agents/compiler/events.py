@@ -39,12 +39,14 @@ class KnownWay:
         names: Directions that are added; for sides "both" or "all", for `WayKind.AGAIN` "same" or "other".
         phrase: The lexicon's phrase.
         text: The words in the sentence.
+        place: The part that it goes towards ("toward its handle"), until it is known which way that is; else None.
     """
 
     kind: WayKind
     names: Names
     phrase: str
     text: str
+    place: Place | None = None
 
 
 @dataclass(frozen=True)

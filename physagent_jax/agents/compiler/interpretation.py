@@ -33,7 +33,7 @@ from physagent_jax.motion.limbs import stands_on_legs, sum_directions
 from physagent_jax.motion.parts import explain_guess, explain_missing
 from physagent_jax.motion.schema import Amount, ObstacleRequest, SceneBrief
 from physagent_jax.motion.swaying import lies, stands_slim
-from physagent_jax.motion.vectors import clamp, dot, normalise, scale
+from physagent_jax.motion.vectors import add, clamp, dot, normalise, scale
 
 # What each kind of way means nothing for; nor does a part for what all of the object does.
 _NO_WAYS = (Effect.SWELL, Effect.BURST, Effect.STILL)
@@ -49,6 +49,7 @@ _USELESS = {
 _WHOLE = (Effect.ROLL, Effect.BURST, Effect.TOPPLE, Effect.JUMP, Effect.FALL)
 _ONCE = (Effect.FALL, Effect.TOPPLE, Effect.ROLL, Effect.BURST, Effect.RELEASE, Effect.STILL)
 _STEEP = 0.7  # cosine to the vertical
+_UPRIGHT = 0.9  # the same, from which on a part lies above or below
 _OWN_PARTS = dict(
     nod="head", wag="tail", flap="wings", wave="arm", salute="arm", clap="arms"
 )  # with no other named
@@ -56,6 +57,7 @@ _WINGS = frozenset("wing wings fin fins flipper flippers".split())  # what beats
 _SCURRYING = ("scuttle", "scurry", "paddle", "run")  # what legs and fins do by themselves
 _OTHERS = frozenset(("other", "another", "one", "each", "next"))  # beside a limb's name: not that of before
 _BEARERS = dict(hand="arm", hands="arms", fist="arm", fists="arms", head="neck")
+_SEVERING = ("break", "snap", "crack", "cut", "chop", "saw", "hack", "shear", "tear", "rip")
 _HOPS = 20.0  # [degrees] by which an end is raised that hops up
 _SLAM = 1.3  # strength with which a wall is met that it comes off
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
@@ -63,6 +65,7 @@ _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 
 def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     """Fill in what a clause's words come to; "harder", "back" and "the other way" are measured by ``before``."""
+    _aim_at_parts(event, brief)
     event.motion, event.phrase = _choose_motion(event, brief, before is None)
     event.repeat = _sum_repeats(event)
     _resolve_strength(event, before if event.clause.inherited else None)
@@ -92,6 +95,25 @@ def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     if not able[event.motion.by] or event.motion.gives and event.clause.solids:
         event.doubts.append(f"How '{event.words}' is done is not understood.")
     event.obstacles += resolve_obstacles(event.clause.solids, event.direction, brief)
+
+
+def _aim_at_parts(event: Event, brief: SceneBrief) -> None:
+    """Makes directions of the parts that it goes towards: "tip it toward its handle" is where that lies."""
+    told = [way for way in event.ways if way.place is not None]
+    event.ways = [way for way in event.ways if way.place is None]
+    for way in told:
+        part = KnownPart(way.place or NAMED, way.phrase, way.text)
+        sides = [brief.parts[limb].side for limb in find_limbs(part, brief)] or [find_side(part, brief)]
+        side = normalise(add(each for each in sides if each is not None))
+        if side is None:
+            event.unknown_parts.append(way.text)
+            event.doubts.append(explain_missing(way.text, brief.parts))
+            continue
+        steep = abs(dot(side, brief.directions.up)) > _UPRIGHT
+        axes = ("up", "down") if steep else ("left", "right", "toward", "away")
+        shares = {name: dot(side, getattr(brief.directions, name)) for name in axes}
+        names = tuple(name for name, share in shares.items() if share > max(shares.values()) / 2)
+        event.ways.append(replace(way, names=names, place=None))
 
 
 def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion, str]:
@@ -133,6 +155,8 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
         return replace(motions["toss"], tumbles=True), phrase  # "flip it into the air"
     elif phrase == "tumble" and event.goes_aside and first:
         phrase = "roll"  # "tumbles to the right"
+    elif _is_felled(event, motion, brief):
+        phrase = "fall over"
     elif motion.manner == "detach" and not event.parts and phrase.split()[0] in motions:
         phrase = phrase.split()[0]  # "the robot falls off"
     elif phrase == "swing" and not repeats and event.pick(WayKind.TO) and (event.parts or event.is_upwards):
@@ -149,7 +173,7 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
         phrase = "move"  # "it coasts to the left"; else it goes on by itself
     elif motion.by == "limp" and brief.object_kind != "cloth" and not event.parts and stands_slim(brief):
         phrase = "bend"  # "the lamp droops"
-    elif motion.gives and _droops(event, brief) and phrase.split()[0] in ("sag", "slump", "flop"):
+    elif motion.gives and _droops(event, brief):
         return replace(
             motions["droop"], manner="bend", by=""
         ), phrase  # "slumps to one side", "the plant sags"
@@ -163,6 +187,12 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
     else:
         return motion, phrase
     return motions[phrase], phrase
+
+
+def _is_felled(event: Event, motion: Motion, brief: SceneBrief) -> bool:
+    """Return whether a plant is severed as a whole, so that it falls over: "the tree is sawn off"."""
+    severed = motion.manner == "detach" and not event.parts and event.phrase.split()[0] in _SEVERING
+    return severed and brief.object_kind == "plant"
 
 
 def _lifts_end(event: Event, motion: Motion, brief: SceneBrief) -> bool:
@@ -184,8 +214,10 @@ def _is_of_limbs(event: Event, brief: SceneBrief) -> bool:
 
 def _droops(event: Event, brief: SceneBrief) -> bool:
     """Return whether what sags hangs down rather than gives way: "the plant sags", "its ears sag"."""
-    limp = bool(event.ways) or brief.object_kind in LIMP
-    return limp or bool(event.parts and find_limbs(event.parts[0], brief))
+    limb = bool(event.parts and find_limbs(event.parts[0], brief))
+    if event.phrase.split()[0] not in ("sag", "slump", "flop"):
+        return limb and event.phrase.startswith("give")  # "its arm gives out"
+    return limb or bool(event.ways) or brief.object_kind in LIMP
 
 
 def _drops_limb(event: Event, motion: Motion, brief: SceneBrief) -> bool:

@@ -31,7 +31,18 @@ from physagent_jax.motion.tipping import SLOW
 from physagent_jax.motion.vectors import dot, scale
 
 _AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
-_ROCKING = ("let", "rock", "swing", "sway", "tip")  # begins of phrases for what comes back by itself
+_ROCKING = (
+    "let",
+    "rock",
+    "swing",
+    "sway",
+    "tip",
+    "catch",
+    "steady",
+    "save",
+    "regain",
+)  # begins of phrases for what comes back by itself
+_MOMENT = 0.2  # of the clip, below which a hold is but a moment
 _LAID = 90.0  # [degrees] that what has fallen over is turned by
 _OVER = 120.0  # [degrees] from where on it is turned over
 _LEVEL = 0.5  # cosine to the vertical below which what stands falls aside
@@ -130,13 +141,17 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
             return  # "it drops and bounces twice"
     lowered = all(each.effect in _LOWERING for each in events) and event.motion.lands
     if events and event.effect is Effect.FALL and (events[-1].motion.gives or lowered):
-        return  # "it sags until its belly touches the ground"
+        if not event.goes_aside:
+            return  # "it sags until its belly touches the ground"
+        events.pop()  # "it collapses and falls to the left": it falls over
     _measure_return(event, events)
     event = _put_under_gravity(event, builder.gravity)
     level = event.direction is not None and abs(dot(event.direction, builder.brief.directions.up)) < _LEVEL
     aloft = (e.effect in _ALOFT or e.motion.gravity or _is_lifted([e], builder) for e in events)
     before = events[-1] if events else None
     ends = before and is_end(before.motion, event.motion) and event.clause.order != "together"
+    if before and before.effect is Effect.LEAN and event.is_bare and _is_dropped(event, builder):
+        event = _make_another(event, "let go")  # "lift its front end, then drop it"
     lower = all(way.names == ("down",) for way in event.ways) and not event.clause.quantities
     ends = ends or before and before.effect in _UPSETTING and lower and event.clause.order != "then"
     if event.motion.topples and (level or ends) and builder.grounded and not any(aloft):  # it stands
@@ -395,6 +410,7 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
         ):
             motion = read_lexicon().motions[phrase]
             usual = getattr(builder.brief.directions, motion.direction) if motion.direction else None
+            usual = builder.brief.directions.left if motion.effect is Effect.SWAY else usual
             way, strength = event.direction or usual, event.strength * motion.strength
             result.append(replace(event, motion=motion, phrase=phrase, direction=way, strength=strength))
             builder.notes.append(f"'{event.text}': nothing acts before it, so it is read as '{phrase}'.")
@@ -461,7 +477,8 @@ def _hold(event: Event, last: Event | None, after: Event | None) -> list[Event]:
     moved = last is not None and not last.clause.negated and last.effect in HOLDABLE
     let_go = after is not None and after.effect is Effect.RELEASE and after.is_bare
     if moved and last is not None and let_go and not last.is_timed:
-        last.when = event.when  # "hold it for a second, then release it"
+        lasts = event.when.lasts  # "hold it for a second, then release it"; a moment is no time to get there
+        last.when = Timing() if lasts and lasts.unit == "clip" and lasts.value < _MOMENT else event.when
     elif after is not None and event.is_timed:
         return [_wait(event)]  # "hold it for a second, then"
     elif moved and last is not None and event.clause.order != "together":

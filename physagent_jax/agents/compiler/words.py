@@ -36,12 +36,15 @@ def look_up(clause: intent.Clause, named: frozenset[tuple[str, ...]] = frozenset
         known, sense = find_way(way), read_lexicon().senses.get(normalise(way.word))
         if sense is not None and clause.turning in (None, senses[sense]):
             found.clause = clause.model_copy(update={"turning": senses[sense]})
-        elif known is None:
-            found.doubts.append(f"The way '{way.word}' is not understood.")
-        else:
+        elif known is not None:
             found.ways.append(known)
+        elif way.relation is intent.Relation.TO and (place := _find_part(way.word, named)):
+            text = way.text or way.word
+            found.ways.append(KnownWay(WayKind.TO, place.names, normalise(way.word), text, place))
+        else:
+            found.doubts.append(f"The way '{way.word}' is not understood.")
     for part in clause.parts:
-        place = find_place(part.word) or (NAMED if split_name(normalise(part.word)) in named else None)
+        place = _find_part(part.word, named)
         if place is None:
             found.doubts.append(f"The part '{part.word}' is not understood.")
         else:
@@ -54,6 +57,11 @@ def look_up(clause: intent.Clause, named: frozenset[tuple[str, ...]] = frozenset
         if len(known_words) < len(told):
             found.doubts.append(f"The strength '{words}' is not understood.")
     return found
+
+
+def _find_part(word: str, named: frozenset[tuple[str, ...]]) -> Place | None:
+    """The place of a part, which may have a name of its own."""
+    return find_place(word) or (NAMED if split_name(normalise(word)) in named else None)
 
 
 def _look_up_motion(found: Event) -> None:

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import pairwise
 
+from physagent_jax.agents.grammar.landmarks import read_landmarks
 from physagent_jax.agents.grammar.mentions import (
     LOOSE,
     MOTIONS,
@@ -26,7 +27,7 @@ from physagent_jax.agents.grammar.outcomes import read_aims, read_ends, read_out
 from physagent_jax.agents.grammar.poses import read_landings, read_poses
 from physagent_jax.agents.grammar.subjects import read_subjects, sticks_out
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
-from physagent_jax.agents.intent import Solid
+from physagent_jax.agents.intent import Quantity, Solid
 from physagent_jax.agents.lexicon import Effect, Join, Motion, Place, Repeat
 
 OTHER = "other"
@@ -37,6 +38,7 @@ _REPLACED = {kind: (kind,) for kind in (MentionKind.PLACE, MentionKind.SENSE, Me
     way: WAYS for way in WAYS
 }
 _REST = {("nothing", "else"), ("everything", "else"), ("all", "else")}
+_UPPERMOST = ("top", "lid", "crown", "head")  # first roles of what is on top
 _HOVERING = (Effect.TURN, Effect.ROLL, Effect.STILL)
 _NEAR = 6  # words from a part to the one that it is on
 _REBOUNDING = ("bounc", "rebound", "ricochet")
@@ -402,9 +404,9 @@ def read_results(mentions: list[Mention], names: frozenset[str]) -> list[Mention
         plain = read_sections()["results"].get(mention.form) if mention.kind in LOOSE else None
         behind = mentions[at + 1] if at + 1 < len(mentions) else None
         describes = behind is not None and (behind.kind is MentionKind.UNKNOWN or behind.phrase in names)
-        grows = (
-            mention.motion is not None and mention.motion.generic and mention.motion.effect is Effect.SCALE
-        )
+        shape = mention.motion if mention.motion is not None and mention.motion.generic else None
+        fatter = scaled.sign < 0 and mention.phrase in read_sections()["made_by"]
+        grows = shape is not None and (shape.effect is Effect.SCALE or fatter)
         word = mention.phrase if grows else plain
         if mention.value is Join.THEN:
             break
@@ -416,7 +418,23 @@ def read_results(mentions: list[Mention], names: frozenset[str]) -> list[Mention
             result[at], others[at] = empty(mention), word
     for at, word in list(others.items())[: not own]:
         result[at] = _read_as(mentions[at], read_sections()["made_by"][word])
-    return result
+    shaped = own or bool(others) or any(map(_is_share, mentions))
+    return _drop_uppermost(result) if scaled.sign < 0 and shaped else result
+
+
+def _is_share(mention: Mention) -> bool:
+    """Return whether it tells how large something becomes: "until it's half as tall"."""
+    return isinstance(mention.value, Quantity) and mention.value.relation == "is"
+
+
+def _drop_uppermost(mentions: list[Mention]) -> list[Mention]:
+    """The mentions without the one part, on top, that is pressed on to squash all of it: "press on its head"."""
+    parts = [at for at, each in enumerate(mentions) if isinstance(each.value, Place)]
+    place = mentions[parts[0]].value if len(parts) == 1 else None
+    top = isinstance(place, Place) and (place.names == ("up",) or place.role.startswith(_UPPERMOST))
+    before = mentions[max(parts[0] - 2, 0) : parts[0]] if top else []
+    pressed = any(each.words.lower().split()[-1] in ("on", "upon", "onto") for each in before)
+    return [empty(each) if pressed and at == parts[0] else each for at, each in enumerate(mentions)]
 
 
 def read_locations(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
@@ -637,6 +655,7 @@ PASSES = (
     read_returns,
     read_rebounds,
     read_heights,
+    read_landmarks,
     read_poses,
     read_landings,
     read_grounding,

@@ -332,6 +332,12 @@ def _is_matter_of_a_part(spot: _Spot) -> bool:
     return spot.word in read_material_words().words and any(each.kind is MentionKind.PLACE for each in before)
 
 
+def _is_a_share(spot: _Spot) -> bool:
+    """The pieces that something breaks or bursts into, and how many: "into thousands of pieces"."""
+    parts = spot.motion is not None and (spot.motion.gives or spot.motion.effect is Effect.BURST)
+    return parts and spot.word in get_set("crowds") | get_set("paths")
+
+
 def _is_result(spot: _Spot) -> bool:
     """A result: "bend it into a knot"; or a way: "toward the north"."""
     return spot.preposition in ("into", "toward", "towards", "like")
@@ -393,6 +399,7 @@ _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
     (_is_style, True),
     (_is_matter_of_a_part, True),
     (lambda spot: spot.word in get_set("remains") and spot.motion is not None, True),
+    (_is_a_share, True),
     (lambda s: s.word == "head" and s.mentions[s.index - 1].words in s.names and s.motion is None, True),
     (_is_a_path, False),
     (_is_heading, True),

@@ -59,14 +59,16 @@ _GROUPS = (
     "as_far",
     "dimensions",
     "angles",
+    "heights",
+    "full",
     "metres",
     "other_units",
     "compared",
     "adjectives",
 )
-_BEGINNINGS = {word.split()[0] for name in ("factors", "as_far") for word in _TABLES[name]} | get_set(
-    "before_factors"
-)
+_BEGINNINGS = {
+    word.split()[0] for name in ("factors", "as_far", "heights") for word in _TABLES[name]
+} | get_set("before_factors")
 _MOST, _LONGEST = 1e9, 1e6  # of a quantity, and of a time
 _NEAR = 8  # words before a quantity in which its verb stands
 _LEAST_DEGREES = 45  # of a "180 turn": nobody asks for so many turns
@@ -170,6 +172,7 @@ def _make_quantity(
         "leaned": Effect.LEAN in done,
         "pressed": Effect.SCALE in done,
         "spun": Effect.TURN in done,
+        "apposed": before == "," and Effect.TURN in done,
         "driven": Effect.PUSH in done,
         "large": value >= _LEAST_DEGREES,
         "from": before == "from",
@@ -178,7 +181,9 @@ def _make_quantity(
     }
     if not holds[row.get("when", "always")]:
         return None
-    scales = [_TABLES[name][groups[name]] for name in ("factors", "angles", "metres") if groups.get(name)]
+    scales = [
+        _TABLES[name][groups[name]] for name in ("factors", "angles", "metres", "heights") if groups.get(name)
+    ]
     named = [_TABLES[name][groups[name]] for name in ("dimensions", "adjectives") if groups.get(name)]
     told = {name: holds[row.get(name, "")] for name in ("acts", "goal", "relative")}
     return Quantity(

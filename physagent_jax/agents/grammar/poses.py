@@ -9,8 +9,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from physagent_jax.agents.grammar.mentions import WAYS, Mention, MentionKind, empty, get_last_motion
+from physagent_jax.agents.grammar.mentions import MOTIONS, WAYS, Mention, MentionKind, empty, get_last_motion
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
+from physagent_jax.agents.intent import Quantity
 from physagent_jax.agents.lexicon import Effect, Place
 
 _NOUNS = (
@@ -21,6 +22,7 @@ _NOUNS = (
     MentionKind.FUNCTION,
 )
 _OVERTURNING = (Effect.LEAN, Effect.PUSH, Effect.STRIKE, Effect.TURN, Effect.ROLL, Effect.FALL, Effect.TOPPLE)
+_OVER = 180.0  # [degrees]
 _ENDING = (Effect.TURN, Effect.ROLL, Effect.JUMP, Effect.TOPPLE, Effect.FALL)
 
 
@@ -47,8 +49,26 @@ def read_poses(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]
             if motion.lands:  # "so that it lands on its head"
                 result[verbs[-1]] = empty(mentions[verbs[-1]])
         elif first < at and mention.phrase not in read_sections()["lying"] and motion.effect in _ENDING:
-            result[first : at + 1] = map(empty, mentions[first : at + 1])
+            back = first > 0 and mentions[first - 1].phrase == "back"
+            result[first - back : at + 1] = map(empty, mentions[first - back : at + 1])
+            foot = LEXICON.parts.get(mention.form)
+            if foot is not None and (foot.names == ("down",) or foot.role.startswith("leg")):
+                _turn_round(result, verbs)
     return result
+
+
+def _turn_round(mentions: list[Mention], verbs: list[int]) -> None:
+    """Makes a whole turn of what turns over and stands again: "flips over and lands on its wheels" is no fall."""
+    done = [mentions[at].motion for at in verbs]
+    lands = done[-1] is not None and done[-1].lands
+    turns = next((at for at in reversed(verbs) if (m := mentions[at].motion) and not m.lands), None)
+    motion = mentions[turns].motion if turns is not None else None
+    if turns is None or motion is None or motion.effect is not Effect.TURN or motion.direction != "own":
+        return
+    if motion.angle == _OVER:
+        mentions[turns] = replace(mentions[turns], value=LEXICON.motions["roll over"], phrase="roll over")
+    if lands and not any(each is not None and each.gravity for each in done):
+        mentions[verbs[-1]] = empty(mentions[verbs[-1]])
 
 
 def _find_side(mentions: list[Mention], at: int) -> tuple[int, str | None]:
@@ -76,11 +96,25 @@ def _find_drop(mentions: list[Mention], verbs: list[int]) -> int | None:
         motion = mentions[at].motion
         if motion is None or motion.effect is not Effect.FALL or motion.gives:
             return None
-        if not (motion.topples or motion.lands or motion.bounces):
+        aloft = motion.topples and _is_from_above(mentions, at)
+        if aloft or not (motion.topples or motion.lands or motion.bounces):
             return at
         if not (motion.lands and last is not None and last.lands):
             return None
     return None
+
+
+def _is_from_above(mentions: list[Mention], fall: int) -> bool:
+    """Return whether the words behind a fall tell from how high it is: "falls from 3 metres on its nose"."""
+    end = next((at for at in range(fall + 1, len(mentions)) if mentions[at].kind in MOTIONS), None)
+    return any(
+        isinstance(each.value, Quantity)
+        and each.value.unit in ("metres", "lengths")
+        or each.kind is MentionKind.GRAVITY
+        and each.form == "from"
+        or each.phrase == "above"
+        for each in mentions[fall:end]
+    )
 
 
 def read_landings(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:

@@ -180,6 +180,8 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
             continue
         if clause.join is Join.COMMA:
             clause.join = _find_comma(merged, clause)
+        if clause.join is Join.COMMA and _is_tumbling_aloft(before, clause):
+            clause.join = Join.AND
         if clause.join is Join.AND and _is_dented(before, clause):
             clause.join = Join.RESULT
         if clause.join in (Join.RESULT, Join.AND) and before.has(Effect.STILL):
@@ -212,6 +214,12 @@ def _is_saying_size_again(before: Clause, clause: Clause) -> bool:
     alike = first.effect is second.effect in (Effect.SCALE, Effect.SWELL) and first.sign == second.sign
     measured = bool(clause.select(MentionKind.QUANTITY)) and not before.modifiers
     return alike and measured and clause.join is Join.AND and before.verb is not clause.verb
+
+
+def _is_tumbling_aloft(leap: Clause, clause: Clause) -> bool:
+    """Return whether it goes head over heels while it is in the air: "toss it up, let it do a somersault"."""
+    turns = clause.has(Effect.TURN) and get_verb(clause.verb).tumbles
+    return turns and leap.has(Effect.STRIKE, Effect.JUMP) and get_verb(leap.head).gravity
 
 
 def _is_dented(blow: Clause, clause: Clause) -> bool:
