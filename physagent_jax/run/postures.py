@@ -16,7 +16,7 @@ from physagent_jax.core.reading import read_packaged_yaml
 
 @functools.cache
 def _make_patterns() -> tuple[re.Pattern[str], ...]:
-    """Patterns with the group "part": what it comes to lie on, what goes first, what is turned, what a likeness names."""
+    """Patterns with the group "part": what it comes to lie on, what goes first, is turned, or a likeness names."""
     words = {key: str(value) for key, value in read_packaged_yaml(LEXICON_PACKAGE, "postures.yaml").items()}
     told = {key: _join(value.split()) for key, value in words.items()}
     part = rf"(?:{told['adjectives']}\s+)*(?P<part>{told['parts']})\b"

@@ -288,7 +288,8 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
         _absorb(cause, effect)
         return []
     if first.effect is Effect.STRIKE and second.effect is Effect.PUSH:  # "hit it: it rises"
-        if cause.verb is not None and effect.verb is not None and effect.verb.phrase == "fly":
+        led = any(way.phrase != "away" for way in effect.select(*WAYS))
+        if led and cause.verb is not None and effect.verb is not None and effect.verb.phrase == "fly":
             thrown = replace(LEXICON.motions["throw"], strength=first.strength)
             cause.verb = replace(cause.verb, value=thrown)  # "hit it in the belly so that it flies backwards"
             cause.modifiers = [m for m in cause.modifiers if m.kind is not MentionKind.PLACE]
