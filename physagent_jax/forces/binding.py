@@ -54,7 +54,8 @@ BRAKING = 0.7  # [s] in which it comes to rest at the latest: a hand steadies it
 RUBS = 0.9  # of friction's deceleration, at most: it is help against friction, and no brake
 BALANCING = 3.0  # times what its weight turns it by when it lies, up to which it is kept upright
 ROCKS = math.radians(2)  # by which what slides may rock
-TILTED = math.radians(20)  # at which what is led over its foot stands on its edge
+TILTED = math.radians(20)  # at which what is led over its foot stands on its edge, or by less
+_SLIGHT = math.radians(5)  # of which it is seen where that is
 FALLING = math.radians(40)  # from which on what is led over it and let go falls over
 RISES_BY = 0.35  # [m/s] at which what has come down gets up again
 _EDGE = 0.02  # [L] around that point, in which particles tell where the edge is
@@ -212,8 +213,9 @@ class Binding:
         if about.tilted is not None and self._pivot is None and self._stands:
             begin, end = timed.active_time or (0.0, about.frame_count - 1)
             self._tilt = self.scaling.rotation * abs(timed.magnitude) * timed.gain * (end - begin) * frame_dt
-            self._pivot = self._find_foot_edge(about.tilted)
+            self._pivot, edge = self._find_foot_edge(about.tilted)
             if about.moved:  # the edge is where its particles have gone
+                self._pivot = edge
                 near = np.linalg.norm(rest - self._pivot, axis=1) < _EDGE * np.ptp(rest, axis=0).max()
                 self._about, self._pivot = self.leaf(near), None
         hold_end = getattr(timed, "held_until", None)
@@ -362,11 +364,17 @@ class Binding:
         spread = max(float(np.average((arm**2).sum(1), weights=volume)), _TINY)
         return BALANCING * opposition.weight * opposition.lever / spread
 
-    def _find_foot_edge(self, axis: np.ndarray) -> np.ndarray:
-        """The point on which it stands when it is tilted about a level axis by `TILTED` [m], shape (3,)."""
-        x = self._rest.astype(float)
-        sunk = x[:, 2] - math.tan(TILTED) * (x @ np.cross(axis, [0.0, 0.0, 1.0]))
-        return x[sunk.argmin()]
+    def _find_foot_edge(self, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The place on the ground about which it tilts, and the particle on which it then stands [m], shapes (3,).
+
+        What overhangs, as a car's bumper does, comes down as it tilts: about its wheels it would go into the ground,
+        about itself it would hang over it. The place is the one about which it just meets the ground in the end.
+        """
+        x, way = self._rest.astype(float), np.cross(axis, [0.0, 0.0, 1.0])
+        slope = math.tan(min(max(self._tilt, _SLIGHT), TILTED))
+        stands = (x[:, 2] - slope * (x @ way)).argmin()
+        down = x[stands, 2] - x[:, 2].min()
+        return x[stands] - down * (way / slope + np.array([0.0, 0.0, 1.0])), x[stands]
 
     def _find_feet(self) -> jax.Array:
         """Weights of the particles that fade with their height over the lowest, with a mean of 1 by mass."""

@@ -187,10 +187,13 @@ def find_highest_leap(seconds: float) -> float:
     return GRAVITY * (ALOFT * seconds) ** 2 / 8.0
 
 
+def find_flight(rise: float) -> float:
+    """Time [s] in which what rises by a height [m] is down again."""
+    return math.sqrt(8.0 * rise / GRAVITY)
+
+
 def find_spin_aloft(degrees: float, rise: float, push: float, duration: float) -> float:
     """M of a torque that turns what is thrown up so far until it comes down; out of range if only a gain can.
-
-    It is in the air for sqrt(8 h / g).
 
     Args:
         degrees: Turn until then [degrees].
@@ -198,5 +201,5 @@ def find_spin_aloft(degrees: float, rise: float, push: float, duration: float) -
         push: Time for which the torque acts [s].
         duration: Duration of the clip [s].
     """
-    rate = math.radians(degrees) / math.sqrt(8.0 * rise / GRAVITY)
+    rate = math.radians(degrees) / find_flight(rise)
     return find_magnitude(rate * push / 2.0 / TURN, push, duration, braked=False)

@@ -412,7 +412,7 @@ class Turning:
     def _face(self, motion: ExpectedMotion) -> ExpectedMotion:
         """The motion as the object has it: what is bent "backwards" goes to its own back, where its front is known.
 
-        A head that is seen from its side and tilted "to the left" is tilted to its own left.
+        A head that is seen from its side and tilted "to the left" goes to the left of who looks it in the face.
         """
         front, table, way = find_facing(self.brief.parts), self.brief.directions, motion.direction
         said = [sign for word, sign in _OWN_WAYS.items() if word in split_name(motion.words)]
@@ -420,7 +420,7 @@ class Turning:
             return motion
         aside = dot(way, table.left)
         if motion.manner == "rock" and self.is_head and min(abs(aside), abs(dot(way, front))) > _ALONG:
-            return motion.model_copy(update=dict(direction=scale(cross(table.up, front), aside)))
+            return motion.model_copy(update=dict(direction=scale(cross(front, table.up), aside)))
         if len(said) != 1:
             return motion
         if dot(way, scale(table.toward, said[0])) < _ALONG:  # other words tell it

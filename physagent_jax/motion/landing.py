@@ -6,9 +6,7 @@ higher. Knees take that up; here the object gets up but slowly once its feet hav
 
 from __future__ import annotations
 
-import math
-
-from physagent_jax.forces.calibration import GAIN_MIN, GRAVITY, MAGNITUDE_MIN
+from physagent_jax.forces.calibration import GAIN_MIN, MAGNITUDE_MIN, find_flight
 from physagent_jax.forces.schema import Action, ConstraintType, VelocityConstraint
 from physagent_jax.motion.schema import SceneBrief
 from physagent_jax.motion.vectors import dot
@@ -31,7 +29,7 @@ def land(jump: Action, until: float, brief: SceneBrief) -> VelocityConstraint | 
     rise = jump.magnitude * jump.gain * dot(jump.vector, brief.directions.up) * brief.size
     if jump.active_time is None or rise <= 0:
         return None
-    aloft = 2.0 * math.sqrt(2.0 * rise / GRAVITY) / brief.frame_dt
+    aloft = find_flight(rise) / brief.frame_dt
     at = round(jump.active_time[1] + aloft + _TOUCHES, 3)
     if at + 2.0 > until:
         return None

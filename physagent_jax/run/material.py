@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -20,6 +21,7 @@ from physagent_jax.scene.presets import Preset
 from physagent_jax.scene.priors import PRIORS, UNKNOWN, choose_material, find_hard_kind
 
 AFFORDABLE = 10_000  # substeps of a clip that `--soften_material auto` aims at
+_SHORT = 2.0  # [s] of a clip that may take no more, where the sentence chooses the matter; longer ones by their root
 _VALUES = ("youngs_modulus", "poissons_ratio", "density", "damping_ratio")
 EXPENSIVE = 100_000  # substeps of a clip beyond which a warning is due; usual runs take some thousands
 
@@ -62,7 +64,10 @@ def resolve_material(
     hard = material
     if choice.soften == "auto" or (choice.soften is None and said is not None):
         find = find_softening if choice.soften == "auto" else find_contrast
-        material = soften_material(material, find(material, dx=dx, duration=duration, at_most=AFFORDABLE))
+        # With the same number for ten seconds, rubber would be 25 times as soft as in two, and sag.
+        longer = 1.0 if choice.soften == "auto" else math.sqrt(max(duration / _SHORT, 1.0))
+        most = round(longer * AFFORDABLE)
+        material = soften_material(material, find(material, dx=dx, duration=duration, at_most=most))
     elif choice.soften is not None:
         material = soften_material(material, choice.soften)
     if (seen := explain_softening(hard, material)) is not None:

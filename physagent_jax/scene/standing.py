@@ -20,6 +20,8 @@ from pathlib import Path
 import numpy as np
 
 from physagent_jax.core.strict import Vector
+from physagent_jax.forces.part import split_name
+from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.burden import Burden, find_burden, find_firmness
@@ -49,6 +51,8 @@ BEHIND = 0.5  # of its extent along a blow on a side, beyond which it is held
 LIGHT = 0.5  # share of its weight, with less of which nothing keeps an object on the ground
 _LEVEL = 0.7  # component along the vertical below which a way is level
 HELD_FOOT = 0.1  # of its height, that is held of what would fall over: its feet
+_POTS = frozenset(("pot", "flowerpot", "planter", "tub"))  # words for what a plant stands in
+_RIM = 0.7  # of its height, up to which a plant's pot is held at most
 
 
 @dataclasses.dataclass(frozen=True)
@@ -132,6 +136,8 @@ def hold_upright(
     What would fall over is without weight where it is let go. Arguments as for `make_stand`.
     """
     world, flows = template.world, template.material.model in FLOWS
+    if template.anchor.kind == "base":
+        return dataclasses.replace(template, anchor=_hold_pot(template, body)), ()
     if world.gravity != "down" or not world.ground or template.anchor.kind != "none" or flows:
         return template, ()
     overhang = find_overhang(body)
@@ -307,3 +313,17 @@ def find_own_burden(template: SceneTemplate, body: Body) -> Burden:
     world, anchor = template.world, template.anchor
     ground = find_ground_height(world, body, anchor, drop=False) if world.ground else None
     return find_burden(body, template.material, anchor, ground=ground, dx=template.preset.domain.dx)
+
+
+def _hold_pot(template: SceneTemplate, body: Body) -> Anchor:
+    """The anchor of a plant that holds its pot up to the rim, which would bend with the plant; else as it is."""
+    pots = [part for part in body.parts if _POTS & {*split_name(part.name)}]
+    if template.source.kind != "plant" or not pots:
+        return template.anchor
+    height = body.shape[:, 2]
+    inside = height[make_region_mask(pots[0].moved, body.shape)]
+    low, rim = np.quantile(inside, (0.05, 0.9)) - height.min()
+    if low > template.anchor.fraction * np.ptp(height):
+        return template.anchor
+    share = min(max(float(rim / np.ptp(height)), template.anchor.fraction), _RIM)
+    return template.anchor.model_copy(update=dict(fraction=round(share, 3)))

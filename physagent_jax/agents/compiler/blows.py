@@ -17,6 +17,7 @@ from physagent_jax.forces.calibration import (
     MAGNITUDE_MAX,
     MAGNITUDE_MIN,
     MOST_DROP,
+    find_flight,
     find_highest_leap,
     find_reference_time,
     find_spin_aloft,
@@ -46,7 +47,8 @@ _FLUNG = 1.5  # power of a strength by which what is flung hard goes farther: it
 _AGAINST = 1.6  # strength as which it is taken where a wall is to be reached
 _RESTITUTION = 0.65  # speed after a rebound over that before it
 _PRESSED, _MOST_REBOUNDS = 1.0, 4  # frames for which it touches the ground; rebounds at most
-_SPUN_UP = 3.0  # frames in which what is thrown up is set spinning
+_SPUN_UP = 4.0  # frames in which what is thrown up is set spinning, and stopped
+_SPINS = 0.8  # of its flight, in which it turns: it comes down as it is to stand
 
 
 def compile_strike(task: Task) -> None:
@@ -133,8 +135,17 @@ def spin_aloft(task: Task, axis: Vector) -> bool:
     at, amount = last.active_time[1], task.event.amount or Amount(value=360.0, unit="degrees")
     if rise <= 0 or abs(last.active_time[0] - task.window[0]) > 0.5 or amount.unit != "degrees":
         return False
-    size = find_spin_aloft(amount.value, rise, _SPUN_UP * brief.frame_dt, brief.seconds)
-    task.act(ActionType.TORQUE, axis, size, (at, at + _SPUN_UP), gains=True)
+    size = find_spin_aloft(amount.value / _SPINS, rise, _SPUN_UP * brief.frame_dt, brief.seconds)
+    stop = round(at + _SPINS * find_flight(rise) / brief.frame_dt, 3)
+    for way, begin in ((axis, at), (scale(axis, -1.0), stop)):
+        task.act(ActionType.TORQUE, way, size, (begin, begin + _SPUN_UP), gains=True)
+    upright = amount.value % 360.0 == 0 and task.builder.grounded and not task.builder.anchored
+    if upright and (landing := land(last, task.window[1], brief)):  # it would topple, as it has no balance
+        until = task.window[1] if task.after else float(brief.last)
+        stays = landing.model_copy(update=dict(held_until=until))
+        begins = landing.active_time
+        task.builder.constraints[:] = [c for c in task.builder.constraints if c.active_time != begins]
+        task.builder.constraints.append(stays)
     # It lands as it comes.
     task.expect(MotionKind.ROTATE, axis, task.window, amount=None, strength=MAGNITUDE_MAX)
     return True

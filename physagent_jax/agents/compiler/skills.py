@@ -25,13 +25,14 @@ from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_lengths, find_strain_magnitude, find_swing_magnitude
 from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.pressing import find_end_of_poke
-from physagent_jax.motion.schema import MotionKind
+from physagent_jax.motion.schema import Amount, MotionKind
 from physagent_jax.motion.swaying import bend, find_bend, fold, leads_aside, lies, rock, shake, sway, walk
-from physagent_jax.motion.vectors import dot, normalise, scale
+from physagent_jax.motion.vectors import dot, normalise, reject, scale
 from physagent_jax.motion.windows import Window, divide, divide_swings, make_impulse_window, shorten
 
 _SLOW = ("slow", "gradual", "lazi")  # begins of words for the pace alone
 _UPRIGHT = 0.7  # cosine
+_GROUNDED = 115.0  # [degrees] that the top turns by of what is bent to the ground over its foot
 _LEAN = 0.5  # torque of a lean relative to a full turn
 
 
@@ -150,8 +151,13 @@ def _compile_lean(task: Task) -> None:
         # A part goes over, or what is rooted.
         event = replace(event, motion=replace(event.motion, manner="bend"))
         task = replace(task, event=event)
-    vertical = abs(dot(task.direction, brief.directions.up)) >= 0.9
     bends = event.motion.manner == "bend" and not (event.region or event.is_in_wind)
+    if bends and not event.limbs and any(way.phrase in read_lexicon().grounding for way in event.ways):
+        across, told = reject(task.direction, brief.directions.up), event.amount
+        amount = told if told and told.unit != "degrees" else Amount(value=_GROUNDED, unit="degrees")
+        event = replace(event, direction=normalise(across) or brief.directions.left, amount=amount)
+        task = replace(task, event=event)
+    vertical = abs(dot(task.direction, brief.directions.up)) >= 0.9
     way, lying, let_go = find_bend(task.direction, brief, task.builder.rooted), lies(brief), task.is_released
     lasts = task.window[1] > task.window[0]  # not in a clip of one frame
     limbs = [brief.parts[limb] for limb in event.limbs]
