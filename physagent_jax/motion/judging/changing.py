@@ -101,6 +101,7 @@ def check_rotation(asked: Asked) -> list[Check]:
         words += f", but a displacement by {shift:.2g} body lengths"
     checks.append(compare_amount(asked, "how far does it turn?", tolerance, angle, words))
     free = not (view.anchored or motion.released) and asked.end is None and motion.repeats == 1
+    free &= not view.is_aloft(motion)
     if free and axis and angle >= tolerance.low:
         left = dot(turns[-1][1], axis) / angle
         checks.append(check_limit(asked, "keeps_turn", left, _KEPT, asked.sigma / angle))

@@ -55,6 +55,7 @@ _TURN_TUMBLING = 500.0  # [degrees] of what is hit, dropped, or acted on at one 
 _ON_END = 0.9  # cosine of an axis to the vertical, about which what stands turns on its foot
 _FALLEN_OVER = 50.0  # [degrees] that what turns on its foot may lean
 _TURN_HELD = 70.0  # [degrees] that the affine fit of a bent thing may show
+_BENT_DOUBLE = 80.0  # [degrees]
 _STRAIN = 0.4  # [1] that a soft thing may deform while it is pushed
 _STRAIN_HIT = 0.6  # [1] the same when it turns, or bends while it is held
 _ANOTHER_SIDE = (
@@ -230,7 +231,7 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     if (
         not tensors
         or any(e.direction is None for e in axial)
-        or any(e.manner in ("fold", "hinge") for e in asked)
+        or any(e.manner in ("fold", "hinge") or _is_bent_double(e) for e in asked)
     ):
         return []
     sigma = view.sigma("stretch")
@@ -273,6 +274,12 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         else _STRAIN
     )
     return _check_lasting(view, "shape", strains, limit, sigma)
+
+
+def _is_bent_double(motion: ExpectedMotion) -> bool:
+    """Return whether it is bent so far that one map of all its points fits it no more."""
+    told = motion.amount is not None and motion.amount.unit == "degrees"
+    return told and motion.manner == "bend" and motion.amount.value > _BENT_DOUBLE
 
 
 def _list_unseen_sides(view: View) -> set[int]:
