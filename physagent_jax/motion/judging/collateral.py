@@ -278,8 +278,8 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
 
 def _is_bent_double(motion: ExpectedMotion) -> bool:
     """Return whether it is bent so far that one map of all its points fits it no more."""
-    told = motion.amount is not None and motion.amount.unit == "degrees"
-    return told and motion.manner == "bend" and motion.amount.value > _BENT_DOUBLE
+    amount = motion.amount if motion.manner == "bend" else None
+    return amount is not None and amount.unit == "degrees" and amount.value > _BENT_DOUBLE
 
 
 def _list_unseen_sides(view: View) -> set[int]:
