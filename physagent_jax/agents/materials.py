@@ -40,6 +40,8 @@ YIELDS = (*FLOWS, "clay", "brittle")
 """Presets of what gives way to its own weight, or has a word of its own for it."""
 YIELDING = "yielding"
 """The word for what matter becomes that sags and has no other word for it."""
+BROKEN = "breaks"
+"""The same for what snaps."""
 CRUSHED = "clay"
 """The same for what a wall crumples."""
 LIMP = ("plant", "cloth")
@@ -327,7 +329,7 @@ class _Finder:
 
     def _find_predicate(self, begin: int) -> int | None:
         """The beginning of "is metal", said of the object."""
-        place = self._back(begin, self.around["qualifiers"] | {"now"})
+        place = self._back(begin, self.around["qualifiers"] | {"now", "a", "an"})
         subject = self._get(place - 1)
         return place if self._get(place) in self.around["being"] and subject in self.nouns else None
 
