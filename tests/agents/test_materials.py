@@ -219,6 +219,7 @@ def test_what_snaps_is_brittle_and_what_a_part_does_is_not_of_all():
     ground = brief(world="ground")
     assert read("the robot snaps in two", ground).materials == ("breaks",)
     assert read("the top of the robot breaks in two", ground).materials == ()
+    assert read("the top of the robot comes off and shatters", ground).materials == ()
 
 
 def test_what_gives_way_falls_only_where_nothing_else_acts():

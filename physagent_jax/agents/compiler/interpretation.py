@@ -160,7 +160,7 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
         phrase = "fall over"
     elif phrase == "snap" and event.parts and event.parts[0].text.lower().split()[-1] in _BITING:
         phrase = "clack"  # "it snaps its claws"
-    elif phrase.split()[0] == "snap" and motion.manner == "detach" and not event.parts:
+    elif phrase.startswith("snap ") and not phrase.endswith("off") and motion.manner and not event.parts:
         phrase = "break"  # "the sword snaps in two"
     elif motion.manner == "detach" and not event.parts and phrase.split()[0] in motions:
         phrase = phrase.split()[0]  # "the robot falls off"

@@ -50,6 +50,7 @@ _LEVEL = 0.5  # cosine to the vertical below which what stands falls aside
 _ALOFT = (Effect.FALL, Effect.JUMP)  # or thrown, or lifted
 _FLYING = (Effect.FALL, Effect.ROLL, Effect.PUSH, Effect.JUMP)  # what has come off
 _PIECES = ("tip", "end", "top", "half", "piece")  # of a part that has broken
+_BUCKLING = ("give", "buckle")
 _RESTING = (Effect.STILL, Effect.RELEASE)
 _MOST_FALLS = 4  # that one clip has time for
 _MOST_SWINGS = 3  # of a door in one clip
@@ -148,6 +149,7 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         builder.notes.append(f"'{event.words}' comes of the part that is gone: nothing is made of that.")
         return  # "its wheel comes off and it sags on that side"
     if severed and _is_of_piece(event, events[-1]):
+        event.motion = replace(event.motion, manner="detach", gives=False)  # no matter of the rest
         builder.notes.append(f"'{event.words}' is taken to be said of the part that comes off.")
         return  # "its head falls off and rolls away"
     whole = [each.effect for each in events if each.motion.manner != "detach"]
@@ -173,6 +175,9 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         if bouncing is not event:
             return  # "it drops and bounces twice"
     lowered = all(each.effect in _LOWERING for each in events) and event.motion.lands
+    buckles = bool(events) and events[-1].motion.gives and events[-1].phrase.startswith(_BUCKLING)
+    if buckles and event.effect is Effect.TOPPLE:
+        events.pop().motion = event.motion  # "its legs give way and it falls on its side"
     if events and event.effect is Effect.FALL and (events[-1].motion.gives or lowered):
         if not event.goes_aside:
             return  # "it sags until its belly touches the ground"
@@ -287,7 +292,8 @@ def _is_dropped(event: Event, builder: ForceFieldBuilder) -> bool:
 def _rises_again(before: Event, event: Event) -> bool:
     """Return whether what has been pressed comes up by itself: "squash it, and let it rise again"."""
     pressed = before.effect is Effect.SCALE and before.motion.sign < 0 and not before.motion.gives
-    return pressed and event.phrase == "rise" and not (event.clause.quantities or event.limbs)
+    bare = all(way.phrase == "up" for way in event.ways) and not (event.clause.quantities or event.limbs)
+    return pressed and bare and event.phrase == "rise"
 
 
 def _yields(event: Event) -> bool:

@@ -210,6 +210,8 @@ def read_solid(reader: Reader, at: int) -> Mention | None:
     while reader.get_text(before) in get_set("before_walls"):
         before -= 1
     way = reader.get_text(before)
+    if way == "beside" or (reader.get_text(before - 1), way) == ("next", "to"):
+        return reader.make_mention(MentionKind.FUNCTION, None, "beside", [at])  # nothing goes against it
     if way == "between" and reader.get_text(at) in get_set("plates"):
         return reader.make_mention(MentionKind.FUNCTION, None, "plates", [at])
     match = reader.words.match(_WALL, at)
