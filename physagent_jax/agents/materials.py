@@ -205,7 +205,7 @@ class _Finder:
         looks = [self._find_made, self._find_of]
         if self._ends(end):
             looks += [self._find_turn, self._find_likeness, self._find_object, self._find_contracted]
-            looks += [self._find_predicate] if adjective else []
+            looks += [self._find_predicate] if adjective or self._get(begin - 1) in ("a", "an") else []
         for look in looks:
             if (first := look(begin)) is not None:
                 return first, end, look == self._find_turn

@@ -515,6 +515,8 @@ def test_a_jaw_opens_downwards(sentence):
     )
     reply = read(sentence, jaw, HEAD)
     assert find_way(reply.force_field.constraints[0], jaw)[2] < 0
+    (closes,) = read(f"the {noun} snaps shut", jaw, HEAD).force_field.constraints
+    assert find_way(closes, jaw)[2] > 0
     assert reply.expectations[0].direction[2] < 0
 
 

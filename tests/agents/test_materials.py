@@ -246,6 +246,7 @@ def test_what_gives_way_falls_only_where_nothing_else_acts():
         ("it behaves like a water balloon and spreads out", "water balloon"),
         ("the robot is now a marshmallow, squish it", "marshmallow"),
         ("it is an ice sculpture and tips over", "ice"),
+        ("the robot is a balloon, it bounces", "balloon"),
     ],
 )
 def test_a_likeness_of_the_whole_is_a_material(prompt, word):

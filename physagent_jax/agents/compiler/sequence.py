@@ -198,7 +198,7 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     lower = all(way.names == ("down",) for way in event.ways) and not event.clause.quantities
     upright = before is not None and _is_upright(before)
     soon = event.clause.order != "then" or upright
-    ends = ends or before and before.effect in _UPSETTING and lower and soon
+    ends = ends or before and (before.effect in _UPSETTING or upright) and lower and soon
     topples = event.motion.topples or event.phrase == "go" and upright
     level = _level_out(event, builder.brief) or level if topples else level
     if topples and (level or ends) and builder.grounded and not any(aloft):  # it stands
@@ -372,7 +372,8 @@ def _join_fall(before: Event, event: Event) -> Event:
 
 def _is_upright(event: Event) -> bool:
     """Return whether all of it stands or leans, from where what "goes down" tips over."""
-    return not event.parts and (event.effect is Effect.LEAN or event.phrase == "balance")
+    stands = event.effect is Effect.STILL and event.phrase in ("balance", "stand upright", "stay upright")
+    return not event.parts and (stands or event.effect in (Effect.LEAN, Effect.TOPPLE))
 
 
 def _level_out(event: Event, brief: SceneBrief) -> bool:

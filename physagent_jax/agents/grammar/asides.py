@@ -461,8 +461,7 @@ def read_locations(mentions: list[Mention], _names: frozenset[str]) -> list[Ment
         on = placed and mention.form in ("on", "over", "above", "behind", "beside")
         severed = ended is not None and ended.manner == "detach"
         on |= severed and mention.form in ("in", "at")  # "it snaps in the middle"
-        landed = severed or ended is not None and ended.lands
-        on |= landed and mention.phrase in ("beside", "next to", "right next to", "near")
+        on |= ended is not None and mention.phrase in ("beside", "next to", "right next to")
         if not on and not (hinged and mention.form in ("onto", "against", "over")):
             continue
         for here in range(at + 1, min(at + _NEAR, len(mentions))):
