@@ -40,6 +40,8 @@ YIELDS = (*FLOWS, "clay", "brittle")
 """Presets of what gives way to its own weight, or has a word of its own for it."""
 YIELDING = "yielding"
 """The word for what matter becomes that sags and has no other word for it."""
+BROKEN = "breaks"
+"""The same for what snaps."""
 CRUSHED = "clay"
 """The same for what a wall crumples."""
 LIMP = ("plant", "cloth")
@@ -203,7 +205,7 @@ class _Finder:
         looks = [self._find_made, self._find_of]
         if self._ends(end):
             looks += [self._find_turn, self._find_likeness, self._find_object, self._find_contracted]
-            looks += [self._find_predicate] if adjective else []
+            looks += [self._find_predicate] if adjective or self._get(begin - 1) in ("a", "an") else []
         for look in looks:
             if (first := look(begin)) is not None:
                 return first, end, look == self._find_turn
@@ -327,7 +329,7 @@ class _Finder:
 
     def _find_predicate(self, begin: int) -> int | None:
         """The beginning of "is metal", said of the object."""
-        place = self._back(begin, self.around["qualifiers"] | {"now"})
+        place = self._back(begin, self.around["qualifiers"] | {"now", "a", "an"})
         subject = self._get(place - 1)
         return place if self._get(place) in self.around["being"] and subject in self.nouns else None
 

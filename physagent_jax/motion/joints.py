@@ -428,11 +428,12 @@ class Turning:
         return motion.model_copy(update=dict(direction=scale(front, said[0])))
 
     def _gape(self, motion: ExpectedMotion) -> Vector | None:
-        """The way of a jaw that opens; None = it is no jaw, or does something else."""
-        opens = any(each.startswith("open") for each in split_name(motion.words))
-        return (
-            self.brief.directions.down if opens and not _JAWS.isdisjoint(split_name(self.part.name)) else None
-        )
+        """The way of a jaw that opens or closes; None = it is no jaw, or does something else."""
+        if _JAWS.isdisjoint(split_name(self.part.name)):
+            return None
+        table, words = self.brief.directions, split_name(motion.words)
+        ways = {"open": table.down, "clos": table.up, "shut": table.up}
+        return next((way for begin, way in ways.items() if any(w.startswith(begin) for w in words)), None)
 
     def bring(
         self, way: Vector, motion: ExpectedMotion, angle: float, window: Window, stop: float | None

@@ -29,6 +29,13 @@ GROUND = dict(world="ground")
         "the head breaks off and drops to the ground",
         "the head falls off and rolls away",
         "its head falls off and bounces",
+        "the head rolls off and lands next to the body",
+        "the head falls off, bounces twice and rolls away",
+        "the head comes off and flutters to the ground",
+        "its head snaps in half",
+        "the head breaks in two",
+        "the head snaps off in the middle, and its tip falls to the floor",
+        "the head comes off, and the robot sags on that side",
     ],
 )
 def test_a_part_comes_off_and_the_rest_stays(sentence):
@@ -128,3 +135,8 @@ def test_the_head_of_a_doll_lies_on_the_ground_beside_it(tmp_path):
     assert shift[head, 2].mean() < -0.4 * height
     assert np.linalg.norm(shift[head, :2].mean(0)) > 0.3 * height
     assert math.isclose(np.ptp(x[-1, head], axis=0).max(), np.ptp(x[0, head], axis=0).max(), rel_tol=0.4)
+
+
+def test_what_has_come_off_does_not_keep_the_rest_from_giving_way():
+    reply = read("its head falls off and the robot melts", **GROUND)
+    assert [each.kind for each in reply.expectations] == [MotionKind.MOVE, MotionKind.SQUEEZE]

@@ -144,3 +144,10 @@ def test_what_opens_may_stop_half_way_and_what_closes_may_not():
     asked = ("open the lid", "close the lid")
     told = [compile_intent(read_intent(text, make_chest()), make_chest()).expectations for text in asked]
     assert [[each.may_stop_short for each in motions] for motions in told] == [[True], [False]]
+
+
+def test_what_opens_and_closes_on_a_hinge_does_so_in_steps():
+    asked = ("open and close the lid", "the lid opens and closes twice")
+    told = [compile_intent(read_intent(text, make_chest()), make_chest()).expectations for text in asked]
+    assert [[each.direction[0] for each in motions] for motions in told] == [[-1, 1], [-1, 1, -1, 1]]
+    assert all(each.amount.value == told[0][0].amount.value for motions in told for each in motions)

@@ -515,6 +515,8 @@ def test_a_jaw_opens_downwards(sentence):
     )
     reply = read(sentence, jaw, HEAD)
     assert find_way(reply.force_field.constraints[0], jaw)[2] < 0
+    (closes,) = read(f"the {noun} snaps shut", jaw, HEAD).force_field.constraints
+    assert find_way(closes, jaw)[2] > 0
     assert reply.expectations[0].direction[2] < 0
 
 
@@ -668,6 +670,37 @@ def test_wings_beat_to_and_fro(prompt):
     assert [(each.kind, each.limb, each.repeats) for each in seen] == [
         (MotionKind.SWAY, k, 2) for k in (0, 1)
     ]
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "it opens and closes its claws twice",
+        "its claws open and shut twice",
+        "its claws clack twice",
+        "it snaps its claws twice",
+    ],
+)
+def test_claws_open_and_close_to_and_fro(prompt):
+    seen = read(prompt, LEFT_ARM, RIGHT_ARM)
+    assert not seen.unsure and seen.anchor.kind == "rest"
+    assert [(each.kind, each.limb, each.repeats) for each in seen.expectations] == [
+        (MotionKind.SWAY, k, 2) for k in (0, 1)
+    ]
+
+
+def test_what_opens_and_stays_open_is_held_there():
+    reply = read("the left claw opens wide and stays open", LEFT_ARM, RIGHT_ARM)
+    assert [(each.limb, each.stays) for each in reply.expectations] == [(0, True)] and not reply.unsure
+
+
+def test_a_side_tells_which_part_of_a_name_is_meant():
+    """Parts of the file that are called alike are told apart by where they are."""
+    named = dict(roles=(), name="wheel", origin="file")
+    wheels = [make_part("side", (c, 0, 0), (c / abs(c), 0, 0)).model_copy(update=named) for c in (-0.3, 0.3)]
+    for side, limb in (("left", 0), ("right", 1)):
+        (seen,) = read(f"the {side} wheel comes off", *wheels).expectations
+        assert (seen.limb, seen.manner) == (limb, "detach")
 
 
 @pytest.mark.parametrize("prompt", ["it swings its left arm up", "swing the left arm upwards"])

@@ -203,6 +203,7 @@ def test_what_is_soft_wobbles_on_its_base(prompt, held):
         ("the robot breaks into pieces", "brittle"),
         ("a chocolate robot melts in the sun", "melt"),
         ("the robot crumbles to dust", "sand"),
+        ("the robot drips down into a blob", "melt"),
         ("bend the robot and let it snap back", None),
         ("it melts into the ground", "melt"),
         ("after a break the robot does not break", None),
@@ -211,6 +212,14 @@ def test_what_is_soft_wobbles_on_its_base(prompt, held):
 def test_a_verb_by_which_matter_gives_way_says_what_it_becomes(sentence, preset):
     meanings = [find_meaning(word) for word, _ in found(sentence)]
     assert {each.preset for each in meanings if each and each.becomes} == ({preset} if preset else set())
+
+
+def test_what_snaps_is_brittle_and_what_a_part_does_is_not_of_all():
+    """ "Its blade breaks in two" takes the blade off, and leaves the rest as it is."""
+    ground = brief(world="ground")
+    assert read("the robot snaps in two", ground).materials == ("breaks",)
+    assert read("the top of the robot breaks in two", ground).materials == ()
+    assert read("the top of the robot comes off and shatters", ground).materials == ()
 
 
 def test_what_gives_way_falls_only_where_nothing_else_acts():
@@ -234,6 +243,10 @@ def test_what_gives_way_falls_only_where_nothing_else_acts():
         ("make the robot bouncy n drop it", "bouncy"),
         ("drop it and let it bounce like a basketball", "basketball"),
         ("robot made outta clay is squashed", "clay"),
+        ("it behaves like a water balloon and spreads out", "water balloon"),
+        ("the robot is now a marshmallow, squish it", "marshmallow"),
+        ("it is an ice sculpture and tips over", "ice"),
+        ("the robot is a balloon, it bounces", "balloon"),
     ],
 )
 def test_a_likeness_of_the_whole_is_a_material(prompt, word):

@@ -18,7 +18,17 @@ from physagent_jax.agents.compiler.skills import compile_slots
 from physagent_jax.agents.compiler.words import look_up, suggest_motions
 from physagent_jax.agents.intent import Intent
 from physagent_jax.agents.lexicon import Effect
-from physagent_jax.agents.materials import CRUSHED, FLOWS, GIVING, LIMP, SOFT, YIELDING, YIELDS, find_meaning
+from physagent_jax.agents.materials import (
+    BROKEN,
+    CRUSHED,
+    FLOWS,
+    GIVING,
+    LIMP,
+    SOFT,
+    YIELDING,
+    YIELDS,
+    find_meaning,
+)
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_entry
@@ -119,6 +129,7 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
 
 def _choose_materials(intent: Intent, events: Iterable[Event], brief: SceneBrief) -> tuple[str, ...]:
     """The sentence's words for materials, and one for what gives way where they name nothing that does."""
+    events = list(events)
     happens = [event.motion for event in events]
     springs = any(
         each.effect is Effect.RELEASE and not each.lets_go for each in happens
@@ -129,8 +140,11 @@ def _choose_materials(intent: Intent, events: Iterable[Event], brief: SceneBrief
         and brief.object_kind not in LIMP
         and not _is_of(YIELDS, intent)
     )
+    severed = [event.words.lower() for event in events if event.motion.manner == "detach"]
+    told = tuple(word for word in intent.materials if not any(word in each for each in severed))
     crushed = any(each.effect is Effect.STRIKE and each.gives for each in happens)
-    return (*intent.materials, CRUSHED if crushed else YIELDING) if firm else intent.materials
+    broken = any(event.phrase == "break" for event in events)  # "it snaps"
+    return (*told, CRUSHED if crushed else BROKEN if broken else YIELDING) if firm else told
 
 
 def _is_soft(presets: tuple[str, ...], intent: Intent, brief: SceneBrief) -> bool:

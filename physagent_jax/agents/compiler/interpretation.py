@@ -58,6 +58,7 @@ _SCURRYING = ("scuttle", "scurry", "paddle", "run")  # what legs and fins do by 
 _OTHERS = frozenset(("other", "another", "one", "each", "next"))  # beside a limb's name: not that of before
 _BEARERS = dict(hand="arm", hands="arms", fist="arm", fists="arms", head="neck")
 _SEVERING = ("break", "snap", "crack", "cut", "chop", "saw", "hack", "shear", "tear", "rip")
+_BITING = frozenset("jaw jaws claw claws pincer pincers beak mouth bill teeth gripper grabber".split())
 _HOPS = 20.0  # [degrees] by which an end is raised that hops up
 _SLAM = 1.3  # strength with which a wall is met that it comes off
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
@@ -157,6 +158,10 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
         phrase = "roll"  # "tumbles to the right"
     elif _is_felled(event, motion, brief):
         phrase = "fall over"
+    elif phrase == "snap" and event.parts and event.parts[0].text.lower().split()[-1] in _BITING:
+        phrase = "clack"  # "it snaps its claws"
+    elif phrase.startswith("snap ") and not phrase.endswith("off") and motion.manner and not event.parts:
+        phrase = "break"  # "the sword snaps in two"
     elif motion.manner == "detach" and not event.parts and phrase.split()[0] in motions:
         phrase = phrase.split()[0]  # "the robot falls off"
     elif phrase == "swing" and not repeats and event.pick(WayKind.TO) and (event.parts or event.is_upwards):
@@ -167,6 +172,8 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
         phrase = "wiggle"  # "its legs scuttle"
     elif _drops_limb(event, motion, brief):
         phrase = "lower"  # "drops its arm"
+    elif phrase == "break" and event.parts and event.parts[0].place.names != ("down",):
+        phrase = "break off"  # "its left arm breaks"
     elif effect is Effect.FALL and motion.by == "whole" and event.parts and phrase.split()[0] in motions:
         return replace(motions[phrase.split()[0]], direction="down"), phrase.split()[0]  # "bang the lid down"
     elif motion.coasts and told:

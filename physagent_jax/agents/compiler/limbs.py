@@ -68,7 +68,7 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     if adjective:
         turned = dict(toward=front, away=front and scale(front, -1.0))
         side = add(turned.get(name) or sum_directions((name,), brief) for name in part.place.names)
-    told = [(find_roles(p.name) or split_name(p.name)[-1:] * (p.origin == "place"), p) for p in brief.parts]
+    told = [(find_roles(p.name) or split_name(p.name)[-1:], p) for p in brief.parts]
     known = [each.model_copy(update=dict(roles=(*words[:1], *each.roles))) for words, each in told]
     return choose_parts(known, roles, side, plural, adjective, brief.directions.toward)
 
@@ -217,12 +217,14 @@ def _drive(
         first = next(e.limb for e in asked if e.words == motion.words and e.limb is not None)
         way = hinge.follow(find_hinge(brief.parts[first], brief), motion.direction)
         before = [e for e in asked if e.limb == motion.limb and e.window[1] <= motion.window[0] + 0.5]
-        turned = [
-            hinge.find_angle(e.direction, e.strength) for e in before if dot(e.direction or way, way) < 0
-        ]
-        # What was opened is closed by as much.
-        angle = Amount(value=(turned or [hinge.find_angle(way, motion.strength)])[-1], unit="degrees")
-        loose = motion.amount is None and dot(way, hinge.axis) < 0  # half open is open
+        angles = [(e.direction or way, hinge.find_angle(e.direction, e.strength)) for e in before]
+        turned = [angle for axis, angle in angles if dot(axis, way) < 0]
+        opens = dot(way, hinge.axis) < 0
+        likewise = [angle for axis, angle in angles if turned and opens and dot(axis, way) > 0]
+        # What was opened is closed by as much, and opened by as much again.
+        led = likewise or turned or [hinge.find_angle(way, motion.strength)]
+        angle = Amount(value=led[-1], unit="degrees")
+        loose = motion.amount is None and opens  # half open is open
         told = dict(direction=way, amount=motion.amount or angle, may_stop_short=loose)
         motion = motion.model_copy(update=told)
     slides = part.seated and (part.origin == "place" or LOOSE.issuperset(find_roles(part.name)))

@@ -15,7 +15,7 @@ from physagent_jax.agents.compiler.events import (
     is_landing_meanwhile,
 )
 from physagent_jax.agents.compiler.interpretation import interpret, resolve_obstacles
-from physagent_jax.agents.compiler.limbs import moves_pot
+from physagent_jax.agents.compiler.limbs import find_limbs, moves_pot
 from physagent_jax.agents.compiler.schedule import follows
 from physagent_jax.agents.intent import Held, Timing
 from physagent_jax.agents.lexicon import Effect, Repeat, read_lexicon
@@ -23,12 +23,13 @@ from physagent_jax.agents.lexicon.types import HOLDABLE, is_end
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX
 from physagent_jax.motion.axes import find_lean_axis
+from physagent_jax.motion.hinges import find_hinge, find_hinged
 from physagent_jax.motion.joints import Turning
 from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.schema import Amount, AnchorRequest, SceneBrief
 from physagent_jax.motion.swaying import lies
 from physagent_jax.motion.tipping import SLOW
-from physagent_jax.motion.vectors import dot, scale
+from physagent_jax.motion.vectors import add, dot, normalise, scale
 
 _AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
 _ROCKING = (
@@ -48,8 +49,11 @@ _OVER = 120.0  # [degrees] from where on it is turned over
 _LEVEL = 0.5  # cosine to the vertical below which what stands falls aside
 _ALOFT = (Effect.FALL, Effect.JUMP)  # or thrown, or lifted
 _FLYING = (Effect.FALL, Effect.ROLL, Effect.PUSH, Effect.JUMP)  # what has come off
+_PIECES = ("tip", "end", "top", "half", "piece")  # of a part that has broken
+_BUCKLING = ("give", "buckle")
 _RESTING = (Effect.STILL, Effect.RELEASE)
 _MOST_FALLS = 4  # that one clip has time for
+_MOST_SWINGS = 3  # of a door in one clip
 _REBOUNDS = 2  # times that what bounces comes up again
 _LOWERING = (Effect.LEAN, Effect.SCALE, Effect.SWELL)
 _PLAIN = 0.8  # strength from which on a push is no light one
@@ -60,7 +64,8 @@ _RISING = (Effect.PUSH, Effect.STRIKE, Effect.JUMP)
 def make_events(clauses: list[Event], builder: ForceFieldBuilder) -> list[Event]:
     """The events that happen, in order."""
     events: list[Event] = []
-    for event in _put_landings_first(clauses):
+    told = [each for event in clauses for each in _open_and_close(event, builder.brief)]
+    for event in _put_landings_first(told):
         if event.effect is Effect.HOLD:
             builder.obstacles += resolve_obstacles(event.clause.solids, None, builder.brief)
         elif keeps_end(event, clauses):
@@ -74,6 +79,31 @@ def make_events(clauses: list[Event], builder: ForceFieldBuilder) -> list[Event]
     if any(each.effect not in _RESTING for each in events):
         events = [each for each in events if not _is_only_posture(each, events)]
     return events
+
+
+def _open_and_close(event: Event, brief: SceneBrief) -> list[Event]:
+    """The steps of what opens and closes on a hinge; what has none goes to and fro."""
+    words, motions = event.phrase.split(" and "), read_lexicon().motions
+    limbs = find_limbs(event.parts[0], brief) if event.parts else find_hinged(brief)
+    if len(words) != 2 or not any(find_hinge(brief.parts[limb], brief) for limb in limbs):
+        return [event]
+    count = next((each.times for each in event.clause.repetitions if each.times), 1)
+    plain = event.clause.model_copy(update=dict(repetitions=[]))
+    steps = [word.split()[0] for word in words] * min(count, _MOST_SWINGS)
+    return [
+        replace(
+            event,
+            clause=plain.model_copy(update=dict(order="then")) if number else plain,
+            verb=motions[step],
+            motion=motions[step],
+            phrase=step,
+            parts=[*event.parts],
+            ways=[*event.ways],
+            doubts=[*event.doubts],
+            sources={},
+        )
+        for number, step in enumerate(steps)
+    ]
 
 
 def _stretch_each(event: Event, brief: SceneBrief) -> list[Event]:
@@ -114,11 +144,16 @@ def _put_landings_first(clauses: list[Event]) -> list[Event]:
 def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) -> None:
     """Adds what a clause tells."""
     interpret(event, _find_measure(events, event), builder.brief)
-    apart = bool(events) and events[-1].motion.manner == "detach" and event.parts in ([], events[-1].parts)
-    if apart and (event.effect in _FLYING or event.motion.tumbles):
+    severed = bool(events) and events[-1].motion.manner == "detach"
+    if severed and event.effect is Effect.LEAN and event.motion.direction == "beside" and not event.parts:
+        builder.notes.append(f"'{event.words}' comes of the part that is gone: nothing is made of that.")
+        return  # "its wheel comes off and it sags on that side"
+    if severed and _is_of_piece(event, events[-1]):
+        event.motion = replace(event.motion, manner="detach", gives=False)  # no matter of the rest
         builder.notes.append(f"'{event.words}' is taken to be said of the part that comes off.")
         return  # "its head falls off and rolls away"
-    falls = event.effect is Effect.FALL or any(each.effect in (*_ALOFT, *_UPSETTING) for each in events)
+    whole = [each.effect for each in events if each.motion.manner != "detach"]
+    falls = event.effect is Effect.FALL or not {*_ALOFT, *_UPSETTING}.isdisjoint(whole)
     if events and events[-1].effect is Effect.TOPPLE and event.effect is Effect.SWAY:
         if event.clause.order == "and":  # "it falls over sideways and rocks until it stops"
             event.clause = event.clause.model_copy(update=dict(order="then"))
@@ -140,10 +175,18 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         if bouncing is not event:
             return  # "it drops and bounces twice"
     lowered = all(each.effect in _LOWERING for each in events) and event.motion.lands
+    buckles = bool(events) and events[-1].motion.gives and events[-1].phrase.startswith(_BUCKLING)
+    if buckles and event.effect is Effect.TOPPLE:
+        events.pop().motion = event.motion  # "its legs give way and it falls on its side"
     if events and event.effect is Effect.FALL and (events[-1].motion.gives or lowered):
         if not event.goes_aside:
             return  # "it sags until its belly touches the ground"
-        events.pop()  # "it collapses and falls to the left": it falls over
+        collapsed = events.pop()  # "it collapses and falls to the left": it falls over
+        collapsed.motion = replace(collapsed.motion, gives=False)
+    if events and events[-1].motion.gives and event.motion.by == "limp" and not event.parts:
+        return  # "it goes soft and droops"
+    if events and _rises_again(events[-1], event):
+        event = _make_another(event, "spring back")
     _measure_return(event, events)
     event = _put_under_gravity(event, builder.gravity)
     level = event.direction is not None and abs(dot(event.direction, builder.brief.directions.up)) < _LEVEL
@@ -153,11 +196,16 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     if before and before.effect is Effect.LEAN and event.is_bare and _is_dropped(event, builder):
         event = _make_another(event, "let go")  # "lift its front end, then drop it"
     lower = all(way.names == ("down",) for way in event.ways) and not event.clause.quantities
-    ends = ends or before and before.effect in _UPSETTING and lower and event.clause.order != "then"
-    if event.motion.topples and (level or ends) and builder.grounded and not any(aloft):  # it stands
+    upright = before is not None and _is_upright(before)
+    soon = event.clause.order != "then" or upright
+    ends = ends or before and (before.effect in _UPSETTING or upright) and lower and soon
+    topples = event.motion.topples or event.phrase == "go" and upright
+    level = _level_out(event, builder.brief) or level if topples else level
+    if topples and (level or ends) and builder.grounded and not any(aloft):  # it stands
         way = event.direction if level else _find_level_way(events, builder)
         event = replace(event, motion=read_lexicon().motions["fall over"], phrase="fall over", direction=way)
-        event.sources |= {} if level else {"vector": ValueSource(event.words, BY_DEFAULT)}
+        leans = before is not None and before.effect is Effect.LEAN and before.sources["vector"]
+        event.sources |= {} if level else {"vector": leans or ValueSource(event.words, BY_DEFAULT)}
     elif event.phrase == "collapse" and builder.grounded and not events:
         event = replace(_make_another(event, "sag"), direction=builder.brief.directions.up)  # where it stands
     if before and _goes_over(before, event):
@@ -194,6 +242,17 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     _drop_again(events, builder)
 
 
+def _is_of_piece(event: Event, before: Event) -> bool:
+    """Return whether a motion is one of the part that has come off: "its head falls off, bounces and rolls away"."""
+    if not event.parts:
+        return event.effect in _FLYING or event.motion.tumbles
+    lowered = event.direction is not None and event.direction[2] < -_LEVEL
+    falls = event.effect is Effect.FALL or event.effect is Effect.LEAN and lowered
+    piece = event.parts[0].phrase.split()[-1] in _PIECES  # "the blade snaps, and its tip falls down"
+    same = event.parts[0] == before.parts[0] if before.parts else False
+    return event.effect not in _RESTING and event.effect is not Effect.HOLD and (same or piece and falls)
+
+
 def _drop_again(events: list[Event], builder: ForceFieldBuilder) -> None:
     """Adds the other falls of what is dropped several times, each after a lift."""
     event, told = events[-1], [each.text for each in events[-1].clause.repetitions]
@@ -228,6 +287,13 @@ def _is_dropped(event: Event, builder: ForceFieldBuilder) -> bool:
         motion.topples or motion.lands or motion.gives or motion.bounces
     )
     return drops and not (event.parts or event.limbs) and builder.grounded and not builder.anchored
+
+
+def _rises_again(before: Event, event: Event) -> bool:
+    """Return whether what has been pressed comes up by itself: "squash it, and let it rise again"."""
+    pressed = before.effect is Effect.SCALE and before.motion.sign < 0 and not before.motion.gives
+    bare = all(way.phrase == "up" for way in event.ways) and not (event.clause.quantities or event.limbs)
+    return pressed and bare and event.phrase == "rise"
 
 
 def _yields(event: Event) -> bool:
@@ -302,6 +368,21 @@ def _join_fall(before: Event, event: Event) -> Event:
     told = {key: before.sources[key] for key in ("vector", "magnitude")}
     way = {} if own else dict(direction=before.direction, notes=before.notes, sources=event.sources | told)
     return replace(event, strength=event.strength if event.strengths else before.strength, **way)
+
+
+def _is_upright(event: Event) -> bool:
+    """Return whether all of it stands or leans, from where what "goes down" tips over."""
+    stands = event.effect is Effect.STILL and event.phrase in ("balance", "stand upright", "stay upright")
+    return not event.parts and (stands or event.effect in (Effect.LEAN, Effect.TOPPLE))
+
+
+def _level_out(event: Event, brief: SceneBrief) -> bool:
+    """Levels the way of what goes down to a side, and returns whether it does: "falls backward onto the floor"."""
+    way, up = event.direction, brief.directions.up
+    if way is None or not event.goes_aside or dot(way, up) > -_LEVEL:
+        return False
+    event.direction = normalise(add((way, scale(up, -dot(way, up)))))
+    return event.direction is not None
 
 
 def _find_level_way(events: list[Event], builder: ForceFieldBuilder) -> Vector:

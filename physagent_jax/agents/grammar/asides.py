@@ -178,6 +178,8 @@ def _is_done_by_another(segment: list[Mention], names: frozenset[str]) -> bool:
     another = subject > 0 and segment[subject - 1].phrase in ("a", "an", "the")
     if not told or not another or any(m.phrase in own for m in segment[:at]):
         return False
+    if segment[at].phrase.endswith(("soft", "soften")):
+        return False  # "the metal goes soft": its own
     verb, after = segment[at].motion, segment[at + 1 : at + 6]
     # "A plate presses down on the robot."
     pushes = verb is not None and verb.effect is Effect.PUSH and not verb.generic
@@ -440,9 +442,10 @@ def _drop_uppermost(mentions: list[Mention]) -> list[Mention]:
 def read_locations(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
     """Empties the part that only says where another one is, or what that is closed onto.
 
-    "The ears on its hat", "the fin on top", "both arms above its head", "the screen closes onto the keyboard".
+    "The ears on its hat", "the fin on top", "both arms above its head", "the screen closes onto the keyboard", "it
+    comes off and lands next to the stem".
     """
-    result, hinged = list(mentions), False
+    result, hinged, ended = list(mentions), False, None
     for at, mention in enumerate(mentions):
         behind = next((m for m in mentions[at + 1 :] if m.kind is not MentionKind.FUNCTION), mention)
         if (
@@ -453,8 +456,12 @@ def read_locations(mentions: list[Mention], _names: frozenset[str]) -> list[Ment
         ):
             result[at - 1] = empty(mentions[at - 1])  # "the tip of its tail": that turns
         hinged |= mention.motion is not None and mention.motion.manner == "hinge"
+        ended = mention.motion or ended
         placed = mentions[at - 1].kind is MentionKind.PLACE if at else False
         on = placed and mention.form in ("on", "over", "above", "behind", "beside")
+        severed = ended is not None and ended.manner == "detach"
+        on |= severed and mention.form in ("in", "at")  # "it snaps in the middle"
+        on |= ended is not None and mention.phrase in ("beside", "next to", "right next to")
         if not on and not (hinged and mention.form in ("onto", "against", "over")):
             continue
         for here in range(at + 1, min(at + _NEAR, len(mentions))):

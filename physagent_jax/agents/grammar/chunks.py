@@ -102,6 +102,8 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
         kind, value = MentionKind.FUNCTION, None  # "two wheels off the ground"
     elif kind is MentionKind.DIRECTION and words == ("right",) and _is_exactly(reader, at):
         kind, value = MentionKind.FUNCTION, None
+    elif kind is MentionKind.DIRECTION and words == ("left",) and _is_remaining(reader, at):
+        kind, value = MentionKind.FUNCTION, None
     elif kind is MentionKind.DIRECTION and (
         reader.get_preposition(at) == "from" or _is_crossing(reader, at) or _is_locating_cause(reader, words)
     ):
@@ -326,6 +328,11 @@ def _is_exactly(reader: Reader, at: int) -> bool:
         and reader.get_text(at + 1) in ("on", "in")
         and reader.is_after_determiner(at + 3)
     )
+
+
+def _is_remaining(reader: Reader, at: int) -> bool:
+    """Return whether "left" says no way but what remains: "until only a puddle is left", "with nothing left of it"."""
+    return reader.get_text(at - 1) in get_set("copulas") | get_set("remains") | {"nothing"}
 
 
 def _is_crossing(reader: Reader, at: int) -> bool:

@@ -255,7 +255,8 @@ def _is_asking(spot: _Spot) -> bool:
 
 def _is_described(spot: _Spot) -> bool:
     """A state of something: "she is fragile", "until he was dizzy"."""
-    before = spot.skip(-1)
+    named = spot.word in get_set("stand_ins")  # "it is an ice sculpture"
+    before = spot.skip(-1, get_set("determiners") if named else frozenset())
     return before is not None and before.form in get_set("copulas") and not spot.word.endswith(("ing", "ed"))
 
 

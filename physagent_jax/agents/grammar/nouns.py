@@ -131,7 +131,9 @@ def read_part(reader: Reader, at: int) -> Mention | None:
 def _read_side(reader: Reader, at: int, size: int, phrase: str, names: Names) -> Mention | None:
     """Reads a side with the noun behind it, or alone where it is an end as well."""
     noun = reader.get_text(at + size)
-    plural = noun not in ("sides", "faces") and FORMS.get(noun) is None  # "from the left tips it over"
+    plural = (
+        noun not in ("sides", "faces", *LEXICON.part_nouns) and FORMS.get(noun) is None
+    )  # "from the left tips it over"
     part = noun.removesuffix("s") if plural else noun
     used = list(range(at, at + size + 1))
     towards = reader.get_preposition(at) in get_set("before_ways")
@@ -208,6 +210,8 @@ def read_solid(reader: Reader, at: int) -> Mention | None:
     while reader.get_text(before) in get_set("before_walls"):
         before -= 1
     way = reader.get_text(before)
+    if way == "beside" or (reader.get_text(before - 1), way) == ("next", "to"):
+        return reader.make_mention(MentionKind.FUNCTION, None, "beside", [at])  # nothing goes against it
     if way == "between" and reader.get_text(at) in get_set("plates"):
         return reader.make_mention(MentionKind.FUNCTION, None, "plates", [at])
     match = reader.words.match(_WALL, at)

@@ -79,6 +79,9 @@ def _find_side(mentions: list[Mention], at: int) -> tuple[int, str | None]:
     if mention.phrase == "upside down":
         return at, "up"
     first = at - 1
+    ends = all(each.form != "of" for each in mentions[at + 1 : at + 2])
+    if first > 0 and mentions[first].form == "the" and mention.phrase == "side" and ends:
+        first -= 1  # "it falls on the side"
     while first > 0 and mentions[first].form in get_set("owners_of_feet"):
         first -= 1  # "on all four of its feet"
     if first in (0, at - 1) or mentions[first].form not in ("on", "onto") or mention.kind not in _NOUNS:

@@ -118,7 +118,8 @@ def _name_again(segment: list[Mention], part: _Part, names: frozenset[str]) -> l
     motion = None if verb is None else segment[verb].motion
     if verb is None or motion is None or place is not None and place < verb:
         return segment
-    if not (motion.effect in _MOVED or _hangs(motion)) or any(each.phrase in names for each in segment):
+    told = segment[:verb] if motion.manner == "detach" else segment  # "tips over and falls off the cake"
+    if not (motion.effect in _MOVED or _hangs(motion)) or any(each.phrase in names for each in told):
         return segment
     begins = not _has_subject(segment[:verb])
     for at, each in enumerate(segment):

@@ -8,6 +8,7 @@ from __future__ import annotations
 import functools
 
 from physagent_jax.agents.lexicon import read_lexicon
+from physagent_jax.agents.lexicon.reading import split_phrases
 from physagent_jax.core.reading import read_packaged_yaml
 
 LEXICON_PACKAGE = "physagent_jax.agents.lexicon"
@@ -22,7 +23,7 @@ def read_sections(files: tuple[str, ...] = FILES) -> dict[str, dict]:
         for section, rows in read_packaged_yaml(LEXICON_PACKAGE, f"{name}.yaml").items():
             rows = rows if isinstance(rows, dict) else {None: rows}
             sections[section] = {
-                word.strip(): value for value, words in rows.items() for word in str(words).split(",")
+                word: value for value, words in rows.items() for word in split_phrases(str(words))
             }
     return sections
 

@@ -86,8 +86,8 @@ def make_lexicon(texts: Mapping[str, str]) -> Lexicon:
     return Lexicon(**tables)
 
 
-def _split(words: str) -> Iterator[str]:
-    """Every phrase of a row."""
+def split_phrases(words: str) -> Iterator[str]:
+    """Every phrase of a row of words."""
     for phrase in str(words).split(","):
         if "/" not in phrase:
             yield phrase.strip()
@@ -112,7 +112,7 @@ def _make_rows(kind: type) -> Parser:
                 value = kind(**{name: readers[name](each) for name, each in told.items()})
             except (ValueError, TypeError) as error:
                 raise LexiconError(f"{where}, {words!r}: {error}") from error
-            table.update(dict.fromkeys(_split(words), value))
+            table.update(dict.fromkeys(split_phrases(words), value))
         return table
 
     return parse
@@ -125,7 +125,7 @@ def _make_map(read: Reader) -> Parser:
         table = {}
         for key, words in rows.items():
             try:
-                table.update(dict.fromkeys(_split(words), read(key)))
+                table.update(dict.fromkeys(split_phrases(words), read(key)))
             except (ValueError, TypeError) as error:
                 raise LexiconError(f"{where}, {key!r}: {error}") from error
         return table
@@ -136,7 +136,7 @@ def _make_map(read: Reader) -> Parser:
 def _make_parser(name: str, hint: Any) -> Parser:
     """The parser of a section, by the type of its attribute in `Lexicon`."""
     if hint == frozenset[str]:
-        return lambda words, where: frozenset(_split(words))
+        return lambda words, where: frozenset(split_phrases(words))
     value = get_args(hint)[1]
     if value is str:
         return lambda rows, where: {str(key): str(each) for key, each in rows.items()}
