@@ -287,8 +287,11 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
     lengths = [m for m in cause.select(MentionKind.QUANTITY) if getattr(m.value, "unit", "") in _LENGTHS]
     own = first.effect in (Effect.PUSH, Effect.ROLL) and second.effect is Effect.SWAY and bool(lengths)
     own |= first.effect is Effect.SWELL and first.sign > 0 and second.effect is Effect.PUSH
-    if own:  # "it drives two metres so that it rocks", "inflate it until it floats up"
+    if own:  # "it drives two metres so that it rocks", which is the way that it went; "inflate it until it floats up"
         effect.join = Join.THEN
+        effect.modifiers += (
+            [] if effect.select(*WHERE) or first.effect is Effect.SWELL else cause.select(*WAYS)
+        )
         return [effect]
     flung = second.generic and second.effect is Effect.PUSH and first.effect is Effect.TURN
     if flung and effect.select(MentionKind.PLACE):  # "spin it so fast that its leaves fly outwards"
