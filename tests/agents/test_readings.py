@@ -202,3 +202,11 @@ def test_what_lies_tips_over_sideways_across_its_length(long, axis):
 
 def test_what_clatters_to_the_floor_falls():
     assert [tell(motion) for motion in read("it clatters onto the floor", ground()).expectations] == ["fall"]
+
+
+def test_a_tool_that_is_swung_down_tips_over_its_lower_end():
+    axe = ground(object_name="axe", object_kind="tool")
+    for prompt in ("swing it down as though chopping wood", "the axe swings down hard"):
+        (turn,) = read(prompt, axe).expectations
+        assert tell(turn) == "rotate toward" and turn.amount is not None
+    assert [tell(m) for m in read("swing the axe from side to side", axe).expectations] == ["sway left x2"]

@@ -60,6 +60,7 @@ _BEARERS = dict(hand="arm", hands="arms", fist="arm", fists="arms", head="neck")
 _SEVERING = ("break", "snap", "crack", "cut", "chop", "saw", "hack", "shear", "tear", "rip")
 _BITING = frozenset("jaw jaws claw claws pincer pincers beak mouth bill teeth gripper grabber".split())
 _HOPS = 20.0  # [degrees] by which an end is raised that hops up
+_CHOP = 60.0  # [degrees] by which a tool leans that is swung down
 _SLAM = 1.3  # strength with which a wall is met that it comes off
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 
@@ -123,7 +124,9 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
     motions, effect = read_lexicon().motions, motion.effect
     told, repeats = event.pick(*WAYS), event.clause.repetitions
     counted = any((each.times or 1) > 1 for each in repeats)
-    hops = effect is Effect.JUMP and all(each.first in (None, "up", "down") for each in repeats)
+    hops = (effect is Effect.JUMP or motion.bounces) and all(
+        each.first in (None, "up", "down") for each in repeats
+    )
     if effect is Effect.ROLL and (event.clause.turning or event.clause.seen_from) and not told:
         return replace(motion, effect=Effect.TURN, direction="toward"), phrase  # rolls on the spot
     turned = any(each.unit == "degrees" for each in event.clause.quantities)
@@ -136,9 +139,8 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
     if event.verb is None and motion.wind and not told and sways:
         return replace(motions["sway"], strength=motion.strength), "sway"
     if hops and any(each.alternating for each in repeats):
-        return replace(
-            motion, strokes=max(motion.strokes, motions["bob"].cycles)
-        ), phrase  # "jumps up and down"
+        leap = motions["jump"] if motion.bounces else motion  # "jumps up and down", "bounces up and down"
+        return replace(leap, strokes=max(leap.strokes, motions["bob"].cycles)), phrase
     if any(each.alternating for each in repeats) and (effect in (Effect.FALL, Effect.JUMP) or motion.gravity):
         # "is tossed to and fro"
         phrase = "shuttle" if effect is Effect.STRIKE else "bob"
@@ -164,6 +166,11 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
         phrase = "break"  # "the sword snaps in two"
     elif motion.manner == "detach" and not event.parts and phrase.split()[0] in motions:
         phrase = phrase.split()[0]  # "the robot falls off"
+    elif phrase == "swing" and _is_brought_down(event, brief):
+        event.ways = [way for way in event.ways if way.names not in (("up",), ("down",))]
+        pace = event.clause.pace if counted else "sudden"
+        event.clause = event.clause.model_copy(update=dict(pace=pace))
+        return replace(motions["tip"], angle=_CHOP), phrase  # "swing the axe down"
     elif phrase == "swing" and not repeats and event.pick(WayKind.TO) and (event.parts or event.is_upwards):
         phrase = "raise" if event.is_upwards else "move"  # "swings its arm forward": once
     elif phrase == "beat" and event.parts and not _WINGS.isdisjoint(event.parts[0].text.lower().split()):
@@ -194,6 +201,13 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
     else:
         return motion, phrase
     return motions[phrase], phrase
+
+
+def _is_brought_down(event: Event, brief: SceneBrief) -> bool:
+    """Return whether a tool is swung down, about its lower end: "swing it down as though chopping"."""
+    down = any(way.names == ("down",) for way in event.pick(WayKind.TO))
+    wielded = brief.object_kind == "tool" or any("handle" in part.roles[:1] for part in brief.parts)
+    return down and wielded and not (event.parts or event.is_upwards)
 
 
 def _is_felled(event: Event, motion: Motion, brief: SceneBrief) -> bool:
@@ -452,7 +466,7 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
     hinged = event.motion.manner == "hinge" and not (event.parts or event.excluded) and find_hinged(brief)
     if hinged:  # "close the laptop"
         event.parts = [KnownPart(NAMED, brief.parts[hinged[0]].name, event.words)]
-    own = _OWN_PARTS.get(event.phrase)
+    own = _OWN_PARTS.get(event.phrase, "head" if "~ head" in event.phrase else "")
     if own and not (event.parts or event.excluded):
         part = KnownPart(read_lexicon().parts[own], own, own)
         event.parts = [part] if find_limbs(part, brief) else []

@@ -68,7 +68,7 @@ def _compile_push(task: Task) -> None:
     if event.repeat.alternate:
         _compile_sway(task)
     elif event.motion.steps and builder.grounded and not (builder.anchored or event.region) and last > first:
-        count = task.limit_count(event.motion.cycles)
+        count = task.limit_count(event.repeat.count or event.motion.cycles)
         lengths = find_lengths(event.amount, task.brief)
         builder.constraints += walk(task.brief, task.direction, event.strength, count, task.window, lengths)
         task.expect(MotionKind.MOVE, task.direction, task.window, leaves_place=True)

@@ -25,6 +25,7 @@ from physagent_jax.agents.grammar.mentions import (
 from physagent_jax.agents.grammar.missiles import read_missiles
 from physagent_jax.agents.grammar.outcomes import read_aims, read_ends, read_outcomes, read_tumbles
 from physagent_jax.agents.grammar.poses import read_landings, read_poses
+from physagent_jax.agents.grammar.sequels import read_captions, read_debris, read_lulls, read_trends
 from physagent_jax.agents.grammar.subjects import read_subjects, sticks_out
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.intent import Quantity, Solid
@@ -647,6 +648,10 @@ def _read_as(mention: Mention, word: str) -> Mention:
 
 
 PASSES = (
+    read_trends,
+    read_debris,
+    read_lulls,
+    read_captions,
     read_echoes,
     read_exclamations,
     read_missiles,

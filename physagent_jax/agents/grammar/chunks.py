@@ -16,6 +16,7 @@ GAP = "~"
 LONGEST_GAP = 4
 _ENDS = ("end", "heels", "tail", "head", "nose")  # "end over end" turns on and on
 _ADVERBS = 6  # words from "from" to "up"
+_ON_FEET = (Effect.SWAY, Effect.TURN, Effect.JUMP, Effect.ROLL)
 Entry = tuple[tuple[str, ...], MentionKind, object]
 
 
@@ -88,7 +89,7 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
     if not matches:
         return None
     (words, kind, value), used = max(matches, key=lambda match: (len(match[0][0]), GAP not in match[0][0]))
-    if isinstance(value, Place) and _is_standing(reader, at, value):
+    if isinstance(value, Place) and is_standing(reader, at, value):
         kind, value = MentionKind.FUNCTION, None  # "wobble it on its base"
     elif kind is MentionKind.PLACE and words[0] != "one" and reader.is_gripped(at):
         kind, value = MentionKind.FUNCTION, None  # "lift it by the end of its handle": all of it
@@ -280,14 +281,20 @@ def _find_owner(reader: Reader, at: int) -> int:
     return at - 1
 
 
-def _is_standing(reader: Reader, at: int, place: Place) -> bool:
+def is_standing(reader: Reader, at: int, place: Place) -> bool:
     """Return whether what is done last is done on the spot: what it stands on is no part that is moved."""
     motion = get_last_motion(reader.mentions)
     rests = motion is not None and motion.effect is Effect.STILL
     if rests and reader.get_preposition(at) == "of":
         at -= 2 + reader.is_after_determiner(at)  # "it balances on the end of its handle"
     below = place.names == ("down",) or place.role.startswith("leg")
-    spot = motion is not None and motion.effect in (Effect.SWAY, Effect.TURN, Effect.JUMP) and below
+    goes = motion is not None and (motion.bounces or motion.effect in _ON_FEET)
+    goes |= (
+        motion is not None
+        and motion.effect is Effect.PUSH
+        and (motion.generic or motion.direction == "ahead")
+    )
+    spot = goes and below
     if rests or not spot:
         return rests and reader.get_preposition(at) == "on"
     at -= 1

@@ -318,6 +318,13 @@ def _is_a_path(spot: _Spot) -> bool:
     return spot.word in get_set("paths") or spot.word in get_set("worlds")
 
 
+def _is_rolled_along(spot: _Spot) -> bool:
+    """A circle in which something rolls or rocks, as what is no ball does by itself: "it rolls in a half circle"."""
+    rolls = spot.motion is not None and (spot.motion.effect is Effect.ROLL or spot.motion.manner == "rock")
+    circle = spot.get(1) if spot.word == "half" else spot.word
+    return rolls and circle in ("circle", "circles", "semicircle", "arc")
+
+
 def _is_struck(spot: _Spot) -> bool:
     """The place where a blow or a pull acts: "tap it on the forehead", "tug at the collar", "press on the lid"."""
     motion, before = spot.motion, spot.mentions[spot.begin : spot.first]
@@ -402,6 +409,7 @@ _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
     (lambda spot: spot.word in get_set("remains") and spot.motion is not None, True),
     (_is_a_share, True),
     (lambda s: s.word == "head" and s.mentions[s.index - 1].words in s.names and s.motion is None, True),
+    (_is_rolled_along, True),
     (_is_a_path, False),
     (_is_heading, True),
     (_is_in_a_fragment, True),

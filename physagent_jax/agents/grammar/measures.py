@@ -177,6 +177,7 @@ def _make_quantity(
         "large": value >= _LEAST_DEGREES,
         "from": before == "from",
         "to": before == "to",
+        "in": before == "in",
         "unless_to": before not in ("to", "at", "until"),
     }
     if not holds[row.get("when", "always")]:
@@ -201,7 +202,7 @@ def _begins_number(word: str) -> bool:
 
 # A length of time, and moments.
 _LENGTH = (
-    rf"(?:(?P<d_n>{_NUMBER})(?: of)?(?: an?| one)? (?P<d_unit>{_UNIT})"
+    rf"(?:(?P<d_n>{_NUMBER})(?: of)?(?: an?| one)? (?P<d_unit>{_UNIT})(?: or (?P<d_most>{_DIGITS}))?"
     rf"(?: and an? (?P<d_more>{_FRACTION})(?! (?:{_of('not_of_a_time')}) ))?"
     rf"|half(?: of)? (?:the )?(?:clip|time))"
 )
@@ -231,7 +232,7 @@ def _make_duration(match: re.Match[str]) -> Duration:
     if match["d_n"] is None:
         return _last(0.5, "clip")
     more = LEXICON.fractions[match["d_more"]] if match["d_more"] else 0.0
-    return _last(compute_number(match["d_n"]) + more, LEXICON.units[match["d_unit"]])
+    return _last(compute_number(match["d_most"] or match["d_n"]) + more, LEXICON.units[match["d_unit"]])
 
 
 def _make_moment(match: re.Match[str]) -> Timing:

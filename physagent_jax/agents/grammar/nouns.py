@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
-from physagent_jax.agents.grammar.chunks import PHRASES, begins_longer_phrase
+from physagent_jax.agents.grammar.chunks import PHRASES, begins_longer_phrase, is_standing
 from physagent_jax.agents.grammar.mentions import MOTIONS, Mention, MentionKind, Reader
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.grammar.tokens import FORMS, tokenise
@@ -123,8 +123,10 @@ def read_part(reader: Reader, at: int) -> Mention | None:
         phrase = " ".join(token.text for token in reader.tokens[at : at + size])
         names = LEXICON.part_adjectives.get(phrase)
         if names is not None and (mention := _read_side(reader, at, size, phrase, names)):
-            gripped = mention.kind is MentionKind.PLACE and reader.is_gripped(at)
-            return replace(mention, kind=MentionKind.FUNCTION, value=None) if gripped else mention
+            noun = LEXICON.parts.get(mention.phrase.split()[-1])
+            aside = reader.is_gripped(at) or noun is not None and is_standing(reader, at, noun)
+            aside &= mention.kind is MentionKind.PLACE
+            return replace(mention, kind=MentionKind.FUNCTION, value=None) if aside else mention
     return None
 
 
@@ -218,7 +220,8 @@ def read_solid(reader: Reader, at: int) -> Mention | None:
     if match is None or match["noun"] in reader.names:
         return None
     kind = LEXICON.obstacles[match["noun"]]
-    if (kind == "block" or match["noun"] == "ceiling") and way not in get_set("against"):
+    stops = reader.get_text(reader.words.find_behind(at, match)) in ("stops", "stop", "blocks", "halts")
+    if (kind == "block" or match["noun"] == "ceiling") and way not in get_set("against") and not stops:
         return None
     _convert_collision(reader)
     side, behind = _find_where(reader, at, match)

@@ -42,7 +42,8 @@ def read_outcomes(mentions: list[Mention], _names: frozenset[str]) -> list[Menti
 def _find_outcome(mentions: list[Mention], begin: int, end: int) -> tuple[int, int]:
     """The span of an outcome in a segment."""
     segment = mentions[begin:end]
-    if _is_result(mentions, begin) and (_is_leaving_ground(segment) or _is_becoming(segment)):
+    comes = _is_leaving_ground(segment) or _is_becoming(segment) or _is_left_over(segment)
+    if _is_result(mentions, begin) and comes:
         return begin, end
     for at in range(begin, end):
         if _is_dangling(mentions, at):
@@ -123,6 +124,13 @@ def _is_leaving_ground(segment: list[Mention]) -> bool:
     kinds = {mention.kind for mention in segment}
     plain = MentionKind.PLACE in kinds and kinds <= {*_BESIDE, *WAYS}
     return plain and bool(forms & get_set("leaving")) and bool(forms & (LEXICON.ground | {"table"}))
+
+
+def _is_left_over(segment: list[Mention]) -> bool:
+    """Return whether a segment tells what is still seen in the end: "until only the roof sticks out"."""
+    moved = [each.motion for each in segment if each.motion is not None]
+    only = any(each.form in ("only", "just") for each in segment[:2])
+    return only and all(motion.effect in (Effect.HOLD, Effect.STILL) for motion in moved)
 
 
 def _is_becoming(segment: list[Mention]) -> bool:

@@ -7,6 +7,7 @@ over the whole list give words their scope.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from physagent_jax.agents.grammar.asides import PASSES
 from physagent_jax.agents.grammar.chunks import read_phrase, read_word
@@ -51,6 +52,24 @@ def _read_at(reader: Reader, at: int) -> Mention:
     return next((mention for mention in found if mention is not None), None) or read_word(reader, at)
 
 
+def _read_least(reader: Reader, at: int) -> Mention | None:
+    """Reads "four or" of "four or five times": the larger number counts; "2-3 times" has a dash between."""
+    link = reader.get_text(at + 1)
+    dash = link.isdigit() and reader.sentence[reader.tokens[at].end : reader.tokens[at + 1].start] in (
+        "-",
+        "–",
+    )
+    if dash and reader.get_text(at).isdigit() and float(link) > float(reader.get_text(at)):
+        return reader.make_mention(MentionKind.FUNCTION, None, "least", [at])
+    least, most = match_number(reader.words, at), match_number(reader.words, at + 2)
+    ends = most is not None and reader.get_text(most[1]) in read_sections()["times"]
+    if least is None or most is None or link != "or" and not (link in ("to", "and") and ends):
+        return None
+    if least[1] != at + 1 or not 1 <= least[0] < most[0] or reader.get_text(at) in ("a", "an"):
+        return None
+    return reader.make_mention(MentionKind.FUNCTION, None, "least", [at, at + 1])
+
+
 def _read_once(reader: Reader, at: int) -> Mention | None:
     """Reads "once it has landed", a time and no count, and "..., so it goes right", what comes of it."""
     join = {"once": Join.AFTER, "so": Join.RESULT}.get(reader.get_text(at))
@@ -60,6 +79,16 @@ def _read_once(reader: Reader, at: int) -> Mention | None:
     if join is None or reader.get_text(at + 1) not in subject:
         return None
     return reader.make_mention(MentionKind.JOIN, join, reader.get_text(at), [at])
+
+
+def _read_inversion(reader: Reader, at: int) -> Mention | None:
+    """Reads "inside out", which nothing can be turned here: a doubt, in place of the turn."""
+    if (reader.get_text(at), reader.get_text(at + 1)) != ("inside", "out"):
+        return None
+    for index, mention in enumerate(reader.mentions):
+        if mention.motion is not None and mention.motion.effect is Effect.TURN:
+            reader.mentions[index] = replace(mention, kind=MentionKind.FUNCTION, value=None)
+    return reader.make_mention(MentionKind.UNKNOWN, None, "inside out", [at, at + 1])
 
 
 def _read_nothing(reader: Reader, at: int) -> Mention | None:
@@ -193,7 +222,7 @@ def _read_count(reader: Reader, at: int) -> Mention | None:
     several = thing.text.endswith("s") and thing.text != thing.lemma  # "3.2 Compress it" is a heading
     if (
         several
-        and thing.lemma in LEXICON.motions
+        and (thing.lemma in LEXICON.motions or thing.text == "steps")
         or thing.text.endswith("s")
         and thing.text in LEXICON.causes
     ):
@@ -203,8 +232,10 @@ def _read_count(reader: Reader, at: int) -> Mention | None:
 
 
 _READERS: tuple[Callable[[Reader, int], Mention | None], ...] = (
+    _read_least,
     read_solid,
     _read_once,
+    _read_inversion,
     _read_nothing,
     _read_load,
     _read_prevention,

@@ -34,6 +34,7 @@ _MOVING = (
 # What an object does by itself beside its motion; a push or a blow brings about what follows.
 _FORMS = (Effect.TURN, Effect.SWAY, Effect.JUMP, Effect.ROLL, Effect.SCALE, Effect.SWELL, Effect.LEAN)
 _ELSEWHERE = (*WAYS, MentionKind.PLACE, MentionKind.EXCLUDED, MentionKind.TIME)
+_LENGTHS = ("metres", "lengths")
 _SEPARATE = (Effect.FALL, Effect.TOPPLE, Effect.STILL, Effect.RELEASE, Effect.HOLD)
 
 
@@ -186,6 +187,9 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
             clause.join = Join.RESULT
         if clause.join in (Join.RESULT, Join.AND) and before.has(Effect.STILL):
             clause.join = Join.THEN  # "nothing happens until it is hit", "it stops and shakes"
+        bows = LEXICON.motions["bow"] in (get_verb(before.head), get_verb(clause.verb))
+        if clause.join is Join.AND and bows and not (clause.has(Effect.TOPPLE) or get_verb(before.head).wind):
+            clause.join = Join.THEN  # "it twirls and takes a bow", "it bows and exits"
         if clause.join is Join.RESULT and _is_first_of_steps(clause, clauses[index + 1 :]):
             clause.join = Join.THEN
         if clause.stays and not clause.modifiers and before.has(get_verb(clause.verb).effect):
@@ -280,6 +284,15 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
             second.effect is not first.effect  # "twist it until it tears"
         )
     )
+    lengths = [m for m in cause.select(MentionKind.QUANTITY) if getattr(m.value, "unit", "") in _LENGTHS]
+    own = first.effect in (Effect.PUSH, Effect.ROLL) and second.effect is Effect.SWAY and bool(lengths)
+    own |= first.effect is Effect.SWELL and first.sign > 0 and second.effect is Effect.PUSH
+    if own:  # "it drives two metres so that it rocks", which is the way that it went; "inflate it until it floats up"
+        effect.join = Join.THEN
+        effect.modifiers += (
+            [] if effect.select(*WHERE) or first.effect is Effect.SWELL else cause.select(*WAYS)
+        )
+        return [effect]
     flung = second.generic and second.effect is Effect.PUSH and first.effect is Effect.TURN
     if flung and effect.select(MentionKind.PLACE):  # "spin it so fast that its leaves fly outwards"
         return []

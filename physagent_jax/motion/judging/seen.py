@@ -151,9 +151,14 @@ class View:
 
     def is_aloft(self, turn: ExpectedMotion) -> bool:
         """Return whether a turn is that of what leaps or is thrown up as it begins: it comes down as it stood."""
-        up, leaps = self.brief.directions.up, [e for e in self.expectations if e.kind is MotionKind.MOVE and e.sudden]
+        up, leaps = (
+            self.brief.directions.up,
+            [e for e in self.expectations if e.kind is MotionKind.MOVE and e.sudden],
+        )
         begins = [e for e in leaps if e.window[0] == turn.window[0] and e.direction and not e.part]
-        return turn.kind is MotionKind.ROTATE and any(cosine(e.direction or up, up) > _TOPPLES for e in begins)
+        return turn.kind is MotionKind.ROTATE and any(
+            cosine(e.direction or up, up) > _TOPPLES for e in begins
+        )
 
     def find_topples(self) -> list[Vector]:
         """Ways that the top of what stands goes as it tips over."""
