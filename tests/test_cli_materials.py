@@ -1,5 +1,6 @@
 """The material library on the command line."""
 
+import dataclasses
 import json
 
 import pytest
@@ -81,6 +82,17 @@ def test_a_model_keeps_the_kinds_values():
     assert chosen("sand", name="hencky")[0].friction_angle is None
     with pytest.raises(UserError, match="`von_mises` needs `yield_stress`.*physagent materials"):
         chosen(name="von_mises")
+
+
+def test_what_a_sentence_makes_it_of_is_not_much_softer_in_a_longer_clip():
+    """Rubber of ten seconds was 25 times as soft as that of two, and sagged under its weight."""
+    timing = FAST.timing.model_copy(update=dict(frame_count=5 * (FAST.timing.frame_count - 1) + 1))
+    long = dataclasses.replace(FAST, timing=timing)
+    presets = (
+        resolve_material(MaterialChoice(), "robot", each, said="natural_rubber") for each in (FAST, long)
+    )
+    short, longer = (material.youngs_modulus for material, _ in presets)
+    assert short / 6 < longer <= short
 
 
 def test_options_overrule_single_values():

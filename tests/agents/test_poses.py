@@ -93,8 +93,9 @@ def test_an_end_is_raised_until_it_stands_on_the_other():
 
 def test_a_flip_is_leapt():
     field = read("the thing does a backflip", stand(**TALL)).force_field
-    assert [each.action_type for each in field.actions] == [ActionType.IMPULSE, ActionType.TORQUE]
+    assert [each.action_type for each in field.actions] == [ActionType.IMPULSE, *[ActionType.TORQUE] * 2]
     np.testing.assert_allclose(field.actions[1].vector, (-1, 0, 0), atol=1e-9)  # its top goes back
+    np.testing.assert_allclose(field.actions[2].vector, (1, 0, 0), atol=1e-9)  # and is stopped
 
 
 def test_it_tumbles_the_way_that_it_is_thrown():

@@ -146,16 +146,19 @@ def test_a_slow_spin_takes_longer_and_a_part_turns_as_before():
     ["flip the statue into the air", "toss it into the air so that it spins", "it jumps up and spins around"],
 )
 def test_what_is_flipped_into_the_air_turns_once_while_it_is_there(prompt):
-    """It was tipped over, or hardly turned."""
+    """It was tipped over, or hardly turned; or it turned on as it came down."""
     reply = compile_whole(prompt)
-    blow, turn = reply.force_field.actions
+    blow, turn, stop = reply.force_field.actions
+    assert stop.vector == tuple(-c for c in turn.vector) and stop.magnitude == turn.magnitude
+    assert stop.active_time is not None
     assert blow.action_type is ActionType.IMPULSE and turn.action_type is ActionType.TORQUE
     assert turn.active_time is not None and blow.active_time is not None
     push = (turn.active_time[1] - turn.active_time[0]) * ON_THE_GROUND.frame_dt
     rate = 2 * TURN / ON_THE_GROUND.reference_seconds**2 * turn.magnitude * turn.gain * push  # [rad/s]
     aloft = math.sqrt(8 * blow.magnitude * ON_THE_GROUND.size / GRAVITY)
     assert turn.active_time[0] == blow.active_time[1] and push < 0.2
-    assert math.degrees(rate * aloft) == pytest.approx(360, rel=0.1)
+    turning = (stop.active_time[0] - turn.active_time[0]) * ON_THE_GROUND.frame_dt
+    assert math.degrees(rate * turning) == pytest.approx(360, rel=0.1) and turning < aloft
     kinds = {each.kind for each in reply.expectations}
     assert kinds == {MotionKind.MOVE, MotionKind.ROTATE, MotionKind.FALL}
 

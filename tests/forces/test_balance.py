@@ -126,6 +126,27 @@ def test_what_is_tilted_by_a_constraint_turns_about_the_edge_of_its_foot():
     assert over[0].center is None  # it is turned over about its middle
 
 
+def test_what_overhangs_meets_the_ground_as_it_is_tilted():
+    """A car that rears: about its bumper it hung over the ground, about its wheels the bumper went into that."""
+    foot, above = TOWER[TOWER[:, 2] < 0.1], TOWER[TOWER[:, 2] > 0.1] * [10.0, 1.0, 1.0]
+    car = np.concatenate([foot, above]).astype(np.float32)
+    turn = dict(constraint_type="enforce_particle_rotation", vector=(0, 1, 0), active_time=(0, 25))
+    field = ForceField.model_validate(dict(constraints=[turn | dict(magnitude=0.42, held_until=40)]))
+    opposition = Opposition(
+        friction=FRICTION, weight=G, tipping=1.0, lever=0.5 * HEIGHT, travel=1.0, time=2.0
+    )
+    scaling = make_closed_form_scaling(
+        extent=1.0, youngs_modulus=1e5, density=1.0, duration=2.0, opposition=opposition
+    )
+    motion = compile_force_field(field, scaling, car, MASS.astype(np.float32), frame_dt=0.04, frame_count=51)[
+        1
+    ][0]
+    rate = np.asarray(motion.angular_velocity)
+    degrees = np.degrees(rate[1]) * 25 * 0.04
+    after = Rotation.from_rotvec(rate * 25 * 0.04).apply(car - np.asarray(motion.center)) + motion.center
+    assert 5.0 < degrees < 20.0 and after[:, 2].min() == pytest.approx(0.0, abs=1e-3)
+
+
 @pytest.mark.parametrize("more", [(), (dict(action_type="torque", vector=(0, 1, 0), active_time=(32, 50)),)])
 def test_what_rocks_turns_about_the_edge_that_it_stands_on(more):
     """There and back over one edge of its foot, then over the other, whatever comes after it."""

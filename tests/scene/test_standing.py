@@ -27,6 +27,7 @@ from physagent_jax.scene.standing import (
 )
 from tests.scene.quiet_objects import export
 from tests.scene.test_equilibrium import farthest, scene_of
+from tests.scene.test_named_parts import write_glb
 
 
 def export_table(path, leg=0.2):
@@ -231,3 +232,16 @@ def test_an_object_is_weighed_once_for_each_material(table, monkeypatch):
     other = dataclasses.replace(template, material=template.material.changed(density=50.0))
     assert find_bearing_modulus(other, body) < find_bearing_modulus(template, body)
     assert len(weighed) == 3
+
+
+def test_the_pot_of_a_plant_is_held_up_to_its_rim(tmp_path):
+    """It bent with the plant in the wind: only a fifth of the height was held."""
+    pot = trimesh.creation.cylinder(0.3, 0.5)
+    plant = trimesh.creation.cylinder(0.12, 0.6).apply_translation((0, 0, 0.5))
+    path = write_glb(tmp_path / "cactus.glb", {"pot": pot, "plant": plant})
+    template, body, _ = template_of(path, object={"path": str(path), "kind": "plant"})
+    held, _ = hold_upright(template, body)
+    assert held.anchor.fraction == pytest.approx(0.5 / 1.05, abs=0.06)
+    assert held.anchor.fraction > template.anchor.fraction
+    table = dataclasses.replace(template, source=template.source.model_copy(update={"kind": "furniture"}))
+    assert hold_upright(table, body)[0].anchor == template.anchor

@@ -71,6 +71,8 @@ def check_rotation(asked: Asked) -> list[Check]:
         return check_topple(asked, turns)
     at, peak = find_farthest(turns)
     angle = norm(peak) if axis is None else dot(peak, axis)
+    if view.is_aloft(motion):
+        angle = max(angle, 180.0 * view.count_half_turns())
     checks = []
     if axis is not None and norm(peak) >= tolerances.VISIBLE_DEGREES:
         spread = max(view.sigma("axis"), 1.0)

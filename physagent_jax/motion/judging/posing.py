@@ -29,6 +29,7 @@ _LEAPS = re.compile(r"\b(jump|hop|leap)(s|ing|ed|ping|ped|t)?\b")
 _LEVEL = 0.5  # sine of a way's slope
 _STANDS = 45.0  # [degrees] from upright at the end of what is left standing
 _LIES_ASIDE = 50.0  # [degrees] off a right angle of what is left on its side, on whatever it lies there
+_AS_TALL = 0.1  # [1] of its height, by which the outline's height may differ of what stands as at first
 _ROUND = 1.25  # times its shortest side: the longest of what rolls as a ball does
 _LEAPT = (MotionKind.MOVE, MotionKind.FALL, MotionKind.SWAY, MotionKind.STILL)
 
@@ -60,6 +61,10 @@ def check_pose(view: View) -> list[Check]:
 def find_last_lean(view: View) -> float:
     """The angle between upright and where that has come to when all is over [degrees]."""
     up = view.brief.directions.up
+    if any(map(view.is_aloft, view.expectations)) and view.report.rotation_degrees[-1] is None:
+        heights = view.lengths(up, 0, view.last)
+        if heights and abs(heights[-1][1]) < _AS_TALL:  # its outline stands as it stood, or upside down
+            return 180.0 * (view.count_half_turns() % 2)
     top = rotate(up, view.turns(0, view.last)[-1][1])
     after = [turn for turn in view.ending.rotation if turn is not None] if view.ending else []
     top = rotate(top, after[-1]) if after else top

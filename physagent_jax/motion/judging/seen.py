@@ -39,6 +39,7 @@ _UNKNOWN = Uncertainty(displacement=0.04, along=0.2, rotation=8.0, axis=12.0, st
 ALONG_END = 0.65  # cosine: the end nearest to a direction that lies between two of them is taken
 SAME_LINE = 0.97  # cosine
 _TURNS = 20.0  # [degrees] from which on a limb is seen to turn
+_ON_ITS_SIDE = 0.12  # [1] of its height, by which its outline changes as it turns over
 _TOPPLES = 0.5  # sine of an axis to the vertical
 _LANDED = 0.1  # of its way down that may be left when it has landed
 _ZERO = (0.0, 0.0, 0.0)
@@ -159,6 +160,18 @@ class View:
         return turn.kind is MotionKind.ROTATE and any(
             cosine(e.direction or up, up) > _TOPPLES for e in begins
         )
+
+    def count_half_turns(self) -> int:
+        """Half turns of what turns over in the air: how often its outline changes its height and has it again.
+
+        So fast a turn loses the points by which others are measured.
+        """
+        count, largest = 0, 0.0
+        for _, change in self.lengths(self.brief.directions.up, 0, self.last):
+            largest = max(largest, abs(change))
+            if largest > _ON_ITS_SIDE and abs(change) < 0.5 * largest:
+                count, largest = count + 1, 0.0
+        return count
 
     def find_topples(self) -> list[Vector]:
         """Ways that the top of what stands goes as it tips over."""
