@@ -146,6 +146,7 @@ def test_the_sentences_are_many_different_and_of_every_kind():
         ("seventeenth", 20, 5, "e455694860e1b56d"),
         ("eighteenth", 20, 5, "80a3f572f22d65be"),
         ("nineteenth", 20, 5, "acba7f8cff5fa4bd"),
+        ("twentieth", 20, 5, "2d636910404c39fa"),
     ],
 )
 def test_pairs_that_were_held_back_are_as_they_were_written(group, pairs, things, digest):

@@ -28,6 +28,7 @@ from benchmarks.first_results.held_back import (
     third,
     thirteenth,
     twelfth,
+    twentieth,
 )
 from benchmarks.first_results.pins import PinnedFile
 
@@ -51,6 +52,7 @@ _LOTS = (
     seventeenth,
     eighteenth,
     nineteenth,
+    twentieth,
 )
 
 FILES: Mapping[str, PinnedFile] = {name: file for lot in _LOTS for name, file in lot.FILES.items()}
