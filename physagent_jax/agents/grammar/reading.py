@@ -75,6 +75,8 @@ def _read_once(reader: Reader, at: int) -> Mention | None:
     join = {"once": Join.AFTER, "so": Join.RESULT}.get(reader.get_text(at))
     if reader.get_text(at) == "that" and "so" in (reader.get_text(at - 2), reader.get_text(at - 3)):
         join = Join.RESULT  # "so fast that its leaves fly out"
+    if reader.get_text(at) == "where" and reader.get_text(at - 1) in (",", "ground", "floor", "table"):
+        join = Join.RESULT  # "it falls on the floor, where it squashes flat"
     subject = get_set("pronouns") | get_set("pronouns_of_owners") | reader.names | {"the"}
     if join is None or reader.get_text(at + 1) not in subject:
         return None

@@ -102,7 +102,8 @@ def _turn_whens(clauses: list[Clause], whens: list[int]) -> list[Clause]:
         if effect.verb is None or act.verb is None or effect.negated or act.negated:
             continue
         behind = any(effect.verb.first < when < act.verb.first for when in whens)
-        if behind and _is_act(act) and (effect.has(Effect.SCALE) or not _is_act(effect)):
+        dropped = act.verb.phrase.startswith("drop") and effect.has(Effect.SWAY, Effect.SCALE)
+        if behind and (dropped or _is_act(act)) and (effect.has(Effect.SCALE) or not _is_act(effect)):
             act.join, effect.join = effect.join, Join.RESULT
             turned[at : at + 2] = [act, effect]
         elif at == 0 and any(when < effect.verb.first for when in whens) and act.join is Join.COMMA:
@@ -199,7 +200,10 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
         elif _is_falling_over(before, clause):
             _absorb(before, clause, clause.has(Effect.FALL))
         elif (
-            clause.join is Join.RESULT or _is_carried_off(before, clause) or _is_moved_by_wind(before, clause)
+            clause.join is Join.RESULT
+            or _is_carried_off(before, clause)
+            or _is_moved_by_wind(before, clause)
+            or _is_pushed_over(before, clause)
         ):
             merged += _relate(before, clause)
         else:
@@ -360,6 +364,14 @@ def _is_carried_off(before: Clause, clause: Clause) -> bool:
     elsewhere = before.select(MentionKind.DIRECTION) and clause.select(MentionKind.DIRECTION)
     elsewhere = elsewhere or _is_sinking_at_wall(before, clause)
     return before.has(Effect.STRIKE) and not elsewhere or driven
+
+
+def _is_pushed_over(before: Clause, clause: Clause) -> bool:
+    """Return whether a toppling is the work of a push: "it is shoved from behind, tips over and lies there"."""
+    first = get_verb(before.head)
+    pushed = before.has(Effect.PUSH) and not (first.generic or first.wind or first.direction)
+    goes = before.select(MentionKind.QUANTITY, MentionKind.DIRECTION, MentionKind.TIME)
+    return pushed and not goes and clause.has(Effect.TOPPLE) and clause.join in (Join.COMMA, Join.AND)
 
 
 def _is_sinking_at_wall(before: Clause, clause: Clause) -> bool:
