@@ -98,6 +98,14 @@ def test_a_flip_is_leapt():
     np.testing.assert_allclose(field.actions[2].vector, (1, 0, 0), atol=1e-9)  # and is stopped
 
 
+@pytest.mark.parametrize("words", ["is pushed hard, tips over and lies there", "is shoved and falls over"])
+def test_what_is_long_falls_over_its_long_side_when_no_way_is_told(words):
+    """A horse that was pushed was stood on its nose."""
+    field = read(f"the thing {words}", stand(**LONG)).force_field
+    (turn,) = [each for each in (*field.actions, *field.constraints)]
+    np.testing.assert_allclose(np.abs(turn.vector), np.abs(stand(**LONG).long_axis), atol=1e-9)
+
+
 def test_it_tumbles_the_way_that_it_is_thrown():
     reply = read("throw the thing forward so it tumbles head over heels once", stand(**LONG))
     turn = next(each for each in reply.expectations if each.kind is MotionKind.ROTATE)
