@@ -365,7 +365,10 @@ def _join_push(before: Event, event: Event) -> Event:
 def _join_fall(before: Event, event: Event) -> Event:
     """The fall over with the way and, where it tells none of its own, the strength of what leads to it."""
     assumed = [each.sources["vector"].why.endswith(BY_DEFAULT) for each in (before, event)]
-    own = not assumed[1] or assumed == [True, True]  # what lies falls over its long side, wherever it is pushed
+    own = not assumed[1] or assumed == [
+        True,
+        True,
+    ]  # what lies falls over its long side, wherever it is pushed
     told = {key: before.sources[key] for key in ("vector", "magnitude")}
     way = {} if own else dict(direction=before.direction, notes=before.notes, sources=event.sources | told)
     return replace(event, strength=event.strength if event.strengths else before.strength, **way)
