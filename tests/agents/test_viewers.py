@@ -11,7 +11,7 @@ from physagent_jax.agents.rules.planner import RulePlanner
 from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.judging.posing import find_last_lean, tells_pose
-from physagent_jax.motion.judging.seen import View
+from physagent_jax.motion.judging.seen import View, count_excursions
 from physagent_jax.motion.schema import MotionKind, Verdict
 from physagent_jax.perception.schema import Box, Extent
 from tests.agents.scenes import asked, brief, judge, ramp, read
@@ -306,3 +306,30 @@ def test_the_box_around_what_turns_grows_without_a_burst(size, right):
     tumbles = (expected(direction=RIGHT, words="roll"), expected(KINDS.ROTATE, None, words="roll"))
     seen = seen.model_copy(update=dict(box=tuple(boxes)))
     assert verdict("it rolls to the right", tumbles, seen) is right
+
+
+@pytest.mark.parametrize(
+    ("degrees", "count"),
+    [((0, 0), 0), ((0, 180), 1), ((0, 360), 2), ((0, 720), 4), ((0, 90), 0), ((0, 20), 0)],
+)
+def test_the_height_of_a_turning_rods_outline_tells_its_half_turns(degrees, count):
+    """A rod of length 1 and width 0.3 is as high as |cos| + 0.3 |sin| of its angle."""
+    angles = np.radians(np.linspace(*degrees, 200))
+    heights = np.abs(np.cos(angles)) + 0.3 * np.abs(np.sin(angles))
+    assert count_excursions(heights - 1.0, 0.12) == count
+
+
+@pytest.mark.parametrize(("degrees", "count"), [(360, 2), (25, 0)])
+def test_what_is_squashed_as_it_lands_has_not_turned_over(degrees, count):
+    """A leap of jelly was a somersault to whoever counted the changes of its outline on the ground as well."""
+    flight = lambda t: min(t / 24, 1.0)  # noqa: E731
+    seen = show(
+        lambda t: (0, 0, 4 * flight(t) * (1 - flight(t))), turn=lambda t: (min(degrees * flight(t), 40), 0, 0)
+    )
+    angle = [math.radians(degrees * flight(t)) for t in range(LAST + 1)]
+    squash = [0.3 * math.exp(-(((t - 28) / 2) ** 2)) if t >= 24 else 0.0 for t in range(LAST + 1)]
+    ratio = tuple(abs(math.cos(a)) + 0.3 * abs(math.sin(a)) - b for a, b in zip(angle, squash))
+    outline = Extent(direction=UP, ratio=ratio, half_width=(0.02,) * (LAST + 1))
+    plan = (expected(KINDS.MOVE, UP, sudden=True), expected(KINDS.ROTATE, RIGHT))
+    view = View(seen.model_copy(update=dict(extents=(outline,))), GROUND, plan, ForceField())
+    assert view.is_aloft(plan[1]) and view.count_half_turns() == count

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -40,6 +40,8 @@ ALONG_END = 0.65  # cosine: the end nearest to a direction that lies between two
 SAME_LINE = 0.97  # cosine
 _TURNS = 20.0  # [degrees] from which on a limb is seen to turn
 _ON_ITS_SIDE = 0.12  # [1] of its height, by which its outline changes as it turns over
+_BACK = 0.75  # of that, below which it is as it was
+_IN_THE_AIR = 0.35  # of how far its centre rises, above which it is in the air
 _TOPPLES = 0.5  # sine of an axis to the vertical
 _LANDED = 0.1  # of its way down that may be left when it has landed
 _ZERO = (0.0, 0.0, 0.0)
@@ -152,26 +154,27 @@ class View:
 
     def is_aloft(self, turn: ExpectedMotion) -> bool:
         """Return whether a turn is that of what leaps or is thrown up as it begins: it comes down as it stood."""
-        up, leaps = (
-            self.brief.directions.up,
-            [e for e in self.expectations if e.kind is MotionKind.MOVE and e.sudden],
-        )
-        begins = [e for e in leaps if e.window[0] == turn.window[0] and e.direction and not e.part]
-        return turn.kind is MotionKind.ROTATE and any(
-            cosine(e.direction or up, up) > _TOPPLES for e in begins
-        )
+        up = self.brief.directions.up
+        leaps = [e for e in self.expectations if e.kind is MotionKind.MOVE and e.sudden and e.direction]
+        rises = (e for e in leaps if not e.part and cosine(e.direction or up, up) > _TOPPLES)
+        return turn.kind is MotionKind.ROTATE and any(e.window[0] == turn.window[0] for e in rises)
 
     def count_half_turns(self) -> int:
-        """Half turns of what turns over in the air: how often its outline changes its height and has it again.
+        """Half turns of what turns over in the air: how often its outline changes its height there and has it again.
 
-        So fast a turn loses the points by which others are measured.
+        So fast a turn loses the points by which others are measured. They have to show that it begins to turn; and what
+        lands may be squashed and spring back, which is no turn.
         """
-        count, largest = 0, 0.0
-        for _, change in self.lengths(self.brief.directions.up, 0, self.last):
-            largest = max(largest, abs(change))
-            if largest > _ON_ITS_SIDE and abs(change) < 0.5 * largest:
-                count, largest = count + 1, 0.0
-        return count
+        turned = max((norm(v) for _, v in self.turns(0, self.last)), default=0.0)
+        if turned < _TURNS:
+            return 0
+        up = self.brief.directions.up
+        heights = {t: dot(p, up) for t, p in self.course(0, self.last)}
+        least = _IN_THE_AIR * max(heights.values(), default=0.0)
+        changes = self.lengths(up, 0, self.last)
+        aloft = [change for t, change in changes if heights.get(t, 0.0) > least]
+        ends = [change for _, change in changes[-1:]]  # the last turn is done as it lands
+        return count_excursions([*aloft, *ends], _ON_ITS_SIDE)
 
     def find_topples(self) -> list[Vector]:
         """Ways that the top of what stands goes as it tips over."""
@@ -306,6 +309,15 @@ class View:
         """Volume ratios of the box, frame by frame, relative to ``first``."""
         ratios = self.report.volume_ratio
         return _compare(ratios, first, last, lambda value, start: value / start) if ratios[first] else []
+
+
+def count_excursions(values: Iterable[float], least: float) -> int:
+    """Count how often values leave zero by ``least`` and more, and come back."""
+    count, away = 0, False
+    for value in map(abs, values):
+        count += away and value < _BACK * least
+        away = value >= (_BACK if away else 1.0) * least
+    return count
 
 
 def has_gravity(
