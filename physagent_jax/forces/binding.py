@@ -58,6 +58,10 @@ TILTED = math.radians(20)  # at which what is led over its foot stands on its ed
 _SLIGHT = math.radians(5)  # of which it is seen where that is
 FALLING = math.radians(40)  # from which on what is led over it and let go falls over
 RISES_BY = 0.35  # [m/s] at which what has come down gets up again
+_CARRIES, _FEW = (
+    0.08,
+    8,
+)  # [body lengths] around a joint, within which matter carries a limb; at least so many
 _EDGE = 0.02  # [L] around that point, in which particles tell where the edge is
 HELD_END = 0.25  # of the length, whose middle is where what is held turns about when it is wrung
 PAST = math.radians(5)  # beyond the balance up to which what tips over is driven
@@ -209,6 +213,7 @@ class Binding:
             if twist is not None:
                 self._led, self._pivot, wrung = twist.led, twist.pivot, twist.share is None
                 self._share = None if twist.share is None else self.leaf(twist.share)
+        self._carriers = self._find_carriers() if getattr(timed, "carried", False) else None
         self._tilt = 0.0  # [rad] by which it is led over the edge of its foot
         if about.tilted is not None and self._pivot is None and self._stands:
             begin, end = timed.active_time or (0.0, about.frame_count - 1)
@@ -226,6 +231,16 @@ class Binding:
         self._way = np.copysign(1.0, timed.magnitude) * np.asarray(timed.vector)
         self.upwards = float(self._way[2])
         self.weight = None if self.whole else self.leaf(self._mask)
+
+    def _find_carriers(self) -> np.ndarray:
+        """Indices of the particles beside the pivot, or beside the part, that are not led: they carry it."""
+        if self._pivot is None:
+            self._pivot = self._rest[self._led].mean(0)
+        apart = np.linalg.norm(self._rest - self._pivot, axis=1)
+        apart[self._led] = np.inf
+        return np.flatnonzero(
+            apart <= max(_CARRIES * np.ptp(self._rest, axis=0).max(), np.sort(apart)[:_FEW].max())
+        )
 
     def _find_twist(self, timed, bend: Bend, frame_dt: float, frame_count: int) -> Twist | None:
         """The twist of a part that turns in place (`find_twist`)."""
@@ -482,6 +497,8 @@ class Binding:
             particles = to_device(self._led, np.int32)
         still = self.leaf(np.zeros(3))
         pivot = None if self._pivot is None else self.leaf(self._pivot)
+        if self._carriers is not None:
+            return self._hold_carried(velocity, angular_velocity)
         windows = [self.window]
         fields = [(velocity, angular_velocity, pivot)]
         if self._held_until is not None:
@@ -494,6 +511,35 @@ class Binding:
             for field, window in zip(fields, windows)
         ]
         return motions
+
+    def _hold_carried(self, velocity: jax.Array, angular_velocity: jax.Array) -> list[PrescribedMotion]:
+        """As `hold`, on top of the motion of the matter around the pivot, which is not held itself."""
+        led, carriers = self._led, self._carriers
+        with jax.ensure_compile_time_eval():
+            particles = to_device(np.concatenate([led, carriers]), np.int32)
+        own = np.arange(len(particles)) < len(led)
+        share = np.ones(len(led)) if self._share is None else np.asarray(self._share)
+        still, mean = (
+            self.leaf(np.zeros(3)),
+            np.average(self._rest[carriers], axis=0, weights=self._volume[carriers]),
+        )
+        held = dict(
+            center=self.leaf(self._pivot - mean),
+            share=self.leaf(np.concatenate([share, np.zeros(len(carriers))])),
+            about=self.leaf(~own),
+            rigid=self._rigid,
+            carried=True,
+        )
+        start, end = self.window
+        made = [
+            PrescribedMotion(
+                particles, velocity, angular_velocity, start=start, end=jnp.where(own, end, start), **held
+            )
+        ]
+        if self._held_until is not None:
+            until = jnp.where(own, self._held_until, end)
+            made.append(PrescribedMotion(particles, still, still, start=end, end=until, **held))
+        return made
 
     def press(self, k: float | Array) -> list[MovingPlate]:
         """A plate that starts at the object's side, moves with k M v, stays if it is to be held, and then goes back.

@@ -164,6 +164,7 @@ class VelocityConstraint(_Timed):
             centre.
         bend: Where the part bends beside its joint, whose own particles then move too; None = nowhere: those of
             ``region`` move as a whole.
+        carried: Whether that point goes with the matter around it, which something else moves meanwhile.
         vector, magnitude, gain, active_time, region, object: as for `Action`.
     """
 
@@ -171,6 +172,7 @@ class VelocityConstraint(_Timed):
     held_until: _Frame | None = None
     pivot: _Place | None = None
     bend: Bend | None = None
+    carried: bool = False
 
     @model_validator(mode="after")
     def _check_held(self) -> VelocityConstraint:

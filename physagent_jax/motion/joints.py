@@ -272,12 +272,13 @@ class Turning:
         """
         up, rise = self.brief.directions.up, dot(way, self.brief.directions.up)
         along = dot(self.arm, way)
-        if abs(rise) > _ALONG and along < _ALONG:
+        raised = rise > _ALONG and self.height >= _RAISED  # an upright ear that is pulled up is drawn out
+        if abs(rise) > _ALONG and along < _ALONG and not raised:
             level = subtract(self.arm, scale(up, dot(self.arm, up)))
             points = norm(level) > math.sqrt(1 - _HANGS**2) and cosine(level, self.out) < _BESIDE
             plane = normalise(level) if points else None
             return scale(cross(plane or self.out, up), math.copysign(1.0, rise))
-        if abs(along) >= _ALONG:
+        if raised or abs(along) >= _ALONG:
             return normalise(cross(up, way)) if sudden else None
         if self.hangs and abs(rise) < 1 - _ALONG and cosine(way, self.out) < _INWARD:
             way = add((way, self.brief.directions.toward))

@@ -62,7 +62,11 @@ def choose_parts(
         sided = [index for index in fitting if adjective in _OWN_SIDES & {*split_name(parts[index].name)}]
         if sided:
             return tuple(sided if plural else sided[:1])
-        nearness = {index: _find_nearness(parts[index], side) for index in fitting}
+        paired = len(fitting) == 2 and role not in PLACES
+        pair = [parts[index].side for index in fitting] if paired else []
+        nearness = {
+            index: _find_nearness(take_middle_off(parts[index].side, pair), side) for index in fitting
+        }
         there = [index for index in fitting if nearness[index] > _THERE]
         behind = [index for index in fitting if nearness[index] > -_THERE]  # two may stand behind each other
         fitting = there or behind * (len(behind) == len(fitting) == 2)
@@ -79,12 +83,22 @@ def choose_parts(
     return ()
 
 
-def _find_nearness(part: Part, side: Vector | None) -> float:
+def take_middle_off(place: Vector, alike: Sequence[Vector]) -> Vector:
+    """Place of a part, seen from the middle of those that are like it: the left ear of a head on the right.
+
+    Args:
+        place: Where the part is, seen from the object's middle.
+        alike: The same of all that are like it; none = the object's middle stays.
+    """
+    return add([place, *(scale(each, -1.0 / len(alike)) for each in alike)])
+
+
+def _find_nearness(place: Vector, side: Vector | None) -> float:
     """Cosine between where a part is and a side, seen from above if that is level; 1 if no side is told."""
     if side is None or not norm(side):
         return 1.0
     level = abs(side[2]) < 1e-6 * norm(side)
-    return cosine((part.side[0], part.side[1], 0.0 if level else part.side[2]), side)
+    return cosine((place[0], place[1], 0.0 if level else place[2]), side)
 
 
 def find_front(parts: Sequence[Part]) -> Vector | None:

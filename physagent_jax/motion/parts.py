@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.part import ORIGINS, SIDES, Part, split_name
 from physagent_jax.forces.schema import CellsRegion
-from physagent_jax.motion.limbs import PLACES
+from physagent_jax.motion.limbs import PLACES, take_middle_off
 from physagent_jax.motion.schema import DirectionTable, SceneBrief
 from physagent_jax.motion.vectors import cosine
 
@@ -37,8 +37,9 @@ def label_parts(parts: Sequence[Part], table: DirectionTable) -> tuple[Part, ...
     plain = [part.name or _PLAIN.get(part.roles[0], part.roles[0]) for part in parts]
     labels = []
     for part, name in zip(parts, plain):
-        sided = name if part.name or plain.count(name) == 1 else f"{_find_sides(part, table)} {name}".strip()
-        labels.append(sided)
+        alike = [each.side for each, other in zip(parts, plain) if other == name]
+        sided = f"{_find_sides(take_middle_off(part.side, alike), table)} {name}".strip()
+        labels.append(name if part.name or len(alike) == 1 else sided)
     found = []
     for index, (part, label) in enumerate(zip(parts, labels)):
         doubt = f", unsure: {part.confidence:.0%}" if part.unsure else ""
@@ -49,9 +50,9 @@ def label_parts(parts: Sequence[Part], table: DirectionTable) -> tuple[Part, ...
     return tuple(found)
 
 
-def _find_sides(part: Part, table: DirectionTable) -> str:
-    """The words for where a part is: "front left"; by as many of them as tell it."""
-    shares = {word: cosine(part.side, getattr(table, way)) for way, word in _SIDES.items()}
+def _find_sides(way: Vector, table: DirectionTable) -> str:
+    """The words for a direction: "front left"; by as many of them as tell it."""
+    shares = {word: cosine(way, getattr(table, name)) for name, word in _SIDES.items()}
     level = [word for word in ("front", "back", "left", "right") if shares[word] > _SIDE]
     return " ".join(level or [max(shares, key=lambda word: shares[word])])
 

@@ -217,6 +217,25 @@ def test_what_is_rigid_is_not_strained_by_what_it_leaves_behind(x64):
             np.testing.assert_allclose(end.F[upper], np.broadcast_to(wanted, end.F[upper].shape), atol=1e-12)
 
 
+def test_what_is_carried_turns_on_what_flies(x64):
+    """A limb turns by its angle about a joint that goes with the body, and the two fall together."""
+    model, state = block(
+        (8, 2, 2), low=(0.3, 0.45, 0.45), dtype=np.float64, dt=1e-3, gravity=jnp.array([0, 0, -9.8])
+    )
+    state = dataclasses.replace(state, v=jnp.broadcast_to(jnp.asarray([0.3, 0.0, 0.5]), state.v.shape))
+    x, limb = np.asarray(state.x), np.asarray(state.x[:, 0]) > 0.5
+    joint = np.array([0.5, 0.5, 0.5]) - x[~limb].mean(0)
+    end = jnp.where(limb, 1e9, 0.0)
+    turn = motion(np.arange(len(x)), angular=(0, 3.0, 0), center=joint, end=end)
+    turn = dataclasses.replace(turn, about=jnp.asarray(~limb, jnp.float64), carried=True)
+    moved = run(model.replace(constraints=(turn,)), state, 100)
+    middle = np.asarray(moved.x)[~limb].mean(0)
+    turned = Rotation.from_rotvec([0, 0.3, 0]).apply(x[limb] - x[~limb].mean(0) - joint) + joint
+    np.testing.assert_allclose(np.asarray(moved.x)[limb] - middle, turned, atol=1e-9)
+    assert middle[0] - x[~limb].mean(0)[0] == pytest.approx(0.03, abs=0.01)
+    assert np.asarray(moved.v)[limb, 2].mean() < 0.5 - 0.5 * 9.8 * 0.1
+
+
 def test_particles_go_with_their_share(x64):
     """Each turns about the centre by its share of the angle, exactly; what has none of it is held."""
     model, state = block((8, 2, 2), low=(0.3, 0.45, 0.45), dtype=np.float64, dt=1e-3)

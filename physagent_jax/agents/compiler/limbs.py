@@ -130,16 +130,9 @@ def find_roles(name: str) -> list[str]:
 def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
     """The reply in which limbs are turned about their joints, and the rest is held if nothing else is to move."""
     limbs = [each for each in reply.expectations if each.limb is not None]
-    carried = [each for each in limbs if _is_carried(each, reply)]
-    asked = [each for each in limbs if each.kind in _DRIVEN and each not in carried]
+    asked = [each for each in limbs if each.kind in _DRIVEN]
     if not limbs:
         return reply
-    if carried:
-        names = {brief.parts[each.limb].moved.label or "a part" for each in carried if each.limb is not None}
-        note = f"{', '.join(sorted(names))}: it is led along with the rest, and does not swing meanwhile."
-        reply = reply.model_copy(update=dict(notes=(*reply.notes, note)))
-        if len(carried) == len(limbs):
-            return reply
     frame_count = reply.frame_count or brief.frame_count
     moved = [brief.parts[each.limb].moved for each in asked if each.limb is not None]
     kept = [index for index, each in enumerate(reply.force_field.actions) if each.region not in moved]
@@ -152,17 +145,13 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
             constraints += more
         expectations.append(expected)
     alone = all(each in limbs or each.kind is MotionKind.STILL for each in reply.expectations)
-    anchor, held = (
-        reply.anchor,
-        {
-            each.limb: brief.parts[each.limb]
-            for each in limbs
-            if each.limb is not None and each not in carried
-        },
-    )
+    anchor = reply.anchor
+    held = {each.limb: brief.parts[each.limb] for each in limbs if each.limb is not None}
     if alone and anchor.kind is None:
         region = join_rest([held[limb] for limb in sorted(held)])
         anchor = AnchorRequest(kind="rest", words=limbs[0].words or "a part", region=region)
+    elif not alone and brief.anchored is None and anchor.kind in (None, "none"):
+        constraints = [_carry(each, [part.moved for part in held.values()]) for each in constraints]
     field = reply.force_field.model_copy(update=dict(actions=actions, constraints=tuple(constraints)))
     kinds = {each.constraint_type for each in constraints}
     done = next((words for kind, words in _DONE.items() if kind in kinds), "is moved alone")
@@ -179,16 +168,16 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
     )
 
 
-def _is_carried(motion: ExpectedMotion, reply: SemanticReply) -> bool:
-    """Return whether a limb swings while all of it is led elsewhere: about a joint that stays, it would be torn off."""
-    begin, end = motion.window
-    spans = [
-        each.active_time
-        for each in reply.force_field.constraints
-        if each.region is None and each.constraint_type is ConstraintType.PARTICLE_TRANSLATION
-    ]
-    return motion.kind is MotionKind.SWAY and any(
-        max(span[0], begin) + 1 < min(span[1], end) for span in spans if span is not None
+def _carry(constraint: VelocityConstraint, moved: Sequence) -> VelocityConstraint:
+    """A limb's constraint that goes along with the rest, which moves as well: the joint would stay behind."""
+    leads = constraint.constraint_type in (
+        ConstraintType.PARTICLE_ROTATION,
+        ConstraintType.PARTICLE_TRANSLATION,
+    )
+    return (
+        constraint.model_copy(update=dict(carried=True))
+        if leads and constraint.region in moved
+        else constraint
     )
 
 

@@ -15,7 +15,7 @@ from physagent_jax.mpm.linalg import cross, matmul, skew
 from physagent_jax.mpm.protocols import Constraint
 from physagent_jax.mpm.reductions import find_mass_centre, sum_devices
 from physagent_jax.mpm.state import Model, State
-from physagent_jax.mpm.transfer import Stencil, scatter_mass
+from physagent_jax.mpm.transfer import Stencil, gather_affine, scatter_mass
 
 _CLOCK = 0.25  # of a substep, by which the clock's round-off is far less
 
@@ -36,6 +36,8 @@ class PrescribedMotion(Constraint):
         angular_velocity: [rad/s], shape (3,).
         center: A point of the axis [m], shape (3,); None = the present mean of the particles, which then stays.
         about: Weights of the particles in that mean, shape (k,); None = all count alike, by their mass.
+        carried: Whether u comes on top of the mean velocity of the particles that ``about`` weighs, and ``center`` is
+            given from their mean place: a limb that swings on what moves. Their own ``end`` is before ``start``.
         start, end: Active for start <= time < end [s], scalars or one per particle, shape (k,).
         edge: Width of the window's smooth edges [s], scalar: within them each substep goes a share of the way from the
             free motion to the prescribed one; None = hard.
@@ -54,6 +56,7 @@ class PrescribedMotion(Constraint):
     share: jax.Array | None = dataclasses.field(default=None, metadata=PER_HELD)
     about: jax.Array | None = dataclasses.field(default=None, metadata=PER_HELD)
     rigid: bool = dataclasses.field(default=False, metadata=dict(static=True))
+    carried: bool = dataclasses.field(default=False, metadata=dict(static=True))
 
     @staticmethod
     def fixed(particles: jax.Array, dtype=jnp.float32, *, rigid: bool = False) -> PrescribedMotion:
@@ -72,11 +75,19 @@ class PrescribedMotion(Constraint):
 
     def locate(self, model: Model, x: jax.Array) -> PrescribedMotion:
         """The same motion with the centre that it has while its particles are at ``x`` [m], shape (k, 3)."""
-        if self.center is not None:
+        if self.center is not None and not self.carried:
             return self
+        mean = self._average(model, x)
+        return dataclasses.replace(self, center=mean if self.center is None else mean + self.center)
+
+    def find_drift(self, model: Model, v: jax.Array) -> jax.Array:
+        """The velocity that u comes on top of [m/s], shape (3,), while its particles have ``v``, shape (k, 3)."""
+        return self._average(model, v) if self.carried else jnp.zeros_like(self.velocity)
+
+    def _average(self, model: Model, values: jax.Array) -> jax.Array:
+        """The mean of a vector of its particles, shape (3,), by their mass and what ``about`` tells."""
         mass = model.mass.at[self.particles].get(mode="fill", fill_value=0)
-        mass = mass if self.about is None else self.about * mass
-        return dataclasses.replace(self, center=find_mass_centre(x, mass, model.axis))
+        return find_mass_centre(values, mass if self.about is None else self.about * mass, model.axis)
 
     def field(self, x: jax.Array) -> jax.Array:
         """All of u(x) [m/s], shape (..., 3); the centre must be known (`locate`)."""
@@ -96,16 +107,15 @@ class PrescribedMotion(Constraint):
     def prescribe(self, model: Model, x: jax.Array) -> jax.Array:
         """u(x) of its particles [m/s]."""
         places = x.at[self.particles].get(mode="fill", fill_value=0)
-        return jnp.zeros_like(x).at[self.particles].set(self._give(model, places))
-
-    def _give(self, model: Model, x: jax.Array) -> jax.Array:
-        """Velocities of its particles at ``x`` [m/s], shape (k, 3)."""
-        return self._divide(self.locate(model, x).field(x))
+        return (
+            jnp.zeros_like(x).at[self.particles].set(self._divide(self.locate(model, places).field(places)))
+        )
 
     def before_p2g(self, model: Model, state: State) -> State:
         """Give the held particles their velocity and velocity gradient."""
         p, choose = self.particles, self._make_choice(state.time + _CLOCK * model.dt)
-        v = choose(self._give(model, state.x[p]), state.v[p])
+        x, v = state.x[p], state.v[p]
+        v = choose(self.find_drift(model, v) + self._divide(self.locate(model, x).field(x)), v)
         C = choose(skew(self._divide(self.angular_velocity)), state.C[p])
         return dataclasses.replace(state, v=state.v.at[p].set(v), C=state.C.at[p].set(C))
 
@@ -133,6 +143,8 @@ class PrescribedMotion(Constraint):
         if self.share is not None:
             led = scatter_mass(own, model.grid, jnp.where(active, self.share * mass, 0))
             wanted = (sum_devices(led, model.axis) / jnp.where(node_mask, held, 1))[..., None] * wanted
+        if self.carried:
+            wanted = wanted + self.find_drift(model, gather_affine(own, model.grid, velocity)[0])
         if share is not None:
             part = sum_devices(scatter_mass(own, model.grid, share * mass), model.axis)
             wanted = velocity + (part / jnp.where(node_mask, held, 1))[..., None] * (wanted - velocity)
@@ -142,9 +154,10 @@ class PrescribedMotion(Constraint):
         """Put the held particles exactly where the prescription has them."""
         p, choose = self.particles, self._make_choice(before.time + _CLOCK * model.dt)
         motion = self.locate(model, before.x[p])
-        target = motion.displace(before.x[p], model.dt)
-        x = choose(target, after.x[p])
-        v = choose(motion._give(model, target), after.v[p])
+        drift = self.find_drift(model, after.v[p])
+        own = motion.displace(before.x[p], model.dt)  # its own path; the centre goes along
+        x = choose(own + model.dt * drift, after.x[p])
+        v = choose(drift + self._divide(motion.field(own)), after.v[p])
         moved = dataclasses.replace(after, x=after.x.at[p].set(x), v=after.v.at[p].set(v))
         if not self.rigid:
             return moved

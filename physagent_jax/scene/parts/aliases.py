@@ -184,11 +184,10 @@ def _find_own_side(parts: Sequence[Part], words: Sequence[str], at: int, toward:
     if at == 0 or words[at - 1] not in ("left", "right") or len(pair) != 2 or len(fronts) != 1:
         return None
     left = np.cross((0.0, 0.0, 1.0), fronts[0])
-    places = [float(np.asarray(parts[k].side) @ left) for k in pair]
-    depths = [abs(float(np.asarray(parts[k].side) @ toward)) for k in pair]
-    if min(depths) < _BEHIND or places[0] * places[1] > 0:
+    apart = np.subtract(parts[pair[0]].side, parts[pair[1]].side)
+    if abs(apart @ toward) < _BEHIND * np.linalg.norm(apart):
         return None
-    return pair[int(np.argmax(places) if words[at - 1] == "left" else np.argmin(places))]
+    return pair[int((apart @ left > 0) != (words[at - 1] == "left"))]
 
 
 def _find_single(points: np.ndarray, parts: Sequence[Part], words: Sequence[str], at: int) -> int | None:
