@@ -58,10 +58,7 @@ TILTED = math.radians(20)  # at which what is led over its foot stands on its ed
 _SLIGHT = math.radians(5)  # of which it is seen where that is
 FALLING = math.radians(40)  # from which on what is led over it and let go falls over
 RISES_BY = 0.35  # [m/s] at which what has come down gets up again
-_CARRIES, _FEW = (
-    0.08,
-    8,
-)  # [body lengths] around a joint, within which matter carries a limb; at least so many
+_CARRIERS = 1024  # particles at most, whose mean motion a limb is carried by
 _EDGE = 0.02  # [L] around that point, in which particles tell where the edge is
 HELD_END = 0.25  # of the length, whose middle is where what is held turns about when it is wrung
 PAST = math.radians(5)  # beyond the balance up to which what tips over is driven
@@ -233,14 +230,14 @@ class Binding:
         self.weight = None if self.whole else self.leaf(self._mask)
 
     def _find_carriers(self) -> np.ndarray:
-        """Indices of the particles beside the pivot, or beside the part, that are not led: they carry it."""
+        """Indices of some particles all over the rest, which carries what is led.
+
+        Those beside the joint alone would go along with what is led, which would then drive itself.
+        """
         if self._pivot is None:
             self._pivot = self._rest[self._led].mean(0)
-        apart = np.linalg.norm(self._rest - self._pivot, axis=1)
-        apart[self._led] = np.inf
-        return np.flatnonzero(
-            apart <= max(_CARRIES * np.ptp(self._rest, axis=0).max(), np.sort(apart)[:_FEW].max())
-        )
+        others = np.setdiff1d(np.arange(len(self._rest)), self._led)
+        return others[:: -(-len(others) // _CARRIERS)]
 
     def _find_twist(self, timed, bend: Bend, frame_dt: float, frame_count: int) -> Twist | None:
         """The twist of a part that turns in place (`find_twist`)."""
@@ -518,14 +515,16 @@ class Binding:
         with jax.ensure_compile_time_eval():
             particles = to_device(np.concatenate([led, carriers]), np.int32)
         own = np.arange(len(particles)) < len(led)
-        share = np.ones(len(led)) if self._share is None else np.asarray(self._share)
+        share = self._share
+        if share is not None:
+            share = self.leaf(np.pad(np.asarray(share), (0, len(carriers))))
         still, mean = (
             self.leaf(np.zeros(3)),
             np.average(self._rest[carriers], axis=0, weights=self._volume[carriers]),
         )
         held = dict(
             center=self.leaf(self._pivot - mean),
-            share=self.leaf(np.concatenate([share, np.zeros(len(carriers))])),
+            share=share,
             about=self.leaf(~own),
             rigid=self._rigid,
             carried=True,

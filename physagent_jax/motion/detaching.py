@@ -73,6 +73,10 @@ def detach(
     grounded = brief.world == "ground"
     travel = add([scale(flight.level, flight.reach), scale(up, -height)]) if grounded else flight.way
     ends = first + led + brief.count_frames(flight.seconds + _SETTLES)
+    if grounded and rises is _POPS:  # that it goes up is asked, and not that it comes down
+        rising = dot(flight.velocity, up) / gravity
+        travel = add([scale(flight.way, flight.apart), scale(flight.velocity, 0.5 * rising)])
+        ends = first + led + brief.count_frames(rising)
     return made, motion.model_copy(
         update=dict(
             direction=normalise(travel),

@@ -163,3 +163,28 @@ def test_a_part_that_is_to_come_to_the_ground_goes_most_of_the_way(sentence, deg
     report = report_true_motion(np.stack(frames), frame_dt=0.04, windows=windows, parts=number)
     judged = RulePlanner().judge(context, Observation(reply.force_field, report, Unseen())).value
     assert [c.passed for c in judged.checks if "reach the ground" in c.question] == told
+
+
+@pytest.mark.parametrize(
+    ("degrees", "rises", "verdict"), [(30, 0.4, "SUCCESS"), (0, 0.4, "FAIL"), (30, 0.0, "FAIL")]
+)
+def test_what_waves_while_it_rises_is_judged_by_both(degrees, rises, verdict):
+    """Its arm's path is followed from the middle of the whole, which takes it along."""
+    sentence = "the robot lifts up into the air while its right arm waves"
+    chance = np.random.default_rng(0)
+    body = chance.uniform((-0.2, -0.1, -0.5), (0.2, 0.1, 0.5), (600, 3))
+    arm = chance.uniform((0.2, -0.03, 0.07), (0.35, 0.03, 0.13), (60, 3))
+    reply = read(sentence, ARM, HEAD)
+    assert all(each.carried for each in reply.force_field.constraints if each.region is not None)
+    frames = []
+    for frame in range(49):
+        angle = np.radians(degrees) * np.sin(2 * np.pi * 3 * frame / 48)
+        c, s = np.cos(angle), np.sin(angle)
+        turned = SHOULDER + (arm - SHOULDER) @ np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+        frames.append(np.concatenate([body, turned]) + (0, 0, rises * frame / 48))
+    context = AgentContext(sentence, brief(parts=(ARM, HEAD)), (), reply)
+    windows = RulePlanner().windows(context)
+    parts = {0: np.arange(660) >= 600}
+    report = report_true_motion(np.stack(frames), frame_dt=0.04, windows=windows, parts=parts)
+    observed = Observation(reply.force_field, report, Unseen())
+    assert RulePlanner().judge(context, observed).value.verdict is Verdict(verdict)

@@ -43,6 +43,25 @@ def test_a_part_turns_about_its_joint(x64, sign):
     np.testing.assert_allclose(now[part], wanted, atol=2e-3)
 
 
+def test_a_part_that_is_carried_turns_on_what_moves(x64):
+    """Its pivot goes with the mean of the rest, which is pushed, and not through the place where that was."""
+    region = {"kind": "half_space", "point": [0.6, 0.5, 0.5], "normal": [1, 0, 0]}
+    turn = dict(constraint_type="enforce_particle_rotation", vector=[0, 0, 1], magnitude=0.8, gain=1.5)
+    turn |= dict(active_time=[0, 8], held_until=19, region=region, pivot=[0.5, 0.5, 0.5], carried=True)
+    push = dict(action_type="translation", vector=[0, 1, 0], magnitude=1.0, active_time=[0, 8])
+    field = ForceField.model_validate({"constraints": [turn], "actions": [push]})
+    _, start, end = moved(field, cells=(8, 3, 3), E=1e5, seconds=0.9 * DURATION, extent=0.4)
+    rest, now = np.asarray(start.x), np.asarray(end.x)
+    part = make_region_mask(field.constraints[0].region, rest)
+    gone = now[~part].mean(0) - rest[~part].mean(0)
+    angle = 0.8 * 1.5 * SCALING.rotation * 8 * FRAME_DT
+    c, s = np.cos(angle), np.sin(angle)
+    pivot = rest.min(0) + 0.5 * np.ptp(rest, axis=0)
+    wanted = pivot + gone + (rest[part] - pivot) @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+    np.testing.assert_allclose(now[part], wanted, atol=2e-3)
+    assert np.linalg.norm(gone) > 0.02
+
+
 def test_a_part_bends_beside_its_joint():
     """A bar on a block: none of the motion where it begins, all of it beyond the depth, and no step in between."""
     grid = np.stack(np.meshgrid(*[np.linspace(0, 1, 21)] * 3, indexing="ij"), -1).reshape(-1, 3)

@@ -99,10 +99,20 @@ class Asked:
 
     @cached_property
     def end(self) -> PartMotion | None:
-        """The end that is asked about; None for the whole, or if the report does not tell it apart."""
+        """The end that is asked about; None for the whole, or if the report does not tell it apart.
+
+        A limb of what moves meanwhile is followed from the middle of the whole.
+        """
         part, limb = self.motion.part, self.motion.limb
         if limb is not None:
-            return next((each for each in self.view.report.parts if each.limb == limb), None)
+            end = next((each for each in self.view.report.parts if each.limb == limb), None)
+            if end is None or not self.carried:
+                return end
+            places = zip(end.centroid, self.view.report.centroid)
+            own = tuple(
+                None if here is None or all_ is None else subtract(here, all_) for here, all_ in places
+            )
+            return end.model_copy(update=dict(centroid=own))
         if part is None:
             return None
         return self.view.find_end(scale(part, -1.0) if self.motion.excludes_part else part)
@@ -151,6 +161,12 @@ class Asked:
     def together(self) -> list[ExpectedMotion]:
         """The motions that are asked for at the same time."""
         return [e for e in self.view.expectations if e is not self.motion and share_time(e, self.motion)]
+
+    @property
+    def carried(self) -> bool:
+        """Return whether it is a limb that moves on something which is to move as well."""
+        led = (e.limb is None and e.part is None and e.kind is MotionKind.MOVE for e in self.together)
+        return self.motion.limb is not None and any(led)
 
     @cached_property
     def limb_turns(self) -> bool:

@@ -363,7 +363,7 @@ def _check_part(asked: Asked) -> list[Check]:
     What is pressed evenly moves at its other end by a fifth of the way of the named one.
     """
     motion, moving, view = asked.motion, asked.end, asked.view
-    if moving is None or motion.kind in (MotionKind.FALL, MotionKind.STILL):
+    if moving is None or motion.kind in (MotionKind.FALL, MotionKind.STILL) or asked.carried:
         return []
     resting = view.find_end(scale(moving.direction, -1.0))
     own = _measure_extent(asked, moving)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 
+import jax.numpy as jnp
 import numpy as np
+from jax.core import Tracer
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces import terms
@@ -14,6 +16,7 @@ from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.mpm.constraints import PrescribedMotion
+from physagent_jax.mpm.fields import PER_HELD, find_fields
 from physagent_jax.mpm.protocols import Constraint
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import Body
@@ -136,7 +139,15 @@ def compile_skills(
 def _fill_bucket(grip: Constraint, count: int) -> Constraint:
     if not isinstance(grip, PrescribedMotion):
         return grip
-    particles, share = buckets.pad_indices(np.asarray(grip.particles), count), grip.share
-    if share is not None:
-        share = to_array(np.pad(np.asarray(share), (0, len(particles) - len(share))))
-    return dataclasses.replace(grip, particles=particles, share=share)
+    particles = buckets.pad_indices(np.asarray(grip.particles), count)
+    missing, fields = len(particles) - len(grip.particles), {"particles": particles}
+    for name in find_fields(grip, **PER_HELD):
+        values = getattr(grip, name)
+        if name != "particles" and values is not None and values.ndim:
+            traced = isinstance(values, Tracer)
+            fields[name] = (
+                jnp.pad(values, (0, missing))
+                if traced
+                else to_array(np.pad(np.asarray(values), (0, missing)))
+            )
+    return dataclasses.replace(grip, **fields)

@@ -31,6 +31,11 @@ from physagent_jax.scene.parts.shells import Shells, find_shells
 
 _LEAST, _LEAST_SHELL = 0.5, 0.62  # mean of the measures of what is taken, of a limb and of shells
 _CHANCE = 0.5  # that it is meant
+_LIKELY = 0.75  # the same of what looks like it in nearly all
+_CLEAR, _AHEAD = (
+    0.85,
+    0.15,
+)  # mean of the measures of such, and by how much more that is than of anything else
 _LARGEST = 0.4  # share of the figure that a limb has at most
 _BULK = 0.5  # the same of shells: what is more is the object itself
 _LOOSE = frozenset(("side", "top", "bottom"))  # roles of limbs of which only the place is known
@@ -143,7 +148,13 @@ class _Search:
                 chosen = [
                     max(chosen, key=lambda each: float((self.points[each.mask] @ self.viewer.toward).mean()))
                 ]
-            return list(self._name(noun, row, chosen))
+            rivals = [
+                own
+                for each, own in zip(candidates, scores)
+                if all((each.mask & one.mask).sum() < _APART * each.mask.sum() for one in chosen)
+            ]
+            clear = scores[best] > max(_CLEAR, max(rivals, default=0.0) + _AHEAD)
+            return list(self._name(noun, row, chosen, _LIKELY if clear else _CHANCE))
         return []
 
     def _widen(
@@ -157,11 +168,13 @@ class _Search:
         ]
         return max(holding, key=lambda each: int(each.mask.sum()))
 
-    def _name(self, noun: str, row: dict[str, Any], chosen: list[_Candidate]) -> Iterable[Part]:
+    def _name(
+        self, noun: str, row: dict[str, Any], chosen: list[_Candidate], chance: float
+    ) -> Iterable[Part]:
         """The candidates as parts, with their sides in their names where these tell them apart, else with numbers."""
         sides = self._list_sides([self.points[each.mask].mean(0) for each in chosen], row)
         told: dict[str, Any] = dict(
-            roles=tuple(row.get("role", "").split()[:1]), confidence=_CHANCE, origin="shape"
+            roles=tuple(row.get("role", "").split()[:1]), confidence=chance, origin="shape"
         )
         for number, (each, side) in enumerate(zip(chosen, sides), 1):
             wheel = bool(row.get("spins") or row.get("rolls"))
