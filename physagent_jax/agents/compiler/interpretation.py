@@ -18,7 +18,7 @@ from physagent_jax.agents.compiler.events import (
     WayKind,
 )
 from physagent_jax.agents.compiler.limbs import find_limbs, find_roles, moves_pot, sticks_out
-from physagent_jax.agents.lexicon import NAMED, Effect, Motion, Repeat, read_lexicon
+from physagent_jax.agents.lexicon import NAMED, Effect, Motion, Names, Repeat, read_lexicon
 from physagent_jax.agents.materials import LIMP
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
@@ -61,6 +61,7 @@ _SEVERING = ("break", "snap", "crack", "cut", "chop", "saw", "hack", "shear", "t
 _BITING = frozenset("jaw jaws claw claws pincer pincers beak mouth bill teeth gripper grabber".split())
 _HOPS = 20.0  # [degrees] by which an end is raised that hops up
 _CHOP = 60.0  # [degrees] by which a tool leans that is swung down
+_BEARING = ("wheels", "tyres", "tires")  # by which an end is lifted
 _SLAM = 1.3  # strength with which a wall is met that it comes off
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 
@@ -147,7 +148,7 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
     elif (effect is Effect.ROLL or motion.steps) and any(each.alternating for each in repeats):
         phrase = "rock"  # "the boat rolls from side to side", "it waddles left and right"
     elif _lifts_end(event, motion, brief):
-        raised = "behind" if event.parts[0].place.names == ("toward",) else "ahead"
+        raised = "behind" if _find_end(event) == ("toward",) else "ahead"
         event.parts, event.ways = [], []
         return replace(
             motions["rear up"], direction=raised, angle=_HOPS, brief=True
@@ -220,9 +221,15 @@ def _lifts_end(event: Event, motion: Motion, brief: SceneBrief) -> bool:
     """Return whether one end of a vehicle rises: it tips over the wheels at the other one."""
     up = event.is_upwards or motion.direction == "up" and not event.pick(*WAYS)
     rises = motion.effect is Effect.JUMP or motion.effect in (Effect.PUSH, Effect.STRIKE) and up
-    ends = [part.place.names for part in event.parts]
-    placed = ends in ([("toward",)], [("away",)]) and not find_limbs(event.parts[0], brief)
+    placed = _find_end(event) in (("toward",), ("away",)) and len(event.parts) == 1
+    placed = placed and (event.parts[0].text.endswith(_BEARING) or not find_limbs(event.parts[0], brief))
     return rises and placed and not motion.manner and has_wheels(brief) and brief.world == "ground"
+
+
+def _find_end(event: Event) -> Names:
+    """The end of the object where the first part is, by its place or the adjective in its name."""
+    part = event.parts[0] if event.parts else None
+    return part.place.names or read_lexicon().part_adjectives.get(part.phrase.rpartition(" ")[0], ()) if part else ()
 
 
 def _is_of_limbs(event: Event, brief: SceneBrief) -> bool:

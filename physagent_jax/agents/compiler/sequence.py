@@ -143,6 +143,8 @@ def _put_landings_first(clauses: list[Event]) -> list[Event]:
 
 def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) -> None:
     """Adds what a clause tells."""
+    if events and not events[-1].parts and event.clause.parts == events[-1].clause.parts:
+        event.parts.clear()  # "lift its front wheels, then drop them": all of that end
     interpret(event, _find_measure(events, event), builder.brief)
     severed = bool(events) and events[-1].motion.manner == "detach"
     if severed and event.effect is Effect.LEAN and event.motion.direction == "beside" and not event.parts:
@@ -193,7 +195,8 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     aloft = (e.effect in _ALOFT or e.motion.gravity or _is_lifted([e], builder) for e in events)
     before = events[-1] if events else None
     ends = before and is_end(before.motion, event.motion) and event.clause.order != "together"
-    if before and before.effect is Effect.LEAN and event.is_bare and _is_dropped(event, builder):
+    lowered = event.motion.puts_back or _is_dropped(event, builder)
+    if before and before.effect is Effect.LEAN and event.is_bare and lowered:
         event = _make_another(event, "let go")  # "lift its front end, then drop it"
     lower = all(way.names == ("down",) for way in event.ways) and not event.clause.quantities
     upright = before is not None and _is_upright(before)
@@ -338,7 +341,8 @@ def _sets_rocking(before: Event, event: Event) -> bool:
     pushed, motion = before.effect in (Effect.PUSH, Effect.STRIKE) and before.strength <= 1, before.motion
     hit = bool(before.parts) and before.effect is Effect.STRIKE  # "a ball hits its rim"
     told = before.parts and not hit or before.amount or before.is_timed or before.repeat.count
-    goes = motion.gravity or motion.hauls or before.is_in_wind
+    slides = before.clause.elsewhere and before.effect is Effect.PUSH  # "it slides aside when nudged"
+    goes = motion.gravity or motion.hauls or before.is_in_wind or slides
     level = hit or before.direction is not None and abs(before.direction[2]) < _LEVEL
     rocks = event.motion.manner == "rock" or event.motion.jiggles
     rocks &= event.effect is Effect.SWAY and not (event.parts or event.is_timed)
@@ -472,9 +476,9 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
         if result and result[-1].effect is Effect.RELEASE:
             continue  # "release it and let it swing back" is one release
         acted = any(each.effect not in _RESTING for each in result)
-        if event.motion.lets_go and limb:
+        if event.motion.alone == "fall" and limb:
             result.append(event)
-        elif event.motion.lets_go and _is_lifted(result, builder):
+        elif event.motion.alone == "fall" and _is_lifted(result, builder):
             result.append(_make_another(event, "fall"))
         elif after is not None and after.effect in (Effect.FALL, Effect.TOPPLE):
             continue

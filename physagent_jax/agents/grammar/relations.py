@@ -32,6 +32,7 @@ _MOVING = (
     MentionKind.COMPARATIVE,
 )
 # What an object does by itself beside its motion; a push or a blow brings about what follows.
+_DENT = LEXICON.motions["dent"]
 _FORMS = (Effect.TURN, Effect.SWAY, Effect.JUMP, Effect.ROLL, Effect.SCALE, Effect.SWELL, Effect.LEAN)
 _ELSEWHERE = (*WAYS, MentionKind.PLACE, MentionKind.EXCLUDED, MentionKind.TIME)
 _LENGTHS = ("metres", "lengths")
@@ -184,8 +185,9 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
             clause.join = _find_comma(merged, clause)
         if clause.join is Join.COMMA and _is_tumbling_aloft(before, clause):
             clause.join = Join.AND
-        if clause.join is Join.AND and _is_dented(before, clause):
-            clause.join = Join.RESULT
+        if clause.join in (Join.AND, Join.COMMA) and _is_dented(before, clause):
+            clause.join, clause.verb = Join.RESULT, replace(clause.verb, value=_DENT, phrase="dent")
+            clause.modifiers = [m for m in clause.modifiers if m.kind is not MentionKind.PLACE]
         if clause.join in (Join.RESULT, Join.AND) and before.has(Effect.STILL):
             clause.join = Join.THEN  # "nothing happens until it is hit", "it stops and shakes"
         bows = LEXICON.motions["bow"] in (get_verb(before.head), get_verb(clause.verb))
@@ -231,10 +233,11 @@ def _is_tumbling_aloft(leap: Clause, clause: Clause) -> bool:
 
 
 def _is_dented(blow: Clause, clause: Clause) -> bool:
-    """Return whether a blow leaves a dent: "it is struck on its left side and keeps the dent"."""
-    verb = get_verb(clause.verb)
-    dents = verb.effect is Effect.SCALE and verb.quick and verb.sign < 0
-    return blow.has(Effect.STRIKE) and dents and not clause.select(*WHERE)
+    """Return whether a blow leaves a dent: "it is struck on its left side and keeps the dent, or crumples there"."""
+    verb, struck = get_verb(clause.verb), [m.phrase for m in blow.select(MentionKind.PLACE)]
+    dents = verb.sign < 0 and (verb.quick or bool(struck) and verb.effect in (Effect.SCALE, Effect.SWELL))
+    placed = all(m.phrase in struck for m in clause.select(*WHERE))
+    return blow.has(Effect.STRIKE) and dents and placed and not get_verb(blow.head).gravity
 
 
 def _is_first_of_steps(clause: Clause, behind: list[Clause]) -> bool:
