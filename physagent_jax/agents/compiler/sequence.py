@@ -32,17 +32,8 @@ from physagent_jax.motion.tipping import SLOW
 from physagent_jax.motion.vectors import add, dot, normalise, scale
 
 _AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
-_ROCKING = (
-    "let",
-    "rock",
-    "swing",
-    "sway",
-    "tip",
-    "catch",
-    "steady",
-    "save",
-    "regain",
-)  # begins of phrases for what comes back by itself
+_ROCKING = tuple("let rock swing sway tip catch steady save regain".split())
+"""Begins of phrases for what comes back by itself."""
 _MOMENT = 0.2  # of the clip, below which a hold is but a moment
 _LAID = 90.0  # [degrees] that what has fallen over is turned by
 _OVER = 120.0  # [degrees] from where on it is turned over
@@ -195,7 +186,8 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     aloft = (e.effect in _ALOFT or e.motion.gravity or _is_lifted([e], builder) for e in events)
     before = events[-1] if events else None
     ends = before and is_end(before.motion, event.motion) and event.clause.order != "together"
-    lowered = event.motion.puts_back or _is_dropped(event, builder)
+    raised = any(_is_lifted([e], builder) for e in events)
+    lowered = _is_dropped(event, builder) or event.motion.puts_back and not raised
     if before and before.effect is Effect.LEAN and event.is_bare and lowered:
         event = _make_another(event, "let go")  # "lift its front end, then drop it"
     lower = all(way.names == ("down",) for way in event.ways) and not event.clause.quantities
@@ -369,10 +361,7 @@ def _join_push(before: Event, event: Event) -> Event:
 def _join_fall(before: Event, event: Event) -> Event:
     """The fall over with the way and, where it tells none of its own, the strength of what leads to it."""
     assumed = [each.sources["vector"].why.endswith(BY_DEFAULT) for each in (before, event)]
-    own = not assumed[1] or assumed == [
-        True,
-        True,
-    ]  # what lies falls over its long side, wherever it is pushed
+    own = not assumed[1] or all(assumed)  # what lies falls over its long side, wherever it is pushed
     told = {key: before.sources[key] for key in ("vector", "magnitude")}
     way = {} if own else dict(direction=before.direction, notes=before.notes, sources=event.sources | told)
     return replace(event, strength=event.strength if event.strengths else before.strength, **way)
