@@ -183,11 +183,10 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     _measure_return(event, events)
     event = _put_under_gravity(event, builder.gravity)
     level = event.direction is not None and abs(dot(event.direction, builder.brief.directions.up)) < _LEVEL
-    aloft = (e.effect in _ALOFT or e.motion.gravity or _is_lifted([e], builder) for e in events)
+    aloft = any(e.effect in _ALOFT or e.motion.gravity or _is_lifted([e], builder) for e in events)
     before = events[-1] if events else None
     ends = before and is_end(before.motion, event.motion) and event.clause.order != "together"
-    raised = any(_is_lifted([e], builder) for e in events)
-    lowered = _is_dropped(event, builder) or event.motion.puts_back and not raised
+    lowered = _is_dropped(event, builder) or event.motion.puts_back and not aloft
     if before and before.effect is Effect.LEAN and event.is_bare and lowered:
         event = _make_another(event, "let go")  # "lift its front end, then drop it"
     lower = all(way.names == ("down",) for way in event.ways) and not event.clause.quantities
@@ -196,7 +195,7 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     ends = ends or before and (before.effect in _UPSETTING or upright) and lower and soon
     topples = event.motion.topples or event.phrase == "go" and upright
     level = _level_out(event, builder.brief) or level if topples else level
-    if topples and (level or ends) and builder.grounded and not any(aloft):  # it stands
+    if topples and (level or ends) and builder.grounded and not aloft:  # it stands
         way = event.direction if level else _find_level_way(events, builder)
         event = replace(event, motion=read_lexicon().motions["fall over"], phrase="fall over", direction=way)
         leans = before is not None and before.effect is Effect.LEAN and before.sources["vector"]
@@ -230,7 +229,9 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     above = event.is_upwards and not event.clause.quantities  # "from a metre up"
     if event.effect is Effect.FALL and builder.gravity is None and above:
         builder.gravity = "up"  # "it falls upwards"
-    if before and event.clause.order == "then" and _needs_lift(event, events, builder):
+    # All of what stands is dropped, and nothing before has raised it: "turn it, then drop it".
+    stood = before and event.clause.order == "then" and not (aloft or any(each.limbs for each in events))
+    if stood and _is_dropped(event, builder):
         events.append(_make_lift(event, builder))
         builder.notes.append(f"'{event.words}': it stands on the ground, so it is lifted first.")
     events.append(event)
@@ -267,12 +268,6 @@ def _make_lift(event: Event, builder: ForceFieldBuilder) -> Event:
     plain = event.clause.model_copy(update=dict(pose=None, quantities=[], repetitions=[], order="then"))
     told = dict(clause=plain, when=Timing(), amount=None, direction=builder.brief.directions.up)
     return replace(_make_another(event, "lift"), means=True, **told)
-
-
-def _needs_lift(event: Event, events: list[Event], builder: ForceFieldBuilder) -> bool:
-    """Return whether all of what stands is dropped, and nothing before has raised it: "turn it, then drop it"."""
-    raised = any(e.effect in _ALOFT or e.motion.gravity or _is_lifted([e], builder) for e in events)
-    return _is_dropped(event, builder) and not (raised or any(each.limbs for each in events))
 
 
 def _is_dropped(event: Event, builder: ForceFieldBuilder) -> bool:
