@@ -244,7 +244,8 @@ class _Finder:
         alone = not self._get(owner).isalpha() or self._get(owner) == "like"
         between = {*self.tokens[owner + 1 : place]}
         told = ({"if", "though"} | _SUBJECTS) & between or "," in between and not self._is_other_noun(owner)
-        return place if alone or told or self._is_object(owner) else None
+        named = self._get(owner) in self.own  # "a wine glass made of rubber"
+        return place if alone or told or named or self._is_object(owner) else None
 
     def _find_make(self, owner: int) -> int | None:
         """The "make" before the object, if that is what stands here."""
@@ -261,7 +262,8 @@ class _Finder:
         """Return whether a noun is the object: by its name, or as one that may name it and is no place of anything."""
         noun = self._get(at)
         known = noun in self.names or (noun in self.nouns and not self._is_placed(at))
-        only = self._get(at + 1) in self.around["being"] and self._back(at, self.before) < 0 < at
+        before = self.before | {self._get(at - 1)}  # "the gift box is made of clay"
+        only = self._get(at + 1) in self.around["being"] and self._back(at, before) < 0 < at
         apart = noun in self.around["parts"] or not self.names.isdisjoint(self.tokens)
         return known or only and not apart and self._is_noun(at)  # "the gizmo is made of jelly"
 

@@ -80,10 +80,20 @@ def find_named(parts: Sequence[Part], phrase: str, *, plural: bool = False) -> t
                 for index, part in enumerate(parts)
                 if part.name and _RANK[part.origin] == rank and match(split_name(part.name))
             ]
+            found = [k for k in found if not _is_jumble(parts[k], parts)]
             found = [k for k in found if not any(_is_within(parts[k], parts[j]) for j in found if j != k)]
             if len(found) == 1 or found and plural:
                 return tuple(found)
     return ()
+
+
+def _is_jumble(part: Part, parts: Sequence[Part]) -> bool:
+    """Return whether it has another one's name with a number, and holds parts of other names: no second wheel."""
+    name = split_name(part.stands_for or part.name)
+    plain = _drop_number(name)
+    others = [each for each in parts if not each.stands_for and split_name(each.name) != name]
+    copies = name != plain and any(split_name(each.name) == plain for each in others)
+    return copies and any(split_name(each.name) != plain and _is_within(each, part) for each in others)
 
 
 def _is_within(inner: Part, outer: Part) -> bool:

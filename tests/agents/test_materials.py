@@ -50,6 +50,7 @@ def found(sentence, scene=ROBOT):
         ("it becomes liquid", "liquid", "becomes liquid"),
         ("the robot, made of chocolate, tips over", "chocolate", "made of chocolate"),
         ("the gizmo is made of jelly and falls", "jelly", "made of jelly"),  # nothing else is there
+        ("The birthday parcel is made of dough and a thumb presses it", "dough", "made of dough"),
     ],
 )
 def test_a_material_that_is_said_of_the_object(sentence, word, phrase):
@@ -256,3 +257,13 @@ def test_a_likeness_of_the_whole_is_a_material(prompt, word):
 @pytest.mark.parametrize("prompt", ["a basketball hits it", "it jumps on a pillow", "its rubber arm bends"])
 def test_other_things_are_no_materials(prompt):
     assert not find_materials(prompt, brief())
+
+
+def test_a_material_is_said_of_what_is_called_by_another_one():
+    glass = called("glass-beer", "vessel")
+    assert found("A beer glass made of jelly tips over", glass) == [("jelly", "made of jelly")]
+
+
+def test_a_compound_noun_is_the_object_where_nothing_else_is_named():
+    reply = read("The birthday parcel gets squashed", called("thing 3", "object"))
+    assert not reply.not_understood and len(reply.expectations) == 1

@@ -217,3 +217,38 @@ def test_the_stem_of_a_plant_takes_the_plant_along(sentence):
     assert [each.limb for each in read("bend the crown to the left", trunk, crown, **plant).expectations] == [
         1
     ]
+
+
+def test_a_numbered_piece_that_holds_all_wheels_is_none_of_them():
+    left, right = (
+        make_part(f"front {side} wheel", (x, -0.7, 0)) for side, x in (("left", -0.7), ("right", 0.7))
+    )
+    inside = tuple(place for each in (left, right) for place in each.moved.inside)
+    all_of_them = make_part("front left wheel 2", (0, -1, 0)).model_copy(
+        update=dict(
+            moved=CellsRegion(inside=inside, outside=MIDDLE), rest=CellsRegion(inside=MIDDLE, outside=inside)
+        )
+    )
+    parts = (left, right, all_of_them.model_copy(update=dict(share=0.3)))
+    assert find_named(parts, "wheels", plural=True) == (0, 1)
+
+
+@pytest.mark.parametrize(
+    "sentence", ["the fancy bow flutters", "the big red bow droops", "the fluffy bow twitches in the wind"]
+)
+def test_a_noun_before_a_verb_is_no_verb(sentence):
+    assert find_limbs(sentence, make_part("bow", (0, 0, 1)), object_name="gift")[0] == [0]
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "a hammer smashes into the front bumper and crumples it",
+        "the front bumper gets hit and caves in",
+        "hit the front bumper hard and it crumples",
+    ],
+)
+def test_a_blow_on_a_part_that_gives_way_dents_it_alone(sentence):
+    reply = read(sentence, make_part("front bumper", (0, -1, 0)), object_name="car")
+    (dent,) = reply.expectations
+    assert dent.limb == 0 and dent.sudden and dent.stays

@@ -258,3 +258,18 @@ def test_a_pose_of_a_fall_that_comes_later_is_doubted():
     assert read("it rises and then crashes down nose first", stand()).unsure
     assert not read("it crashes down nose first", stand()).unsure
     assert not read("it rises and then crashes down", stand()).unsure
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "let the thing fall so that it lands on one of its corners",
+        "drop the thing on its edge",
+        "the thing drops from a metre onto a corner",
+        "the thing lands on an edge",
+    ],
+)
+def test_what_lands_on_an_edge_falls_askew(sentence):
+    reply = read(sentence, stand(**TALL))
+    assert reply.world.attitude is not None and not reply.unsure and not reply.not_understood
+    assert [each.kind for each in reply.expectations] == [MotionKind.FALL]

@@ -4,12 +4,13 @@ import math
 
 import pytest
 
-from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent
+from physagent_jax.agents.grammar.semantic import GrammarSemanticAgent, read_sentence
 from physagent_jax.forces.calibration import GRAVITY, MOST_DROP, REFERENCE_TIME, TURN
 from physagent_jax.forces.schema import ActionType, ConstraintType
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.tipping import tip
 from tests.agents.scenes import asked, brief, judge, make_report, ramp
+from tests.agents.test_named_parts import make_part
 
 ON_THE_GROUND = brief(object_name="statue", object_kind="object", world="ground", frames_fixed=False)
 SLIM, BROAD = (0.3, 1.0, 0.3), (1.0, 0.5, 1.0)
@@ -376,3 +377,64 @@ def test_round_and_round_is_more_than_once():
         assert motion.kind is MotionKind.ROTATE and (motion.amount is None or motion.amount.value == 720.0)
     (motion,) = compile_whole("the statue spins round and round on the floor").expectations
     assert motion.amount is not None and motion.amount.value == 720.0
+
+
+def stand(**changes):
+    return brief(**dict(object_name="thing", world="ground", frames_fixed=False) | changes)
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "the thing lifts off, hovers for a moment, and falls back down again",
+        "raise the thing, then let it drop back",
+        "the thing rises, waits a bit and thumps back down",
+    ],
+)
+def test_what_is_up_in_the_air_and_drops_back_falls(prompt):
+    reply = read_sentence(prompt, stand())
+    assert reply.expectations[-1].kind is MotionKind.FALL and reply.expectations[0].kind is MotionKind.MOVE
+    assert not reply.expectations[0].released and not reply.unsure
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "hoist the front wheels of the cart up",
+        "the front tyres of the cart come off the floor",
+        "lift the front wheels, then put them back down",
+    ],
+)
+def test_an_end_is_tilted_by_the_wheels_that_bear_it(prompt):
+    wheels = [make_part(f"{side} wheel", (x, -0.6, -0.6)) for side, x in (("left", -0.5), ("right", 0.5))]
+    (tilt,) = read_sentence(prompt, stand(object_name="cart", parts=tuple(wheels))).expectations
+    assert tilt.kind is MotionKind.ROTATE and tilt.limb is None and tilt.part is None
+
+
+def test_what_is_raised_at_its_lower_rim_until_it_tips_does_so_as_a_whole():
+    reply = read_sentence("lift the bottom rim of the thing until it tips", stand())
+    (tilt,) = reply.expectations
+    assert tilt.kind is MotionKind.ROTATE and tilt.part is None and not reply.unsure
+
+
+def test_what_slides_as_it_is_nudged_does_so_before_it_wobbles():
+    reply = read_sentence("the thing slides to the left when someone nudges it, then wobbles", stand())
+    assert [each.kind for each in reply.expectations] == [MotionKind.MOVE, MotionKind.SWAY]
+
+
+@pytest.mark.parametrize("end", ["skids to a stop", "screeches to a sudden halt", "slides to a standstill"])
+def test_what_skids_to_a_stop_is_stopped_and_goes_no_farther(end):
+    scene = stand(object_name="car", object_kind="vehicle")
+    told = [each.kind for each in read_sentence(f"the car races ahead and {end}", scene).expectations]
+    assert told == [MotionKind.MOVE, MotionKind.STILL]
+    assert [e.kind for e in read_sentence(f"the car {end}", scene).expectations] == [MotionKind.MOVE]
+
+
+@pytest.mark.parametrize(
+    "hops", ["hops across the lawn", "leaps around", "bounces along", "skips over to the fence"]
+)
+def test_what_hops_about_hops_several_times_and_goes_on(hops):
+    hop = read_sentence(f"the thing {hops}", stand()).expectations[0]
+    assert hop.repeats > 2 and math.hypot(*hop.direction[:2]) > 0.5
+    (spot, *_) = read_sentence("the thing jumps around on the spot", stand()).expectations
+    assert spot.repeats > 2 and spot.direction[2] > 0.99

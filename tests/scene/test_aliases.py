@@ -219,3 +219,15 @@ def test_what_is_called_a_wheel_may_be_thick():
     points = points[abs(points[:, 1]) < 0.167]
     axle, other = (fit_part(points, points[:, 2] > -0.45, joined=False, wheel=w).axle for w in (True, False))
     assert axle == pytest.approx((0, 1, 0), abs=0.1) and other is None
+
+
+def test_a_part_on_top_is_no_lower_one():
+    """The rim on top is not the bottom rim, and a rotor below is not the one on top."""
+    rim, rotor = make_parts("rim", "tail wing")
+    rim, rotor = (
+        p.model_copy(update=dict(side=s)) for p, s in ((rim, (0.0, 0.0, 1.0)), (rotor, (1.0, 0.0, 0.0)))
+    )
+    assert find((rim,), "dent the bottom rim") == {} and find((rim,), "dent the top rim") == {
+        "top rim": "rim"
+    }
+    assert find((rotor,), "the rotor on top spins") == {} and find((rotor,), "the rotor spins")

@@ -18,7 +18,7 @@ from physagent_jax.agents.compiler.events import (
     WayKind,
 )
 from physagent_jax.agents.compiler.limbs import find_limbs, find_roles, moves_pot, sticks_out
-from physagent_jax.agents.lexicon import NAMED, Effect, Motion, Repeat, read_lexicon
+from physagent_jax.agents.lexicon import NAMED, Effect, Motion, Names, Repeat, read_lexicon
 from physagent_jax.agents.materials import LIMP
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
@@ -60,7 +60,9 @@ _BEARERS = dict(hand="arm", hands="arms", fist="arm", fists="arms", head="neck")
 _SEVERING = ("break", "snap", "crack", "cut", "chop", "saw", "hack", "shear", "tear", "rip")
 _BITING = frozenset("jaw jaws claw claws pincer pincers beak mouth bill teeth gripper grabber".split())
 _HOPS = 20.0  # [degrees] by which an end is raised that hops up
+_GOING = (Effect.PUSH, Effect.STRIKE, Effect.ROLL)  # what comes to a stop
 _CHOP = 60.0  # [degrees] by which a tool leans that is swung down
+_BEARING = ("wheels", "tyres", "tires")  # by which an end is lifted
 _SLAM = 1.3  # strength with which a wall is met that it comes off
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 
@@ -68,7 +70,7 @@ _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     """Fill in what a clause's words come to; "harder", "back" and "the other way" are measured by ``before``."""
     _aim_at_parts(event, brief)
-    event.motion, event.phrase = _choose_motion(event, brief, before is None)
+    event.motion, event.phrase = _choose_motion(event, brief, before)
     event.repeat = _sum_repeats(event)
     _resolve_strength(event, before if event.clause.inherited else None)
     take_heading(event, brief)
@@ -118,7 +120,7 @@ def _aim_at_parts(event: Event, brief: SceneBrief) -> None:
         event.ways.append(replace(way, names=names, place=None))
 
 
-def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion, str]:
+def _choose_motion(event: Event, brief: SceneBrief, before: Event | None) -> tuple[Motion, str]:
     """The clause's motion as what stands beside it makes it, and the phrase that it then goes by."""
     motion, phrase = _join_cause(event)
     motions, effect = read_lexicon().motions, motion.effect
@@ -147,7 +149,7 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
     elif (effect is Effect.ROLL or motion.steps) and any(each.alternating for each in repeats):
         phrase = "rock"  # "the boat rolls from side to side", "it waddles left and right"
     elif _lifts_end(event, motion, brief):
-        raised = "behind" if event.parts[0].place.names == ("toward",) else "ahead"
+        raised = "behind" if _find_end(event) == ("toward",) else "ahead"
         event.parts, event.ways = [], []
         return replace(
             motions["rear up"], direction=raised, angle=_HOPS, brief=True
@@ -156,7 +158,7 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
         phrase = "jump"  # "it bounces three times"
     elif motion.tumbles and event.is_upwards:
         return replace(motions["toss"], tumbles=True), phrase  # "flip it into the air"
-    elif phrase == "tumble" and event.goes_aside and first:
+    elif phrase == "tumble" and event.goes_aside and before is None:
         phrase = "roll"  # "tumbles to the right"
     elif _is_felled(event, motion, brief):
         phrase = "fall over"
@@ -183,8 +185,10 @@ def _choose_motion(event: Event, brief: SceneBrief, first: bool) -> tuple[Motion
         phrase = "break off"  # "its left arm breaks"
     elif effect is Effect.FALL and motion.by == "whole" and event.parts and phrase.split()[0] in motions:
         return replace(motions[phrase.split()[0]], direction="down"), phrase.split()[0]  # "bang the lid down"
-    elif motion.coasts and told:
-        phrase = "move"  # "it coasts to the left"; else it goes on by itself
+    elif motion.coasts and (told or effect is Effect.STILL and not (before and before.effect in _GOING)):
+        phrase = (
+            "move" if told else "cruise"
+        )  # "it coasts to the left", "it skids to a stop"; else it goes on
     elif motion.by == "limp" and brief.object_kind != "cloth" and not event.parts and stands_slim(brief):
         phrase = "bend"  # "the lamp droops"
     elif motion.gives and _droops(event, brief):
@@ -220,9 +224,19 @@ def _lifts_end(event: Event, motion: Motion, brief: SceneBrief) -> bool:
     """Return whether one end of a vehicle rises: it tips over the wheels at the other one."""
     up = event.is_upwards or motion.direction == "up" and not event.pick(*WAYS)
     rises = motion.effect is Effect.JUMP or motion.effect in (Effect.PUSH, Effect.STRIKE) and up
-    ends = [part.place.names for part in event.parts]
-    placed = ends in ([("toward",)], [("away",)]) and not find_limbs(event.parts[0], brief)
+    placed = _find_end(event) in (("toward",), ("away",)) and len(event.parts) == 1
+    placed = placed and (event.parts[0].text.endswith(_BEARING) or not find_limbs(event.parts[0], brief))
     return rises and placed and not motion.manner and has_wheels(brief) and brief.world == "ground"
+
+
+def _find_end(event: Event) -> Names:
+    """The end of the object where the first part is, by its place or the adjective in its name."""
+    part = event.parts[0] if event.parts else None
+    return (
+        part.place.names or read_lexicon().part_adjectives.get(part.phrase.rpartition(" ")[0], ())
+        if part
+        else ()
+    )
 
 
 def _is_of_limbs(event: Event, brief: SceneBrief) -> bool:
@@ -519,9 +533,7 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
         ):  # a part gives way downwards
             event.motion = replace(event.motion, effect=Effect.PUSH, sign=1, skill=None)
             down = brief.directions.down
-            juts = (
-                part.origin == "place" and dot(part.side, down) < _STEEP
-            )  # a foot is pressed onto the ground
+            juts = part.origin == "place" and dot(part.side, down) < _STEEP  # a foot goes onto the ground
             event.direction = scale(limb.arm, -1.0) if juts else down
         return
     nowhere = place.role and (not place.names or place.names == ("up",) and stands_on_legs(brief.parts))
@@ -556,17 +568,10 @@ def _meets_face(event: Event, part: Part, out: Vector, brief: SceneBrief) -> boo
 def _find_bearers(part: KnownPart, event: Event, brief: SceneBrief) -> tuple[int, ...]:
     """The arms that wave, raise or lower hands, the neck that does a head; none if nothing of that is asked."""
     *side, noun = part.phrase.split()
-    bearer, steep = (
-        _BEARERS.get(noun),
-        abs(dot(event.direction or brief.directions.right, brief.directions.up)),
-    )
+    bearer, steep = _BEARERS.get(noun), abs(dot(event.direction or (0, 0, 0), brief.directions.up))
     waved = event.phrase.startswith("wave") or event.effect in (Effect.PUSH, Effect.LEAN)
-    if (
-        bearer is None
-        or not waved
-        or bearer == "neck"
-        and (event.effect is not Effect.PUSH or steep < _STEEP)
-    ):
+    waved &= bearer != "neck" or event.effect is Effect.PUSH and steep >= _STEEP
+    if bearer is None or not waved:
         return ()
     phrase, text = (" ".join((*words, bearer)) for words in (side, part.text.lower().split()[:-1]))
     limbs = find_limbs(KnownPart(part.place, phrase, text), brief)

@@ -46,20 +46,14 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     plural = is_plural(part.text)
     if named := find_named(brief.parts, part.phrase, plural=plural):
         return named
-    if alike := find_named(
-        brief.parts, part.phrase, plural=True
-    ):  # "its axe", of two: the one that is seen best
-        toward = brief.directions.toward
-        return (
-            max(alike, key=lambda k: (round(cosine(brief.parts[k].side, toward), 1), brief.parts[k].share)),
-        )
-    adjective, _, noun = (
-        part.phrase.rpartition(" ") if part.phrase not in read_lexicon().parts else ("", "", part.phrase)
-    )
+    toward, every = brief.directions.toward, [*enumerate(brief.parts)]
+    if alike := find_named(brief.parts, part.phrase, plural=True):  # "its axe", of two: that seen best
+        seen = {k: (round(cosine(p.side, toward), 1), p.share) for k, p in every if k in alike}
+        return (max(seen, key=lambda k: seen[k]),)
+    whole = part.phrase in read_lexicon().parts
+    adjective, _, noun = ("", "", part.phrase) if whole else part.phrase.rpartition(" ")
     if noun in _FOLIAGE and not adjective:
-        leaves = [
-            k for k, p in enumerate(brief.parts) if p.roles and p.roles[0] in _LEAVES and p.share < _LEAF
-        ]
+        leaves = [k for k, p in every if {*p.roles[:1]} & {*_LEAVES} and p.share < _LEAF]
         if len(leaves) > 2:  # a palm's, a potted plant's, a pineapple's
             return tuple(leaves)
     said = noun if adjective else part.text.lower()
@@ -70,7 +64,7 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
         side = add(turned.get(name) or sum_directions((name,), brief) for name in part.place.names)
     told = [(find_roles(p.name) or split_name(p.name)[-1:], p) for p in brief.parts]
     known = [each.model_copy(update=dict(roles=(*words[:1], *each.roles))) for words, each in told]
-    return choose_parts(known, roles, side, plural, adjective, brief.directions.toward)
+    return choose_parts(known, roles, side, plural, adjective, toward)
 
 
 def find_support(clauses: Sequence[Event], brief: SceneBrief, soft: bool = False) -> AnchorRequest:
@@ -110,13 +104,8 @@ def moves_pot(event: Event, brief: SceneBrief) -> bool:
 
 def sticks_out(part: KnownPart) -> bool:
     """Return whether a word means something that sticks out, whatever side it tells: no end of the object."""
-    return bool(roles := find_roles(part.phrase)) and roles[0] not in (
-        *PLACES,
-        "head",
-        "tip",
-        "crown",
-        "neck",
-    )
+    roles = find_roles(part.phrase)
+    return bool(roles) and roles[0] not in (*PLACES, "head", "tip", "crown", "neck")
 
 
 def find_roles(name: str) -> list[str]:

@@ -32,17 +32,8 @@ from physagent_jax.motion.tipping import SLOW
 from physagent_jax.motion.vectors import add, dot, normalise, scale
 
 _AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
-_ROCKING = (
-    "let",
-    "rock",
-    "swing",
-    "sway",
-    "tip",
-    "catch",
-    "steady",
-    "save",
-    "regain",
-)  # begins of phrases for what comes back by itself
+_ROCKING = tuple("let rock swing sway tip catch steady save regain".split())
+"""Begins of phrases for what comes back by itself."""
 _MOMENT = 0.2  # of the clip, below which a hold is but a moment
 _LAID = 90.0  # [degrees] that what has fallen over is turned by
 _OVER = 120.0  # [degrees] from where on it is turned over
@@ -143,6 +134,8 @@ def _put_landings_first(clauses: list[Event]) -> list[Event]:
 
 def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) -> None:
     """Adds what a clause tells."""
+    if events and not events[-1].parts and event.clause.parts == events[-1].clause.parts:
+        event.parts.clear()  # "lift its front wheels, then drop them": all of that end
     interpret(event, _find_measure(events, event), builder.brief)
     severed = bool(events) and events[-1].motion.manner == "detach"
     if severed and event.effect is Effect.LEAN and event.motion.direction == "beside" and not event.parts:
@@ -190,10 +183,11 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     _measure_return(event, events)
     event = _put_under_gravity(event, builder.gravity)
     level = event.direction is not None and abs(dot(event.direction, builder.brief.directions.up)) < _LEVEL
-    aloft = (e.effect in _ALOFT or e.motion.gravity or _is_lifted([e], builder) for e in events)
+    aloft = any(e.effect in _ALOFT or e.motion.gravity or _is_lifted([e], builder) for e in events)
     before = events[-1] if events else None
     ends = before and is_end(before.motion, event.motion) and event.clause.order != "together"
-    if before and before.effect is Effect.LEAN and event.is_bare and _is_dropped(event, builder):
+    lowered = _is_dropped(event, builder) or event.motion.puts_back and not aloft
+    if before and before.effect is Effect.LEAN and event.is_bare and lowered:
         event = _make_another(event, "let go")  # "lift its front end, then drop it"
     lower = all(way.names == ("down",) for way in event.ways) and not event.clause.quantities
     upright = before is not None and _is_upright(before)
@@ -201,7 +195,7 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     ends = ends or before and (before.effect in _UPSETTING or upright) and lower and soon
     topples = event.motion.topples or event.phrase == "go" and upright
     level = _level_out(event, builder.brief) or level if topples else level
-    if topples and (level or ends) and builder.grounded and not any(aloft):  # it stands
+    if topples and (level or ends) and builder.grounded and not aloft:  # it stands
         way = event.direction if level else _find_level_way(events, builder)
         event = replace(event, motion=read_lexicon().motions["fall over"], phrase="fall over", direction=way)
         leans = before is not None and before.effect is Effect.LEAN and before.sources["vector"]
@@ -235,7 +229,9 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     above = event.is_upwards and not event.clause.quantities  # "from a metre up"
     if event.effect is Effect.FALL and builder.gravity is None and above:
         builder.gravity = "up"  # "it falls upwards"
-    if before and event.clause.order == "then" and _needs_lift(event, events, builder):
+    # All of what stands is dropped, and nothing before has raised it: "turn it, then drop it".
+    stood = before and event.clause.order == "then" and not (aloft or any(each.limbs for each in events))
+    if stood and _is_dropped(event, builder):
         events.append(_make_lift(event, builder))
         builder.notes.append(f"'{event.words}': it stands on the ground, so it is lifted first.")
     events.append(event)
@@ -272,12 +268,6 @@ def _make_lift(event: Event, builder: ForceFieldBuilder) -> Event:
     plain = event.clause.model_copy(update=dict(pose=None, quantities=[], repetitions=[], order="then"))
     told = dict(clause=plain, when=Timing(), amount=None, direction=builder.brief.directions.up)
     return replace(_make_another(event, "lift"), means=True, **told)
-
-
-def _needs_lift(event: Event, events: list[Event], builder: ForceFieldBuilder) -> bool:
-    """Return whether all of what stands is dropped, and nothing before has raised it: "turn it, then drop it"."""
-    raised = any(e.effect in _ALOFT or e.motion.gravity or _is_lifted([e], builder) for e in events)
-    return _is_dropped(event, builder) and not (raised or any(each.limbs for each in events))
 
 
 def _is_dropped(event: Event, builder: ForceFieldBuilder) -> bool:
@@ -338,7 +328,8 @@ def _sets_rocking(before: Event, event: Event) -> bool:
     pushed, motion = before.effect in (Effect.PUSH, Effect.STRIKE) and before.strength <= 1, before.motion
     hit = bool(before.parts) and before.effect is Effect.STRIKE  # "a ball hits its rim"
     told = before.parts and not hit or before.amount or before.is_timed or before.repeat.count
-    goes = motion.gravity or motion.hauls or before.is_in_wind
+    slides = before.clause.elsewhere and before.effect is Effect.PUSH  # "it slides aside when nudged"
+    goes = motion.gravity or motion.hauls or before.is_in_wind or slides
     level = hit or before.direction is not None and abs(before.direction[2]) < _LEVEL
     rocks = event.motion.manner == "rock" or event.motion.jiggles
     rocks &= event.effect is Effect.SWAY and not (event.parts or event.is_timed)
@@ -365,10 +356,7 @@ def _join_push(before: Event, event: Event) -> Event:
 def _join_fall(before: Event, event: Event) -> Event:
     """The fall over with the way and, where it tells none of its own, the strength of what leads to it."""
     assumed = [each.sources["vector"].why.endswith(BY_DEFAULT) for each in (before, event)]
-    own = not assumed[1] or assumed == [
-        True,
-        True,
-    ]  # what lies falls over its long side, wherever it is pushed
+    own = not assumed[1] or all(assumed)  # what lies falls over its long side, wherever it is pushed
     told = {key: before.sources[key] for key in ("vector", "magnitude")}
     way = {} if own else dict(direction=before.direction, notes=before.notes, sources=event.sources | told)
     return replace(event, strength=event.strength if event.strengths else before.strength, **way)
@@ -472,9 +460,9 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
         if result and result[-1].effect is Effect.RELEASE:
             continue  # "release it and let it swing back" is one release
         acted = any(each.effect not in _RESTING for each in result)
-        if event.motion.lets_go and limb:
+        if event.motion.alone == "fall" and limb:
             result.append(event)
-        elif event.motion.lets_go and _is_lifted(result, builder):
+        elif event.motion.alone == "fall" and _is_lifted(result, builder):
             result.append(_make_another(event, "fall"))
         elif after is not None and after.effect in (Effect.FALL, Effect.TOPPLE):
             continue

@@ -228,6 +228,14 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
     placed = reader.get_text(at - 3) in get_set("prepositions") and text == reader.tokens[at].lemma
     if strange and article and placed and text in LEXICON.part_nouns:
         return True  # "on the rusty tip"
+    owned = before in reader.names and article or reader.get_text(_find_owner(reader, at)) in ("the", "its")
+    if (
+        text == reader.tokens[at].lemma
+        and owned
+        and FORMS.get(behind, behind) != behind
+        and behind.endswith("s")
+    ):
+        return True  # "the ribbon bow flutters"
     if text == reader.tokens[at].lemma and reader.is_after_determiner(at):
         if behind in LEXICON.part_nouns or behind in reader.names:
             return True  # "on the narrow tip"

@@ -185,6 +185,7 @@ def _is_named_here(spot: _Spot, named: bool, taken: list[str]) -> bool:
     done_to = spot.get(-1) in get_set("determiners") and spot.get(-2) not in get_set("prepositions")
     verb, before = spot.skip(1, get_set("auxiliaries")), spot.mentions[spot.begin : spot.index]
     noun = has_motion(before) or verb is not None and verb.kind in MOTIONS  # "the gizmo zorps": a verb
+    noun = noun or spot.get(1) in get_set("copulas")  # "the gift box gets squashed"
     return spot.get(-1) in taken and noun or not named and not taken and done_to
 
 

@@ -51,6 +51,8 @@ def read_poses(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]
         elif first < at and mention.phrase not in read_sections()["lying"] and motion.effect in _ENDING:
             back = first > 0 and mentions[first - 1].phrase == "back"
             result[first - back : at + 1] = map(empty, mentions[first - back : at + 1])
+            if side == "askew" and motion.lands:
+                result[at] = replace(mention, kind=MentionKind.POSE, value=side, phrase="pose")
             foot = LEXICON.parts.get(mention.form)
             if foot is not None and (foot.names == ("down",) or foot.role.startswith("leg")):
                 _turn_round(result, verbs)
@@ -82,14 +84,18 @@ def _find_side(mentions: list[Mention], at: int) -> tuple[int, str | None]:
     ends = all(each.form != "of" for each in mentions[at + 1 : at + 2])
     if first > 0 and mentions[first].form == "the" and mention.phrase == "side" and ends:
         first -= 1  # "it falls on the side"
-    while first > 0 and mentions[first].form in get_set("owners_of_feet"):
+    edge = mention.phrase.split()[-1].removesuffix("s") in get_set(
+        "edges"
+    )  # "on a corner", "on one of its edges"
+    owners = get_set("owners_of_feet") | (get_set("determiners") | {"one"} if edge else set())
+    while first > 0 and mentions[first].form in owners:
         first -= 1  # "on all four of its feet"
     if first in (0, at - 1) or mentions[first].form not in ("on", "onto") or mention.kind not in _NOUNS:
         return at, None
     if (side := read_sections()["lying"].get(mention.phrase)) is not None:
         return first, side
-    side = " ".join(mention.value.names) if isinstance(mention.value, Place) else ""
-    return first, side if side in ("up", "down", "toward", "away", "left", "right") else ""
+    side = "askew" if edge else " ".join(mention.value.names) if isinstance(mention.value, Place) else ""
+    return first, side if side in ("up", "down", "toward", "away", "left", "right", "askew") else ""
 
 
 def _find_drop(mentions: list[Mention], verbs: list[int]) -> int | None:

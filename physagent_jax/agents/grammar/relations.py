@@ -31,6 +31,7 @@ _MOVING = (
     MentionKind.INTENSITY,
     MentionKind.COMPARATIVE,
 )
+_DENT = LEXICON.motions["dent"]
 # What an object does by itself beside its motion; a push or a blow brings about what follows.
 _FORMS = (Effect.TURN, Effect.SWAY, Effect.JUMP, Effect.ROLL, Effect.SCALE, Effect.SWELL, Effect.LEAN)
 _ELSEWHERE = (*WAYS, MentionKind.PLACE, MentionKind.EXCLUDED, MentionKind.TIME)
@@ -184,8 +185,9 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
             clause.join = _find_comma(merged, clause)
         if clause.join is Join.COMMA and _is_tumbling_aloft(before, clause):
             clause.join = Join.AND
-        if clause.join is Join.AND and _is_dented(before, clause):
-            clause.join = Join.RESULT
+        if clause.verb and clause.join in (Join.AND, Join.COMMA) and _is_dented(before, clause):
+            clause.join, clause.verb = Join.RESULT, replace(clause.verb, value=_DENT, phrase="dent")
+            clause.modifiers = [m for m in clause.modifiers if m.kind is not MentionKind.PLACE]
         if clause.join in (Join.RESULT, Join.AND) and before.has(Effect.STILL):
             clause.join = Join.THEN  # "nothing happens until it is hit", "it stops and shakes"
         bows = LEXICON.motions["bow"] in (get_verb(before.head), get_verb(clause.verb))
@@ -231,10 +233,11 @@ def _is_tumbling_aloft(leap: Clause, clause: Clause) -> bool:
 
 
 def _is_dented(blow: Clause, clause: Clause) -> bool:
-    """Return whether a blow leaves a dent: "it is struck on its left side and keeps the dent"."""
-    verb = get_verb(clause.verb)
-    dents = verb.effect is Effect.SCALE and verb.quick and verb.sign < 0
-    return blow.has(Effect.STRIKE) and dents and not clause.select(*WHERE)
+    """Return whether a blow leaves a dent: "it is struck on its left side and keeps the dent, or crumples there"."""
+    verb, struck = get_verb(clause.verb), [m.phrase for m in blow.select(MentionKind.PLACE)]
+    dents = verb.sign < 0 and (verb.quick or bool(struck) and verb.effect in (Effect.SCALE, Effect.SWELL))
+    placed = all(m.phrase in struck for m in clause.select(*WHERE))
+    return blow.has(Effect.STRIKE) and dents and placed and not get_verb(blow.head).gravity
 
 
 def _is_first_of_steps(clause: Clause, behind: list[Clause]) -> bool:
@@ -279,15 +282,10 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
         effect.verb = replace(effect.verb, value=(second := LEXICON.motions["tumble"]), phrase="tumble")
         if cause.verb is not None and (across := LEXICON.motions.get(f"{cause.verb.phrase} across")):
             cause.verb = replace(cause.verb, value=across)  # "throw it so that it tumbles across the floor"
-    another = second.effect is Effect.TURN and first.gravity  # "toss it so that it flips"
-    another |= drops  # "drop it so that it rolls"
-    another = (
-        another
-        or {first.effect, second.effect} <= {Effect.TURN, Effect.SCALE, Effect.SWAY}
-        and (
-            second.effect is not first.effect  # "twist it until it tears"
-        )
-    )
+    # "Toss it so that it flips", "drop it so that it rolls", "twist it until it tears".
+    another = drops or second.effect is Effect.TURN and first.gravity
+    forms = {first.effect, second.effect} <= {Effect.TURN, Effect.SCALE, Effect.SWAY}
+    another |= forms and second.effect is not first.effect
     lengths = [m for m in cause.select(MentionKind.QUANTITY) if getattr(m.value, "unit", "") in _LENGTHS]
     own = first.effect in (Effect.PUSH, Effect.ROLL) and second.effect is Effect.SWAY and bool(lengths)
     own |= first.effect is Effect.SWELL and first.sign > 0 and second.effect is Effect.PUSH
@@ -316,7 +314,10 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
             )
         _absorb(cause, effect)
         return []
-    if second.effect is Effect.LEAN and second.angle:  # "lift its front until it stands on its back end"
+    raised = (
+        first.effect is Effect.PUSH and first.bound
+    )  # "lift its front until it stands on its back end, or tips"
+    if second.effect is Effect.LEAN and (second.angle or raised):
         cause.modifiers = [m for m in cause.modifiers if m.kind is not MentionKind.PLACE]
     if second.effect is Effect.TOPPLE and cause.has(*DRIVING) and not cause.select(*WAYS):
         cause.modifiers += effect.select(*WAYS)  # "push it until it tips over to the right"
@@ -324,9 +325,7 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
         ends = second.effect in (Effect.STILL, Effect.RELEASE) or is_end(first, second)
         effect.join = Join.THEN if ends or drops else Join.WHILE
         return [effect]
-    if (
-        first.effect is Effect.STRIKE and second.effect is Effect.LEAN
-    ):  # "hit it in the belly so that it folds"
+    if first.effect is Effect.STRIKE and second.effect is Effect.LEAN:  # "hit its belly so that it folds"
         cause.modifiers = [m for m in cause.modifiers if m.kind is not MentionKind.PLACE or sticks_out(m)]
     yields = second.effect in (Effect.SCALE, Effect.SWELL) and not effect.select(*WAYS)
     if falls and yields or first.effect is Effect.SCALE and first.sign < 0 and second.effect is Effect.SWELL:

@@ -29,6 +29,7 @@ _CLEAR = (
     1.15  # times as much of what is compared the plain adjective's part must have: "the big wheel" of two
 )
 _LIMB = 0.35  # share of the object, above which what sticks out is no leaf
+_HIGH = 0.5  # cosine to the vertical, from which on a part is above or below the middle
 _BEHIND = 0.5  # cosine to the line of sight, above which of two limbs none is on the viewer's left
 _FRONTS = frozenset(("head", "nose", "bow"))
 _PLAIN = frozenset("long short stubby big large thick fat tiny small thin".split())
@@ -114,7 +115,10 @@ def _find_at(
     first = words[at - 1] if _is_compound(words, at, own) else ""
     found = []
     others = [part if _get_noun(part) not in own else part.model_copy(update=dict(name="")) for part in parts]
+    on_top = list(words[at + 1 : at + 3]) == ["on", "top"]
     for index in _list_candidates(others, noun):  # the stand of "wind turbine 1" is no rotor
+        if on_top and parts[index].side[2] < _HIGH:
+            continue  # "the rotor on top" is not that of the tail
         before, after = _find_rest(parts[index])
         found.append((" ".join(each for each in (*before, first, said, *after) if each), index))
     return found
@@ -171,7 +175,11 @@ def _find_sided(parts: Sequence[Part], words: Sequence[str], at: int) -> list[tu
     named = [k for k in _list_candidates(parts, _get_singular(words[at])) if parts[k].name]
     there = [k for k in named if like and all(side & {*split_name(parts[k].name)} for side in like)]
     if like and len(named) == 1 and not _find_rest(parts[named[0]])[0]:
-        return [(phrase, named[0])]  # "the front fork" of one
+        up = parts[named[0]].side[2]  # "the bottom rim" is not the one on top
+        there = not any(
+            ("lower" in side and up > _HIGH) or ("upper" in side and up < -_HIGH) for side in like
+        )
+        return [(phrase, named[0])] if there else []  # "the front fork" of one
     return [(phrase, k) for k in there] if any(parts[k].name != phrase for k in there) else []
 
 
