@@ -215,3 +215,14 @@ def test_shells_that_are_most_of_the_object_are_no_part_of_it():
     bulk = points[:, 0] < 0.7
     told = dict(shells=SimpleNamespace(candidates=[bulk], are_cut=bool))
     assert bulk.mean() > 0.5 and not guess_parts(points, limbs, ["head"], VIEWER, **told)
+
+
+@pytest.mark.parametrize("rivals", [False, True])
+def test_a_surface_that_looks_like_nothing_else_is_certain(rivals):
+    """A bottle's cap is a surface of its own; of two that lie side by side on top either may be meant."""
+    points = np.random.default_rng(0).uniform((-0.1, -0.1, 0.0), (0.1, 0.1, 1.0), (4000, 3))
+    top, label = points[:, 2] > 0.94, np.abs(points[:, 2] - 0.3) < 0.1
+    shells = [top & (points[:, 0] < 0), top & (points[:, 0] > 0)] if rivals else [top, label]
+    told = dict(shells=SimpleNamespace(candidates=shells, are_cut=bool))
+    (part,) = guess_parts(points, [], ["cap"], VIEWER, **told)
+    assert part.unsure is rivals and part.joint[2] > 0.8

@@ -153,7 +153,8 @@ class _Search:
                 for each, own in zip(candidates, scores)
                 if all((each.mask & one.mask).sum() < _APART * each.mask.sum() for one in chosen)
             ]
-            clear = scores[best] > max(_CLEAR, max(rivals, default=0.0) + _AHEAD)
+            own_piece = candidates is self._shells  # its border is the file's, and no guess
+            clear = own_piece and scores[best] > max(_CLEAR, max(rivals, default=0.0) + _AHEAD)
             return list(self._name(noun, row, chosen, _LIKELY if clear else _CHANCE))
         return []
 
