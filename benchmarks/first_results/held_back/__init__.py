@@ -29,6 +29,7 @@ from benchmarks.first_results.held_back import (
     thirteenth,
     twelfth,
     twentieth,
+    twentyfirst,
 )
 from benchmarks.first_results.pins import PinnedFile
 
@@ -53,6 +54,7 @@ _LOTS = (
     eighteenth,
     nineteenth,
     twentieth,
+    twentyfirst,
 )
 
 FILES: Mapping[str, PinnedFile] = {name: file for lot in _LOTS for name, file in lot.FILES.items()}
