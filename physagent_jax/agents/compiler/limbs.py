@@ -152,14 +152,8 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
             constraints += more
         expectations.append(expected)
     alone = all(each in limbs or each.kind is MotionKind.STILL for each in reply.expectations)
-    anchor, held = (
-        reply.anchor,
-        {
-            each.limb: brief.parts[each.limb]
-            for each in limbs
-            if each.limb is not None and each not in carried
-        },
-    )
+    free = [each.limb for each in limbs if each.limb is not None and each not in carried]
+    anchor, held = reply.anchor, {limb: brief.parts[limb] for limb in free}
     if alone and anchor.kind is None:
         region = join_rest([held[limb] for limb in sorted(held)])
         anchor = AnchorRequest(kind="rest", words=limbs[0].words or "a part", region=region)
