@@ -20,19 +20,7 @@ SOFT = ("jelly", "ecoflex")
 """Presets of what wobbles when it is tapped."""
 GIVING = (*SOFT, "pillow", "food", "cloth", "clay", "muscle", "natural_rubber", "pu_foam")
 """Presets of what a finger or a fist goes into."""
-FLOWS = (
-    "honey",
-    "liquid",
-    "melt",
-    "molten_chocolate",
-    "mud",
-    "olive_oil",
-    "sand",
-    "snow",
-    "soil",
-    "toothpaste",
-    "wet_sand",
-)
+FLOWS = tuple("honey liquid melt molten_chocolate mud olive_oil sand snow soil toothpaste wet_sand".split())
 """Presets of what does not stand by itself."""
 DENTED = ("clay", *FLOWS)
 """Presets of what keeps the shape that a blow gives it."""
@@ -249,7 +237,7 @@ class _Finder:
 
     def _find_make(self, owner: int) -> int | None:
         """The "make" before the object, if that is what stands here."""
-        verb = self._back(owner, self.before)
+        verb = self._back(owner, self.before | self.names)
         meant = self._is_object(owner) or self._get(owner) in self.around["objects"]
         return verb if meant and self._get(verb) in self.around["make"] else None
 
@@ -304,11 +292,8 @@ class _Finder:
         """The beginning of "it's rubber", and of "pretend its rubber"."""
         place = self._back(at, self.described)
         supposed = self._get(place - 1) in self.around["supposing"]
-        return (
-            place
-            if self._get(place) in self.around["contracted"] and ("'" in self._get(place) or supposed)
-            else None
-        )
+        said = self._get(place) in self.around["contracted"] and ("'" in self._get(place) or supposed)
+        return place if said else None
 
     def _find_object(self, begin: int) -> int | None:
         """The beginning of "make the robot rubber"."""

@@ -186,6 +186,11 @@ class Turning:
             standing = stand_up(self.part, self.brief) if self.part.seated else self.part
             return dataclasses.replace(self, part=standing, slides=False)._drive_swings(motion)
         axis = motion.direction
+        if motion.kind is MotionKind.ROTATE and axis is not None and motion.repeats > 1:
+            angle = self.find_angle(motion, axis)
+            strokes = _time_strokes(motion.window, _list_strokes(angle, motion.repeats))
+            made = [self.turn(axis, stroke, window, None) for stroke, window in strokes]
+            return made, motion.model_copy(update=dict(window=strokes[0][1]))
         if motion.kind is MotionKind.ROTATE and axis is not None and (spun := self._find_spun(motion, axis)):
             if spun < _WHEELED:  # pictures do not tell one turn of alike blades from a part of it
                 motion = motion.model_copy(update=dict(amount=Amount(value=spun, unit="degrees")))
@@ -238,17 +243,15 @@ class Turning:
 
     def _drive_swings(self, motion: ExpectedMotion) -> tuple[list[VelocityConstraint], ExpectedMotion]:
         """As `drive`, to and fro: each stroke takes as long as its angle needs."""
-        count, (first, last) = max(motion.repeats, _SWINGS), motion.window
+        count = max(motion.repeats, _SWINGS)
         way, angles = self.list_swings(motion, count)
-        done = list(itertools.accumulate([0.0, *map(abs, angles)]))
-        edges = [first + (last - first) * each / done[-1] for each in done]
         if self._shakes(motion):
             way = self.brief.directions.right  # so the face goes
         made = [
             self.turn(self.brief.directions.up, angle, window, None)
             if self._shakes(motion)
             else self.bring(way, motion, angle, window, None)
-            for angle, window in zip(angles, itertools.pairwise(edges))
+            for angle, window in _time_strokes(motion.window, angles)
             if window[1] - window[0] >= 1.0
         ]
         course = way if self._shakes(motion) else self.find_course(way, angles[0])
@@ -375,7 +378,7 @@ class Turning:
         waves = "arm" in self.part.roles[:1] and (self.hangs or abs(dot(way, up)) > _ALONG)
         if not waves and not (self.hangs and abs(cosine(way, self.out)) > -_INWARD):
             angle = self._widen(_SWAYS * self.find_angle(motion, self.find_axis(way)), motion)
-            return way, [angle, *[-2 * angle, 2 * angle] * (count - 1), -2 * angle, angle]
+            return way, _list_strokes(angle, count)
         if not waves:
             angle = self._widen(2 * _SWAYS * self.find_angle(motion, self.find_axis(self.out)), motion)
             return self.out, [angle, -angle] * count
@@ -493,3 +496,15 @@ class Turning:
     def driver(self) -> PartDriver:
         """Makes the constraints."""
         return PartDriver(self.part, self.brief.frame_dt, self.frame_count)
+
+
+def _list_strokes(angle: float, count: int) -> list[float]:
+    """The angles of all strokes of what goes to and fro by an angle to either side, and ends where it began."""
+    return [angle, *[-2 * angle, 2 * angle] * (count - 1), -2 * angle, angle]
+
+
+def _time_strokes(window: Window, angles: list[float]) -> list[tuple[float, Window]]:
+    """Strokes with their frames: each takes as long as its angle needs."""
+    done = list(itertools.accumulate([0.0, *map(abs, angles)]))
+    edges = [window[0] + (window[1] - window[0]) * each / done[-1] for each in done]
+    return list(zip(angles, itertools.pairwise(edges)))

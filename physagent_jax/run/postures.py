@@ -49,6 +49,7 @@ def strip_postures(sentence: str) -> str:
 
 
 def list_acted(words: Iterable[str], sentence: str) -> tuple[str, ...]:
-    """Those of some words for parts that stand in a sentence for more than a posture."""
+    """Those of some words for parts whose noun stands in a sentence for more than a posture."""
     left = strip_postures(sentence).lower()
-    return tuple(word for word in words if re.search(rf"\b{re.escape(word.lower())}\b", left))
+    nouns = {word: re.escape(word.lower().split()[-1]) for word in words}  # "one of its arms" is no quotation
+    return tuple(word for word, noun in nouns.items() if re.search(rf"\b{noun}\b", left))

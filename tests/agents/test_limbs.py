@@ -12,7 +12,7 @@ from physagent_jax.forces.calibration import HELD_TIME, PRESCRIBED_TRAVEL
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import CellsRegion, ConstraintType
 from physagent_jax.motion.schema import MotionKind
-from physagent_jax.motion.vectors import cross, dot
+from physagent_jax.motion.vectors import cosine, cross, dot
 from tests.agents.scenes import brief
 
 MIDDLE = ((0.5, 0.5, 0.5), (0.5, 0.5, 0.3))
@@ -582,6 +582,17 @@ def test_what_sits_on_the_rest_sways_about_its_foot():
     made = read("the sign sways", part, extents=(1.0, 1.0, 1.0)).force_field.constraints
     assert made and all(each.constraint_type is ConstraintType.PARTICLE_ROTATION for each in made)
     assert all(each.pivot[2] < 0.88 for each in made)
+
+
+@pytest.mark.parametrize("verb", ["turn", "steer", "pivot"])
+def test_wheels_that_steer_go_to_and_fro_about_the_upright(verb):
+    """They turned once, in a tenth of the time."""
+    wheel = make_part("side", (0, 0.1, 0), (0, -1, 0)).model_copy(update=dict(name="wheel", axle=(0, 1, 0)))
+    reply = read(f"the wheel {verb}s left and right while the robot is parked", wheel)
+    made = reply.force_field.constraints
+    assert [cosine(each.vector, made[0].vector) for each in made] == pytest.approx([1, -1, 1, -1, 1])
+    assert all(abs(each.vector[2]) > 0.99 for each in made) and made[-1].active_time[1] == 48
+    assert not reply.unsure
 
 
 def test_a_wheel_goes_around_twice_where_it_spins_fast():

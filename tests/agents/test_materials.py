@@ -166,8 +166,30 @@ def test_every_word_stands_for_a_preset_that_there_is():
     lexicon = read_material_words()
     assert {meaning.preset for meaning in lexicon.words.values()} <= {*PRIORS, *LIBRARY}
     assert lexicon.adjectives <= set(lexicon.words) and len(lexicon.words) > 100
-    assert find_meaning("Wet-Sand").preset == "wet_sand" and find_meaning("chocolate") is None
+    assert find_meaning("Wet-Sand").preset == "wet_sand" and find_meaning("unobtainium") is None
     assert find_meaning("gold").near and not find_meaning("steel").near
+
+
+@pytest.mark.parametrize(
+    ("words", "preset"),
+    [
+        ("cookie dough", "clay"),
+        ("gummy bears", "ecoflex"),
+        ("jelly beans", "ecoflex"),
+        ("cotton candy", "pu_foam"),
+        ("papier mache", "cardboard"),
+        ("dark chocolate", "abs"),
+        ("whipped cream", "toothpaste"),
+        ("tissue paper", "cloth"),
+        ("balsa wood", "pine"),
+        ("stainless steel", "steel"),
+        ("melted cheese", "honey"),
+    ],
+)
+def test_common_words_stand_for_the_nearest_material(words, preset):
+    truck = called("fire truck", "vehicle")
+    assert found(f"build the fire truck out of {words} and drop it", truck)[0][0] == words
+    assert find_meaning(words).preset == preset
 
 
 def test_long_sentences_are_read_in_time():

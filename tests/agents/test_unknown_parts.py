@@ -67,6 +67,37 @@ def test_what_is_no_part_is_not_asked_for(sentence):
 
 
 @pytest.mark.parametrize(
+    "sentence",
+    [
+        "A hand tugs at one of the lumberjack's arms, then lets go.",
+        "a finger lifts one of his arms and releases it",
+        "a gardener pulls on one of the lumberjack's arms, then lets it go",
+        "a child bends both of the lumberjack's arms down, then lets go of them",
+    ],
+)
+def test_a_hand_that_acts_on_a_part_lets_that_go(sentence):
+    """All that was done was left out, and it fell."""
+    seen = read(sentence).expectations
+    assert seen and all(each.limb in (0, 1) and each.released for each in seen)
+    assert read(sentence.replace("arms", "antlers")).unknown_parts
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "his left arm waves while the backpack stays put",
+        "the badges stay where they are while his left arm waves",
+        "his left arm waves, but its tail stays still",
+        "his left arm waves while the medal does not move",
+    ],
+)
+def test_what_only_stays_put_need_not_be_known(sentence):
+    reply = read(sentence)
+    assert not (reply.unsure or reply.unknown_parts)
+    assert [each.limb for each in reply.expectations] == [0]
+
+
+@pytest.mark.parametrize(
     ("sentence", "role", "limb"),
     [
         ("raise the left claw", "arm", 0),

@@ -46,6 +46,7 @@ def test_a_posture_acts_on_no_part(sentence, word):
         ("it lands on its feet and then wags its tail", "tail"),
         ("drop a stone on its back", "back"),
         ("the wheels turn and it ends up on its wheels", "wheels"),
+        ("pull one of the robot's arms to the left", "one of its arms"),  # no quotation
     ],
 )
 def test_what_is_acted_on_is_a_part(sentence, word):

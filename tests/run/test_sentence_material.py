@@ -85,9 +85,9 @@ def test_a_true_material_is_softened_until_a_round_is_affordable(robot_path, bod
     ("prompt", "note"),
     [
         (
-            "push the robot made of chocolate to the left",
-            "no material stands for 'chocolate' in 'made of chocolate', so that it is not used: "
-            "--material molten_chocolate is the nearest",
+            "push the robot made of crumb to the left",
+            "no material stands for 'crumb' in 'made of crumb', so that it is not used: "
+            "--material bread_crumb is the nearest",
         ),
         (
             "push the metal robot made of jelly to the left",

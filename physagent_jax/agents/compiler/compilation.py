@@ -131,15 +131,10 @@ def _choose_materials(intent: Intent, events: Iterable[Event], brief: SceneBrief
     """The sentence's words for materials, and one for what gives way where they name nothing that does."""
     events = list(events)
     happens = [event.motion for event in events]
-    springs = any(
-        each.effect is Effect.RELEASE and not each.lets_go for each in happens
-    )  # "sags, then springs back"
-    firm = (
-        any(each.gives for each in happens)
-        and not springs
-        and brief.object_kind not in LIMP
-        and not _is_of(YIELDS, intent)
-    )
+    # "Sags, then springs back".
+    springs = any(each.effect is Effect.RELEASE and not each.lets_go for each in happens)
+    firm = not springs and brief.object_kind not in LIMP and not _is_of(YIELDS, intent)
+    firm &= any(each.gives for each in happens)
     severed = [event.words.lower() for event in events if event.motion.manner == "detach"]
     told = tuple(word for word in intent.materials if not any(word in each for each in severed))
     crushed = any(each.effect is Effect.STRIKE and each.gives for each in happens)

@@ -177,6 +177,8 @@ def _choose_motion(event: Event, brief: SceneBrief, before: Event | None) -> tup
         phrase = "raise" if event.is_upwards else "move"  # "swings its arm forward": once
     elif phrase == "beat" and event.parts and not _WINGS.isdisjoint(event.parts[0].text.lower().split()):
         phrase = "flap"
+    elif phrase == "steer" and event.parts:
+        phrase = "turn"  # "steer the front wheels to the left"
     elif (motion.steps or phrase in _SCURRYING) and _is_of_limbs(event, brief):
         phrase = "wiggle"  # "its legs scuttle"
     elif _drops_limb(event, motion, brief):
@@ -506,7 +508,10 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
     if event.limbs:
         text, roles = named[0].text, find_roles(named[0].phrase)
         doubt = explain_guess(text, brief.parts, event.limbs, plural=is_plural(text), roles=roles)
-        event.doubts += filter(None, [doubt])
+        told = (
+            event.notes if event.effect is Effect.STILL else event.doubts
+        )  # it only has to stay where it is
+        told += filter(None, [doubt])
         part = brief.parts[event.limbs[0]]
         event.region, event.part = part.moved, part.side
         event.sources["region"] = ValueSource(named[0].text, part.moved.label or "a part of the object")

@@ -32,8 +32,8 @@ from physagent_jax.motion.tipping import SLOW
 from physagent_jax.motion.vectors import add, dot, normalise, scale
 
 _AWAY = 0.01  # [lengths, metres or degrees] from where nothing has to come back
+# Begins of phrases for what comes back by itself.
 _ROCKING = tuple("let rock swing sway tip catch steady save regain".split())
-"""Begins of phrases for what comes back by itself."""
 _MOMENT = 0.2  # of the clip, below which a hold is but a moment
 _LAID = 90.0  # [degrees] that what has fallen over is turned by
 _OVER = 120.0  # [degrees] from where on it is turned over
@@ -137,6 +137,11 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     if events and not events[-1].parts and event.clause.parts == events[-1].clause.parts:
         event.parts.clear()  # "lift its front wheels, then drop them": all of that end
     interpret(event, _find_measure(events, event), builder.brief)
+    rests = event.effect is Effect.STILL and event.unknown_parts[:1]
+    if rests and -1 < event.text.find(rests[0]) < event.text.find(event.words):
+        builder.notes.append(f"'{event.text}': where that is, is not known, and nothing is done to it.")
+        event.unknown_parts.clear()
+        return  # "while the trunk stays put"
     severed = bool(events) and events[-1].motion.manner == "detach"
     if severed and event.effect is Effect.LEAN and event.motion.direction == "beside" and not event.parts:
         builder.notes.append(f"'{event.words}' comes of the part that is gone: nothing is made of that.")

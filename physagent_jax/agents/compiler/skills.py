@@ -218,7 +218,9 @@ def _compile_turn(task: Task) -> None:
         shares = [0.5, *[1.0] * (2 * count - 1), 0.5] if free else [1.0] * (2 * count)
         windows = divide(task.window, shares)
         _alternate(task, ActionType.TORQUE, event.strength, windows)
-        task.expect(MotionKind.ROTATE, event.direction, windows[0], repeats=count)
+        task.expect(
+            MotionKind.ROTATE, event.direction, task.window if event.limbs else windows[0], repeats=count
+        )
     elif event.motion.wrings and event.part is None:  # at its waist: one half against the other
         _compile_twist(replace(task, event=replace(event, region=None)))
     else:

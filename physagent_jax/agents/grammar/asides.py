@@ -7,6 +7,7 @@ later pass meets it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 
@@ -69,7 +70,11 @@ def drop_others(mentions: list[Mention], names: frozenset[str]) -> list[Mention]
         first = before if rest and before is not None else begin
         begin, before = first, begin if _is_subject(segment) else None
         segment = mentions[begin:end]
-        if rest or _is_filmed(segment, names) or named and _is_done_by_another(segment, names):
+        if _is_strange_still(segment, lambda a=begin, b=end: mentions[:a] + mentions[b:], names):
+            ignored = {"kind": MentionKind.IGNORED}
+            segment = [replace(m, **ignored) if m.kind is MentionKind.UNKNOWN else empty(m) for m in segment]
+            result[begin:end] = segment
+        elif rest or _is_filmed(segment, names) or named and _is_done_by_another(segment, names):
             result[begin:end] = [
                 empty(m, OTHER if m.kind in MOTIONS or m.form in get_set("camera_verbs") else "aside")
                 for m in segment
@@ -135,6 +140,22 @@ def _is_rest_still(segment: list[Mention], *, apart: bool) -> bool:
     return named and verb is not None and verb.effect is Effect.STILL
 
 
+def _is_strange_still(
+    segment: list[Mention], others: Callable[[], list[Mention]], names: frozenset[str]
+) -> bool:
+    """Return whether what stays put is no part that is known: "the robot spins while its cargo stays put"."""
+    verb = next((at for at, each in enumerate(segment) if each.kind in MOTIONS), 0)
+    subject, motion = segment[:verb], segment[verb].motion if segment else None
+    strange = {m.phrase for m in subject if m.kind is MentionKind.UNKNOWN}
+    still = motion and motion.effect is Effect.STILL or any(m.kind is MentionKind.NOT for m in subject)
+    if not (motion and strange and still):
+        return False
+    own, told = names | get_set("pronouns") | get_set("objects"), others()
+    named = [any(m.kind is MentionKind.PLACE or m.phrase in own for m in each) for each in (subject, told)]
+    moved = any(m.motion and m.motion.effect is not Effect.STILL for m in told)
+    return named == [False, True] and moved and strange.isdisjoint(m.phrase for m in told)
+
+
 def _is_subject(segment: list[Mention]) -> bool:
     """Return whether a segment is parts alone, of which another tells what they do."""
     kinds = {mention.kind for mention in segment}
@@ -148,23 +169,15 @@ def _is_filmed(segment: list[Mention], names: frozenset[str]) -> bool:
     films = any(m.form in get_set("camera_verbs") for m in segment[: first + 1])
     object_first = any(m.phrase in names for m in segment[:first])
     told = any(m.phrase in get_set("cameras") for m in segment[first:])
-    return (
-        films
-        and (camera or told or first == len(segment))
-        or camera
-        and not object_first
-        and first < len(segment)
-    )
+    moves = first < len(segment)
+    return films and (camera or told or not moves) or camera and not object_first and moves
 
 
 def _is_done_by_another(segment: list[Mention], names: frozenset[str]) -> bool:
     """Return whether the subject is another thing, and nothing is done to the object: "the door slams on the left"."""
     at = next((i for i, m in enumerate(segment) if m.kind is MentionKind.VERB), None)
-    if (
-        at is None
-        or any(m.kind is MentionKind.CAUSE for m in segment)
-        or not segment[at].form.endswith(("s", "ed"))
-    ):
+    caused = any(m.kind is MentionKind.CAUSE for m in segment)
+    if at is None or caused or not segment[at].form.endswith(("s", "ed")):
         return False
     subject = at
     while (
@@ -181,16 +194,17 @@ def _is_done_by_another(segment: list[Mention], names: frozenset[str]) -> bool:
         return False
     if segment[at].phrase.endswith(("soft", "soften")):
         return False  # "the metal goes soft": its own
-    verb, after = segment[at].motion, segment[at + 1 : at + 6]
-    # "A plate presses down on the robot."
+    verb, skipped = segment[at].motion, {"one", "of", "both", "all"} | get_set("determiners")
+    # "A plate presses down on the robot", "a hand tugs at one of its horns".
     pushes = verb is not None and verb.effect is Effect.PUSH and not verb.generic
-    if verb is not None and (pushes or verb.effect in (Effect.SCALE, Effect.STRIKE)):
-        after = [m for m in after if m.phrase not in ("down", "on", "onto", "upon", "against")]
-    behind = [m.phrase for m in after[:2]]
-    thing = behind[1:] if behind and behind[0] in get_set("determiners") else behind[:1]
-    if behind[:1] == ["the"] and after[1:2] and after[1].kind is MentionKind.PLACE:
-        return False  # "a wave lifts the front of the ship"
-    return not set(thing) & (names | get_set("objects"))  # "a crane lifts the robot"
+    if acts := pushes or verb is not None and verb.effect in (Effect.SCALE, Effect.STRIKE):
+        skipped |= {"down", "on", "onto", "upon", "against", "at"}
+    behind = [m for m in segment[at + 1 : at + 8] if m.phrase not in skipped]
+    meant = next((m for m in behind if m.kind not in LOOSE or m.phrase in LEXICON.unplaced), None)
+    if meant is None or not acts and segment[at + 1].form in get_set("pronouns_of_owners"):
+        return True  # "a bird flaps its wings"
+    part = meant.kind is MentionKind.PLACE or meant.phrase in LEXICON.unplaced
+    return not part and meant.phrase not in names | get_set("objects")  # "a crane lifts the robot"
 
 
 def mark_exceptions(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
@@ -308,11 +322,14 @@ def read_comparisons(mentions: list[Mention], _names: frozenset[str]) -> list[Me
 def _drop_similes(mentions: list[Mention]) -> list[Mention]:
     """The mentions without "as a board" of "stiff as a board", and without an adjective that means nothing here."""
     result = list(mentions)
-    for at in range(1, len(mentions) - 2):
-        before, article = mentions[at - 1], mentions[at + 1]
-        if mentions[at].form == "as" and article.form in ("a", "an") and before.kind is not MentionKind.VERB:
-            first = at - 1 if before.kind is MentionKind.UNKNOWN else at
-            result[first : at + 3] = [empty(each, "comparison") for each in mentions[first : at + 3]]
+    for at in range(1, len(mentions) - 1):
+        before, article = mentions[at - 1], mentions[at + 1].form in ("a", "an")
+        likens = before.form in get_set("copulas") if before.kind is MentionKind.VERB else article
+        if mentions[at].form == "as" and likens:
+            first, end = at - 1 if before.kind is MentionKind.UNKNOWN else at, at + 2 + article
+            while end < len(mentions) and mentions[end].kind in LOOSE[:2]:
+                end += 1  # "as a rubber hose"
+            result[first:end] = [empty(each, "comparison") for each in mentions[first:end]]
     return result
 
 
@@ -449,16 +466,11 @@ def read_locations(mentions: list[Mention], _names: frozenset[str]) -> list[Ment
     result, hinged, ended = list(mentions), False, None
     for at, mention in enumerate(mentions):
         behind = next((m for m in mentions[at + 1 :] if m.kind is not MentionKind.FUNCTION), mention)
-        if (
-            at > 0
-            and mention.form == "of"
-            and mentions[at - 1].kind is MentionKind.PLACE
-            and sticks_out(behind)
-        ):
+        placed = mentions[at - 1].kind is MentionKind.PLACE if at else False
+        if placed and mention.form == "of" and sticks_out(behind):
             result[at - 1] = empty(mentions[at - 1])  # "the tip of its tail": that turns
         hinged |= mention.motion is not None and mention.motion.manner == "hinge"
         ended = mention.motion or ended
-        placed = mentions[at - 1].kind is MentionKind.PLACE if at else False
         on = placed and mention.form in ("on", "over", "above", "behind", "beside")
         severed = ended is not None and ended.manner == "detach"
         on |= severed and mention.form in ("in", "at")  # "it snaps in the middle"
@@ -564,7 +576,7 @@ def read_echoes(mentions: list[Mention], _names: frozenset[str]) -> list[Mention
         )  # "clatter clatter"
         if mention.kind is MentionKind.VERB and last is not None and not lands:
             count = last.value.count or 0 if isinstance(last.value, Repeat) and last.phrase == _ECHO else 1
-            said = result[-2] if count > 1 else last
+            said = result[-2] if count > 1 and len(result) > 1 else last
             if said.phrase == mention.phrase and said.form == mention.form:
                 told = replace(mention, kind=MentionKind.REPEAT, value=Repeat(count + 1), phrase=_ECHO)
                 result[-1:] = [told] if count > 1 else [last, told]
@@ -572,7 +584,7 @@ def read_echoes(mentions: list[Mention], _names: frozenset[str]) -> list[Mention
         result.append(mention)
         around = [mentions[k] for k in (at - 1, at + 1) if 0 <= k < len(mentions)]
         apart = all(each.kind is MentionKind.JOIN and not each.words.isalnum() for each in around)
-        if apart and around and mention.form in get_set("sounds"):
+        if apart and around and mention.words.lower() in get_set("sounds"):
             result[-1] = empty(mention)  # "Thump. It tips over"
         doubled = len(result) > 2 and result[-2].value is Join.AND and result[-3].form == mention.form
         compares = mention.motion is not None and mention.motion.generic and mention.form.endswith("er")
@@ -627,11 +639,7 @@ def read_stillness(mentions: list[Mention], _names: frozenset[str]) -> list[Ment
             lasting = each.words.lower().endswith("still") and each.motion is not None
             if lasting and (behind.kind is MentionKind.UNKNOWN or behind.form.endswith("ing")):
                 result[at] = empty(each, each.form)
-        if (
-            not segment
-            or any(each.kind in MOTIONS for each in result[begin:end])
-            or not _count_places(segment)
-        ):
+        if has_motion(result[begin:end]) or not _count_places(segment):
             continue
         if begin and segment[-1].kind is MentionKind.NOT:
             result[begin:end] = [empty(each) for each in segment]

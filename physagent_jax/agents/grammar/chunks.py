@@ -225,16 +225,14 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
     described = before in LEXICON.intensities and not before.endswith("ly")
     article = reader.get_text(at - 2) in ("the", "its", "a", "an")
     strange = any(m.first == at - 1 and m.kind is MentionKind.UNKNOWN for m in reader.mentions[-1:])
-    placed = reader.get_text(at - 3) in get_set("prepositions") and text == reader.tokens[at].lemma
-    if strange and article and placed and text in LEXICON.part_nouns:
-        return True  # "on the rusty tip"
+    placed = reader.get_text(at - 3) in get_set("prepositions") - {"until"}
+    placed |= (reader.get_text(at - 4), reader.get_text(at - 3)) == ("one", "of")
+    noun = text in LEXICON.part_nouns or reader.tokens[at].lemma in LEXICON.nouns
+    if strange and article and placed and noun:
+        return True  # "on the rusty tip", "by one of its iron rings"
     owned = before in reader.names and article or reader.get_text(_find_owner(reader, at)) in ("the", "its")
-    if (
-        text == reader.tokens[at].lemma
-        and owned
-        and FORMS.get(behind, behind) != behind
-        and behind.endswith("s")
-    ):
+    finite = FORMS.get(behind, behind) != behind and behind.endswith("s")
+    if text == reader.tokens[at].lemma and owned and finite:
         return True  # "the ribbon bow flutters"
     if text == reader.tokens[at].lemma and reader.is_after_determiner(at):
         if behind in LEXICON.part_nouns or behind in reader.names:
@@ -244,27 +242,16 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         return True
     if text in LEXICON.causes:  # "a hard blow", "an invisible force" are nouns, "they blow" a verb
         return reader.is_after_determiner(at) or described or reader.get_text(at - 2) in ("a", "an")
-    if (
-        _is_past(reader, at)
-        and reader.is_after_determiner(at)
-        and reader.get_text(at + 1) not in reader.names
-    ):
+    if _is_past(reader, at) and reader.is_after_determiner(at) and behind not in reader.names:
         return True  # "in this shot"
-    filmed = (
-        text in get_set("camera_words")
-        and before not in get_set("finite") | get_set("pronouns") | reader.names
-        and behind not in get_set("determiners")  # "close the lid"
-    )
-    if filmed:
-        return True  # "a close shot of it"
+    acts = before in get_set("finite") | get_set("pronouns") | reader.names
+    if text in get_set("camera_words") and not acts and behind not in get_set("determiners"):
+        return True  # "a close shot of it", but "close the lid"
     plural = text.endswith("s") and text != reader.tokens[at].lemma
     if plural and before in get_set("before_nouns"):
         return True  # "on waves"
-    return (
-        not done
-        and " ".join(words) in LEXICON.nouns
-        and (described and article or before in ("the", "its", "a"))
-    )
+    told = described and article or before in ("the", "its", "a")
+    return not done and " ".join(words) in LEXICON.nouns and told
 
 
 def _is_done(reader: Reader, at: int) -> bool:
@@ -338,11 +325,8 @@ def _is_way_told_behind(reader: Reader, at: int) -> bool:
 
 def _is_exactly(reader: Reader, at: int) -> bool:
     """Return whether "right" says no way but just where a blow lands: "hit it right on the head"."""
-    return (
-        reader.is_striking()
-        and reader.get_text(at + 1) in ("on", "in")
-        and reader.is_after_determiner(at + 3)
-    )
+    on = reader.get_text(at + 1) in ("on", "in") and reader.is_after_determiner(at + 3)
+    return on and reader.is_striking()
 
 
 def _is_remaining(reader: Reader, at: int) -> bool:
@@ -358,11 +342,8 @@ def _is_crossing(reader: Reader, at: int) -> bool:
 
 def _is_locating_cause(reader: Reader, words: tuple[str, ...]) -> bool:
     """Return whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""
-    return (
-        words[0] in LEXICON.locations
-        and bool(reader.mentions)
-        and reader.mentions[-1].kind is MentionKind.CAUSE
-    )
+    caused = [mention.kind for mention in reader.mentions[-1:]] == [MentionKind.CAUSE]
+    return words[0] in LEXICON.locations and caused
 
 
 def _is_describing_object(reader: Reader, at: int, size: int) -> bool:

@@ -16,17 +16,9 @@ from physagent_jax.agents.intent import Quantity
 from physagent_jax.agents.lexicon import Effect, Join, Motion, Repeat
 from physagent_jax.agents.lexicon.types import HOLDABLE, OPPOSITES
 
-WHERE = (
-    *WAYS,
-    MentionKind.AXIS,
-    MentionKind.PLANE,
-    MentionKind.SIDES,
-    MentionKind.SENSE,
-    MentionKind.PLACE,
-    MentionKind.EXCLUDED,
-    MentionKind.REPEAT,
-    MentionKind.REVERSAL,
-)
+_LINES = (*WAYS, MentionKind.AXIS, MentionKind.PLANE, MentionKind.SIDES)
+WHERE = (*_LINES, MentionKind.SENSE, MentionKind.PLACE, MentionKind.EXCLUDED)
+WHERE += (MentionKind.REPEAT, MentionKind.REVERSAL)
 TURNING = (Effect.TURN, Effect.ROLL, Effect.LEAN, Effect.TOPPLE)
 DRIVING = (Effect.PUSH, Effect.STRIKE)
 OPPOSITE_GRAVITY = {"down": "none", "none": "down", "up": "down"}
@@ -36,7 +28,6 @@ _TIMED = (Join.WHILE, Join.AFTER, Join.BEFORE)
 _STRENGTHS = (MentionKind.INTENSITY, MentionKind.COMPARATIVE)
 _MEASURES = (*_STRENGTHS, MentionKind.QUANTITY, MentionKind.TIME)
 _NEGATABLE = (*WHERE, *MOTIONS, *_STRENGTHS, MentionKind.DEGREE, MentionKind.GRAVITY, MentionKind.ANCHOR)
-_LINES = (*WAYS, MentionKind.AXIS, MentionKind.PLANE, MentionKind.SIDES)
 _EMPTY = (MentionKind.FUNCTION, MentionKind.UNKNOWN, MentionKind.IGNORED)
 _REACH = 12  # words behind a verb that may tell how it is done
 _NOT_HARD, _NOT_GENTLY = 0.8, 1.2
@@ -235,11 +226,8 @@ def apply_negations(mentions: list[Mention]) -> list[Mention]:
     result: list[Mention] = []
     pending: Mention | None = None
     for index, mention in enumerate(mentions):
-        ground = (
-            pending is not None
-            and pending.phrase in ("no", "without")
-            and mention.form in LEXICON.scene_nouns
-        )
+        denied = pending is not None and pending.phrase in ("no", "without")
+        ground = denied and mention.form in LEXICON.scene_nouns
         if mention.kind is MentionKind.NOT:
             pending = mention
         elif pending is not None and (mention.kind is MentionKind.SOLID or ground):
@@ -248,9 +236,7 @@ def apply_negations(mentions: list[Mention]) -> list[Mention]:
         elif pending is None or mention.kind not in _NEGATABLE:
             result.append(mention)
         elif (
-            mention.kind is MentionKind.VERB
-            and pending.phrase not in ("no", "without")
-            and _is_manner_denied(mentions[index + 1 : index + _REACH])
+            mention.motion and not denied and _is_manner_denied(mention, mentions[index + 1 : index + _REACH])
         ):
             result.append(mention)  # "do not push it too hard" pushes it
         elif mention.kind is not MentionKind.DEGREE:
@@ -259,10 +245,10 @@ def apply_negations(mentions: list[Mention]) -> list[Mention]:
     return result
 
 
-def _is_manner_denied(behind: list[Mention]) -> bool:
+def _is_manner_denied(verb: Mention, behind: list[Mention]) -> bool:
     """Return whether only how strongly it is done is denied: "do not push it too hard"; ``behind`` follows the verb."""
     hard = any(m.kind is MentionKind.INTENSITY and isinstance(m.value, float) and m.value > 1 for m in behind)
-    return hard and not any(m.kind is MentionKind.VERB for m in behind)
+    return hard and [m for m in (verb, *behind) if m.kind is MentionKind.VERB] == [verb]
 
 
 def _negate(negation: Mention, mention: Mention) -> list[Mention]:
@@ -351,12 +337,9 @@ def _is_continuing(clauses: list[Clause], join: Join, has_verb: bool, mentions: 
     carried = last.verb is None and last.cause is not None and has_verb and join in (Join.AND, Join.RESULT)
     carried = carried and not any(m.motion and m.motion.effect is Effect.HOLD for m in mentions)
     has_cause = any(mention.kind is MentionKind.CAUSE for mention in mentions)
-    goes_on = (
-        not has_verb
-        and join in (Join.AND, Join.COMMA, Join.RESULT)
-        and not (has_cause and join is Join.COMMA)
-    )
-    goes_on = goes_on and not (last.negated and last.verb is None)  # "no rotation, just up"
+    goes_on = join in (Join.AND, Join.RESULT) or join is Join.COMMA and not has_cause
+    # "No rotation, just up" does not.
+    goes_on = goes_on and not has_verb and not (last.negated and last.verb is None)
     return waiting or corrects or carried or goes_on and not _is_other_place(last, mentions)
 
 

@@ -212,12 +212,8 @@ def _is_interjection(spot: _Spot) -> bool:
     ends = spot.begin == 0 or spot.end == len(spot.mentions)
     around = (*spot.mentions[spot.begin - 1 : spot.begin], *spot.mentions[spot.end : spot.end + 1])
     apart = bool(around) and all(not m.words.isalnum() for m in around)
-    return (
-        ends
-        and apart
-        and spot.end - spot.begin == 1
-        and not spot.word.endswith(("s", "ing", "ed", "ly", "wise"))
-    )
+    alone = spot.end - spot.begin == 1 and not spot.word.endswith(("s", "ing", "ed", "ly", "wise"))
+    return ends and apart and alone
 
 
 def _is_drawn_out(spot: _Spot) -> bool:
@@ -335,6 +331,28 @@ def _is_struck(spot: _Spot) -> bool:
     return (acts or pressed) and spot.preposition in ("at", "on", "against")
 
 
+def _is_placed_part(spot: _Spot) -> bool:
+    """A thing whose place is told, which is moved then: "the bird nest at the top shakes"."""
+    behind = [m for m in spot.mentions[spot.index + 1 : spot.end] if m.kind not in LOOSE]
+    place = next(
+        (m for m in behind if m.phrase not in get_set("determiners") | {"on", "at"}), spot.mentions[0]
+    )
+    told = (
+        place.kind is MentionKind.PLACE and place.phrase in LEXICON.ends and behind[0].phrase in ("on", "at")
+    )
+    return told and has_motion(behind) and not has_motion(spot.mentions[spot.begin : spot.index])
+
+
+def _is_a_grip(spot: _Spot) -> bool:
+    """The part by which all of it is taken: "lift it by the saddle", "drag it by one of its iron rings"."""
+    at, idle = spot.index - 1, get_set("determiners") | LEXICON.part_adjectives.keys() | {"of", "one", "both"}
+    while at > spot.begin and (spot.mentions[at].kind in LOOSE or get_phrase(spot.mentions, at) in idle):
+        at -= 1
+    whole = any(each.phrase in spot.names | get_set("objects") for each in spot.mentions[spot.begin : at])
+    local = spot.motion is not None and spot.motion.effect in (Effect.LEAN, Effect.SCALE, Effect.SWELL)
+    return get_phrase(spot.mentions, at) == "by" and whole and not local
+
+
 def _is_matter_of_a_part(spot: _Spot) -> bool:
     """The material of a part, which is seen by how that moves: "her legs are rubber", "stretch its arm like rubber"."""
     before = spot.mentions[max(spot.begin, spot.index - _REACH) : spot.index]
@@ -416,11 +434,13 @@ _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
     (_is_in_a_fragment, True),
     (_is_number, False),
     (_is_measured, True),
+    (_is_a_grip, True),
     (_is_asking, True),
     (_is_described, True),
     (_is_reaching, True),
     (_is_a_part, False),
     (_is_telling_a_part, False),
+    (_is_placed_part, True),
     (_is_struck, False),
     (_is_result, False),
     (_is_placed, True),

@@ -54,17 +54,7 @@ _TABLES = read_sections()
 _SCALES = {word: value for word, value in LEXICON.fractions.items() if word != "half"} | _TABLES["scales"]
 _VAGUE = get_set("vague")
 _GROUPS = (
-    "somersaults",
-    "factors",
-    "as_far",
-    "dimensions",
-    "angles",
-    "heights",
-    "full",
-    "metres",
-    "other_units",
-    "compared",
-    "adjectives",
+    "somersaults factors as_far dimensions angles heights full metres other_units compared adjectives".split()
 )
 _BEGINNINGS = {
     word.split()[0] for name in ("factors", "as_far", "heights") for word in _TABLES[name]

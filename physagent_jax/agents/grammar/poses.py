@@ -14,13 +14,8 @@ from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.intent import Quantity
 from physagent_jax.agents.lexicon import Effect, Place
 
-_NOUNS = (
-    MentionKind.PLACE,
-    MentionKind.UNKNOWN,
-    MentionKind.DIRECTION,
-    MentionKind.PLANE,
-    MentionKind.FUNCTION,
-)
+_NOUNS = (MentionKind.PLACE, MentionKind.UNKNOWN, MentionKind.DIRECTION)
+_NOUNS += (MentionKind.PLANE, MentionKind.FUNCTION)
 _OVERTURNING = (Effect.LEAN, Effect.PUSH, Effect.STRIKE, Effect.TURN, Effect.ROLL, Effect.FALL, Effect.TOPPLE)
 _OVER = 180.0  # [degrees]
 _ENDING = (Effect.TURN, Effect.ROLL, Effect.JUMP, Effect.TOPPLE, Effect.FALL)
@@ -148,13 +143,9 @@ def read_landings(mentions: list[Mention], _names: frozenset[str]) -> list[Menti
         lies = lies and bool(moving)  # "tips over and stays lying on its face"
         acts = moving[-1] if lies else verbs[-1]
         verb, motion = mentions[acts], get_last_motion(mentions[: acts + 1])
-        overturns = motion is not None and motion.effect in _OVERTURNING and (lies or on.form != "on")
-        if (
-            overturns
-            or motion is not None
-            and motion.effect is Effect.TOPPLE
-            or verb.phrase in get_set("landing")
-        ):
+        effect = None if motion is None else motion.effect
+        overturns = effect in _OVERTURNING and (lies or on.form != "on") or effect is Effect.TOPPLE
+        if overturns or verb.phrase in get_set("landing"):
             for place in range(acts + 1, at):
                 if place == first or mentions[place].phrase in ("flat", "lie"):
                     result[place] = empty(mentions[place])

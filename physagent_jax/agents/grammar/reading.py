@@ -212,22 +212,14 @@ def _read_count(reader: Reader, at: int) -> Mention | None:
         repeat = Repeat(int(min(max(counted[0], 1), _MOST_STROKES)))
         return reader.make_span(MentionKind.REPEAT, repeat, "times", at, counted[1])
     counted = match_number(reader.words, at)
-    if (
-        counted is None
-        or counted[0] <= 1
-        or counted[0] != int(counted[0])
-        or counted[1] >= len(reader.tokens)
-    ):
+    whole = counted is not None and counted[0] > 1 and counted[0] == int(counted[0])
+    if counted is None or not whole or counted[1] >= len(reader.tokens):
         return None
     behind = counted[1] + (reader.get_text(counted[1]) in LEXICON.intensities)
     thing = reader.tokens[min(behind, len(reader.tokens) - 1)]
-    several = thing.text.endswith("s") and thing.text != thing.lemma  # "3.2 Compress it" is a heading
-    if (
-        several
-        and (thing.lemma in LEXICON.motions or thing.text == "steps")
-        or thing.text.endswith("s")
-        and thing.text in LEXICON.causes
-    ):
+    several = thing.text != thing.lemma and (thing.lemma in LEXICON.motions or thing.text == "steps")
+    # "3.2 Compress it" is a heading.
+    if thing.text.endswith("s") and (several or thing.text in LEXICON.causes):
         repeat = Repeat(int(min(counted[0], _MOST_STROKES)))
         return reader.make_span(MentionKind.REPEAT, repeat, "times", at, counted[1])
     return None

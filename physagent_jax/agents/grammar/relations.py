@@ -23,19 +23,14 @@ from physagent_jax.agents.intent import Quantity
 from physagent_jax.agents.lexicon import Effect, Join, Motion, Repeat
 from physagent_jax.agents.lexicon.types import is_end
 
-_MOVING = (
-    *WAYS,
-    MentionKind.SENSE,
-    MentionKind.QUANTITY,
-    MentionKind.REPEAT,
-    MentionKind.INTENSITY,
-    MentionKind.COMPARATIVE,
-)
+_MOVING = (*WAYS, MentionKind.SENSE, MentionKind.QUANTITY, MentionKind.REPEAT)
+_MOVING += (MentionKind.INTENSITY, MentionKind.COMPARATIVE)
 _DENT = LEXICON.motions["dent"]
 # What an object does by itself beside its motion; a push or a blow brings about what follows.
 _FORMS = (Effect.TURN, Effect.SWAY, Effect.JUMP, Effect.ROLL, Effect.SCALE, Effect.SWELL, Effect.LEAN)
 _ELSEWHERE = (*WAYS, MentionKind.PLACE, MentionKind.EXCLUDED, MentionKind.TIME)
 _LENGTHS = ("metres", "lengths")
+_LYING = (Effect.ROLL, Effect.PUSH, Effect.SWAY, Effect.TURN)  # what something does once it has fallen over
 _SEPARATE = (Effect.FALL, Effect.TOPPLE, Effect.STILL, Effect.RELEASE, Effect.HOLD)
 
 
@@ -176,6 +171,9 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
     """Makes one clause of cause and effect ("pushes it so that it bends"): the effect's verb, all modifiers."""
     merged: list[Clause] = []
     for index, clause in enumerate(clauses):
+        if merged and clause.join in (Join.RESULT, Join.AND) and _is_braking(merged[-1]):
+            first = merged.pop()  # "it drives forward and brakes, so that it rocks": along its way
+            clause.join = clause.join if merged else first.join
         before = merged[-1] if merged else None
         acts = before is not None and before.head is not None and clause.verb is not None
         if before is None or not acts or clause.negated or before.negated or before.has(Effect.HOLD):
@@ -201,11 +199,8 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
             _absorb(before, clause)
         elif _is_falling_over(before, clause):
             _absorb(before, clause, clause.has(Effect.FALL))
-        elif (
-            clause.join is Join.RESULT
-            or _is_carried_off(before, clause)
-            or _is_moved_by_wind(before, clause)
-            or _is_pushed_over(before, clause)
+        elif clause.join is Join.RESULT or any(
+            tells(before, clause) for tells in (_is_carried_off, _is_moved_by_wind, _is_pushed_over)
         ):
             merged += _relate(before, clause)
         else:
@@ -216,6 +211,10 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
                 clause.join = Join.THEN  # "it is thrown to the left and slides down"
             merged.append(clause)
     return merged
+
+
+def _is_braking(clause: Clause) -> bool:
+    return clause.has(Effect.STILL) and get_verb(clause.head).brief
 
 
 def _is_saying_size_again(before: Clause, clause: Clause) -> bool:
@@ -278,14 +277,17 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
     first, second = get_verb(cause.head), get_verb(effect.verb)
     falls = first.effect is Effect.FALL and not first.gives
     drops = falls and second.effect in (Effect.ROLL, Effect.PUSH, Effect.SWAY)
+    # "Knock it over so that it rolls away"; where it "goes", it falls.
+    told = second.generic and second.effect is not Effect.TURN and bool(effect.select(*WAYS))
+    drops |= first.effect is Effect.TOPPLE and not told and second.effect in _LYING
     if first.gravity and second.effect is Effect.ROLL and effect.verb is not None:  # what is in the air turns
         effect.verb = replace(effect.verb, value=(second := LEXICON.motions["tumble"]), phrase="tumble")
         if cause.verb is not None and (across := LEXICON.motions.get(f"{cause.verb.phrase} across")):
             cause.verb = replace(cause.verb, value=across)  # "throw it so that it tumbles across the floor"
     # "Toss it so that it flips", "drop it so that it rolls", "twist it until it tears".
+    shapes = {first.effect, second.effect} <= {Effect.TURN, Effect.SCALE, Effect.SWAY}
     another = drops or second.effect is Effect.TURN and first.gravity
-    forms = {first.effect, second.effect} <= {Effect.TURN, Effect.SCALE, Effect.SWAY}
-    another |= forms and second.effect is not first.effect
+    another |= shapes and second.effect is not first.effect
     lengths = [m for m in cause.select(MentionKind.QUANTITY) if getattr(m.value, "unit", "") in _LENGTHS]
     own = first.effect in (Effect.PUSH, Effect.ROLL) and second.effect is Effect.SWAY and bool(lengths)
     own |= first.effect is Effect.SWELL and first.sign > 0 and second.effect is Effect.PUSH
@@ -354,11 +356,8 @@ def _is_carried_off(before: Clause, clause: Clause) -> bool:
     verb = get_verb(clause.verb)
     if clause.join not in (Join.AND, Join.COMMA) or not (verb.generic and verb.effect is Effect.PUSH):
         return False
-    pushed = (
-        before.has(Effect.PUSH)
-        and not get_verb(before.head).generic
-        and get_verb(before.head).direction is None
-    )
+    first = get_verb(before.head)
+    pushed = first.effect is Effect.PUSH and not first.generic and first.direction is None
     driven = pushed and not before.select(*WHERE) and bool(clause.select(*WAYS))
     elsewhere = before.select(MentionKind.DIRECTION) and clause.select(MentionKind.DIRECTION)
     elsewhere = elsewhere or _is_sinking_at_wall(before, clause)

@@ -70,11 +70,8 @@ def read_intent(prompt: str, brief: SceneBrief) -> Intent:
     others = [mention.words for mention in mentions if mention.phrase == OTHER]
     if not coverage.doubtful and not others:
         clauses = _assume_push(clauses)
-    notes = (
-        [f"'{' '.join(coverage.taken)}' is taken to be the object ({brief.object_name})."]
-        if coverage.taken
-        else []
-    )
+    taken = f"'{' '.join(coverage.taken)}' is taken to be the object ({brief.object_name})."
+    notes = [taken] * bool(coverage.taken)
     notes += [
         f"'{words}' acts on it, but it is not to move: nothing is made of that."
         for words in _list_resisted(clauses, mentions)
@@ -115,11 +112,8 @@ def _refuse(prompt: str, brief: SceneBrief, coverage: Coverage, others: list[str
             what, got=_quote(prompt), do=f"Say what the {brief.object_name} does, as in {patterns}"
         )
     word = coverage.doubtful[0] if coverage.doubtful else ""
-    what = (
-        f"No motion is known in the prompt: '{word}' is not understood"
-        if word
-        else "The prompt names no motion that is understood"
-    )
+    what = "The prompt names no motion that is understood"
+    what = f"No motion is known in the prompt: '{word}' is not understood" if word else what
     near = suggest_motions(word)
     nearest = f"; the nearest known motions are {', '.join(near)}" if near else ""
     do = f"Say in English what should happen to the {brief.object_name}, as in {patterns}{nearest}"

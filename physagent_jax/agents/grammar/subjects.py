@@ -61,11 +61,8 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
             itself = not before.isdisjoint(names | get_set("pronouns"))
             first = None if verb is None or leads else segment[verb].motion
             raised = first is not None and first.bound and first.effect is Effect.PUSH
-            again = (
-                part is not None
-                and segment[place].value == part.mention.value
-                and not any(each.kind is MentionKind.PLACE for each in mentions[begin:end])
-            )
+            again = part is not None and segment[place].value == part.mention.value
+            again &= _find(mentions[begin:end], MentionKind.PLACE) is None
             part = part if again else _Part(segment[place], leads, itself and not leads, raised)
         result += segment
     return result
