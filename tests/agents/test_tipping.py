@@ -9,6 +9,7 @@ from physagent_jax.forces.calibration import GRAVITY, MOST_DROP, REFERENCE_TIME,
 from physagent_jax.forces.schema import ActionType, ConstraintType
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.tipping import tip
+from physagent_jax.motion.vectors import dot
 from tests.agents.scenes import asked, brief, judge, make_report, ramp
 from tests.agents.test_named_parts import make_part
 
@@ -438,3 +439,19 @@ def test_what_hops_about_hops_several_times_and_goes_on(hops):
     assert hop.repeats > 2 and math.hypot(*hop.direction[:2]) > 0.5
     (spot, *_) = read_sentence("the thing jumps around on the spot", stand()).expectations
     assert spot.repeats > 2 and spot.direction[2] > 0.99
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "knock it over so it rolls",
+        "it tips over and rolls to the right",
+        "it falls over to the left and rolls",
+    ],
+)
+def test_what_is_tall_falls_across_the_way_that_it_rolls(sentence):
+    """It fell to the left and was then to roll to the left, along itself."""
+    reply = compile_whole(sentence)
+    tips = reply.force_field.constraints[0].vector
+    rolls = next(each for each in reply.expectations if each.kind is MotionKind.MOVE)
+    assert abs(dot(tips, rolls.direction)) > 0.9  # it turns over about that line

@@ -33,7 +33,7 @@ from physagent_jax.motion.limbs import stands_on_legs, sum_directions
 from physagent_jax.motion.parts import explain_guess, explain_missing
 from physagent_jax.motion.schema import Amount, ObstacleRequest, SceneBrief
 from physagent_jax.motion.swaying import lies, stands_slim
-from physagent_jax.motion.vectors import add, clamp, dot, normalise, scale
+from physagent_jax.motion.vectors import add, clamp, cosine, cross, dot, normalise, scale
 
 # What each kind of way means nothing for; nor does a part for what all of the object does.
 _NO_WAYS = (Effect.SWELL, Effect.BURST, Effect.STILL)
@@ -49,6 +49,7 @@ _USELESS = {
 _WHOLE = (Effect.ROLL, Effect.BURST, Effect.TOPPLE, Effect.JUMP, Effect.FALL)
 _ONCE = (Effect.FALL, Effect.TOPPLE, Effect.ROLL, Effect.BURST, Effect.RELEASE, Effect.STILL)
 _STEEP = 0.7  # cosine to the vertical
+_TALL = 1.2  # height over its breadth, from which on what falls over can roll about its own line alone
 _UPRIGHT = 0.9  # the same, from which on a part lies above or below
 _OWN_PARTS = dict(
     nod="head", wag="tail", flap="wings", wave="arm", salute="arm", clap="arms"
@@ -379,6 +380,18 @@ def _turn(event: Event, vector: Vector | None, why: str) -> None:
     event.sources["vector"] = replace(event.sources["vector"], why=why)
 
 
+def _roll_sideways(event: Event, before: Event, brief: SceneBrief) -> None:
+    """Lets what is tall fall over across the way that it then rolls: it cannot roll along itself."""
+    along = abs(cosine(event.direction or (0, 0, 0), before.direction or (0, 0, 0))) > _STEEP
+    fell, rolled = (each.sources["vector"].why.endswith(BY_DEFAULT) for each in (before, event))
+    if along and event.direction and before.direction and (fell or rolled):
+        changed, other = (before, event) if fell else (event, before)
+        across = normalise(cross(other.direction, brief.directions.up))
+        if across and dot(across, brief.directions.toward) < 0:
+            across = scale(across, -1.0)
+        _turn(changed, across, f"it rolls across itself {BY_DEFAULT}")
+
+
 def _take_over_direction(event: Event, before: Event, brief: SceneBrief) -> None:
     """The direction of the event before, where none is told; and "back" from there. What lies tips over aside."""
     driven = (
@@ -392,6 +405,9 @@ def _take_over_direction(event: Event, before: Event, brief: SceneBrief) -> None
         event.clause = event.clause.model_copy(update=dict(order="then"))
     if event.notes and (likewise or driven or slides):  # "push it to the right, then push it harder"
         _turn(event, before.direction, "no direction given: as before")
+    width, height, depth = brief.extents
+    if before.effect is Effect.TOPPLE and event.effect is Effect.ROLL and height > _TALL * max(width, depth):
+        _roll_sideways(event, before, brief)
     tumbles = (
         event.effect is Effect.TURN and event.motion.tumbles and before.effect in (Effect.PUSH, Effect.STRIKE)
     )
