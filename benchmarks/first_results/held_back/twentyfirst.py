@@ -87,7 +87,7 @@ _PAIRS = (
         "lets go and he tumbles across the floor.",
         "spin lift sequence",
     ),
-    Case("van", "drop it on its roof", "drop part"),
+    Case("van", "drop it on its roof", "drop"),
     Case(
         "van",
         "The van is made of soft jelly, and someone pushes down hard on it from above and then "
@@ -134,7 +134,7 @@ _PAIRS = (
         "brownmushroom",
         "Squash the mushroom flat from above like a big hand is pressing on it, hold it there a "
         "second, and then let it slowly puff back up to its normal shape",
-        "squeeze sequence part",
+        "squeeze sequence",
     ),
 )
 
