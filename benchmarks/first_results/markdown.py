@@ -114,6 +114,9 @@ def _pair(row: Row, remark: Remark | None, sheet: str) -> list:
     return [*head, verdict, row.get("iterations", ""), f"{row['seconds']:.0f}", frames]
 
 
+_LONGEST = 260  # characters of a message that are kept
+
+
 def _find_message(row: Row) -> str:
     return one_line(row["message"].rpartition("physagent: ")[2])
 
@@ -240,7 +243,11 @@ def _motion(centroid, rotation) -> str:
 def condense(result: Result) -> Result:
     """The sections without what no table shows; those of the sets that were held back are shown less of."""
     pairs = {part: section for part, section in result.items() if part in held_back.SETS}
-    return _round(drop_fields(result | drop_fields(pairs, _UNSHOWN), _NOWHERE))
+    kept = drop_fields(result | drop_fields(pairs, _UNSHOWN), _NOWHERE)
+    for row in (row for section in kept.values() for row in section["rows"] if row.get("message")):
+        said = row["message"].rpartition("physagent: ")[2]
+        row["message"] = said if len(said) <= _LONGEST else said[: _LONGEST - 1].rstrip() + "…"
+    return _round(kept)
 
 
 def _round(value: Any) -> Any:

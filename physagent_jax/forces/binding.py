@@ -510,7 +510,7 @@ class Binding:
         return motions
 
     def _hold_carried(self, velocity: jax.Array, angular_velocity: jax.Array) -> list[PrescribedMotion]:
-        """As `hold`, on top of the motion of the matter around the pivot, which is not held itself."""
+        """As `hold`, on top of the mean motion of the rest, which is not held itself."""
         led, carriers = self._led, self._carriers
         with jax.ensure_compile_time_eval():
             particles = to_device(np.concatenate([led, carriers]), np.int32)

@@ -164,7 +164,7 @@ class VelocityConstraint(_Timed):
             centre.
         bend: Where the part bends beside its joint, whose own particles then move too; None = nowhere: those of
             ``region`` move as a whole.
-        carried: Whether that point goes with the matter around it, which something else moves meanwhile.
+        carried: Whether it comes on top of the mean motion of the rest, which something else moves meanwhile.
         vector, magnitude, gain, active_time, region, object: as for `Action`.
     """
 
@@ -176,6 +176,8 @@ class VelocityConstraint(_Timed):
 
     @model_validator(mode="after")
     def _check_held(self) -> VelocityConstraint:
+        if self.carried and (self.region is None or self.constraint_type is ConstraintType.MOVING_PLATE):
+            raise ValueError("`carried` is for the particles of a `region`: the rest carries them")
         if self.held_until is None:
             return self
         if self.constraint_type.skill.is_sudden:

@@ -85,3 +85,11 @@ def test_a_flat_part_moves_too():
     bend = Bend(joint=(0.7, 0.5, 0.5), rest=region, reach=1.0, depth=0.9)
     part, share, _ = grade_part(bend, grid)
     assert share[grid[part, 0] == 1].min() == 1.0
+
+
+@pytest.mark.parametrize("change", [dict(region=None), dict(constraint_type="moving_plate")])
+def test_only_a_region_of_particles_is_carried(change):
+    region = {"kind": "half_space", "point": [0.6, 0.5, 0.5], "normal": [1, 0, 0]}
+    turn = dict(constraint_type="enforce_particle_rotation", vector=[0, 0, 1], region=region, carried=True)
+    with pytest.raises(ValueError, match="carried"):
+        ForceField.model_validate({"constraints": [turn | change]})
