@@ -316,11 +316,11 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
             )
         _absorb(cause, effect)
         return []
-    raised = (
-        first.effect is Effect.PUSH and first.bound
-    )  # "lift its front until it stands on its back end, or tips"
+    # "Lift its front until it stands on its back end, or tips": but by a handle, it tilts about the other side.
+    raised = first.effect is Effect.PUSH and first.bound
     if second.effect is Effect.LEAN and (second.angle or raised):
-        cause.modifiers = [m for m in cause.modifiers if m.kind is not MentionKind.PLACE]
+        grips = [] if second.angle else list(filter(sticks_out, cause.select(MentionKind.PLACE)))
+        cause.modifiers = [m for m in cause.modifiers if m.kind is not MentionKind.PLACE or m in grips]
     if second.effect is Effect.TOPPLE and cause.has(*DRIVING) and not cause.select(*WAYS):
         cause.modifiers += effect.select(*WAYS)  # "push it until it tips over to the right"
     if second.effect in _SEPARATE or another or is_end(first, second):
