@@ -9,6 +9,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -495,7 +496,7 @@ class Binding:
         still = self.leaf(np.zeros(3))
         pivot = None if self._pivot is None else self.leaf(self._pivot)
         if self._carriers is not None:
-            return self._hold_carried(velocity, angular_velocity)
+            return self._hold_carried(self._carriers, velocity, angular_velocity)
         windows = [self.window]
         fields = [(velocity, angular_velocity, pivot)]
         if self._held_until is not None:
@@ -509,20 +510,21 @@ class Binding:
         ]
         return motions
 
-    def _hold_carried(self, velocity: jax.Array, angular_velocity: jax.Array) -> list[PrescribedMotion]:
+    def _hold_carried(
+        self, carriers: np.ndarray, velocity: jax.Array, angular_velocity: jax.Array
+    ) -> list[PrescribedMotion]:
         """As `hold`, on top of the mean motion of the rest, which is not held itself."""
-        led, carriers = self._led, self._carriers
+        led = self._led
         with jax.ensure_compile_time_eval():
             particles = to_device(np.concatenate([led, carriers]), np.int32)
         own = np.arange(len(particles)) < len(led)
         share = self._share
         if share is not None:
             share = self.leaf(np.pad(np.asarray(share), (0, len(carriers))))
-        still, mean = (
-            self.leaf(np.zeros(3)),
-            np.average(self._rest[carriers], axis=0, weights=self._volume[carriers]),
-        )
-        held = dict(
+        mean = np.average(self._rest[carriers], axis=0, weights=self._volume[carriers])
+        hold = partial(
+            PrescribedMotion,
+            particles,
             center=self.leaf(self._pivot - mean),
             share=share,
             about=self.leaf(~own),
@@ -530,14 +532,10 @@ class Binding:
             carried=True,
         )
         start, end = self.window
-        made = [
-            PrescribedMotion(
-                particles, velocity, angular_velocity, start=start, end=jnp.where(own, end, start), **held
-            )
-        ]
+        made = [hold(velocity, angular_velocity, start=start, end=jnp.where(own, end, start))]
         if self._held_until is not None:
-            until = jnp.where(own, self._held_until, end)
-            made.append(PrescribedMotion(particles, still, still, start=end, end=until, **held))
+            still = self.leaf(np.zeros(3))
+            made.append(hold(still, still, start=end, end=jnp.where(own, self._held_until, end)))
         return made
 
     def press(self, k: float | Array) -> list[MovingPlate]:

@@ -382,11 +382,11 @@ def _turn(event: Event, vector: Vector | None, why: str) -> None:
 
 def _roll_sideways(event: Event, before: Event, brief: SceneBrief) -> None:
     """Lets what is tall fall over across the way that it then rolls: it cannot roll along itself."""
-    along = abs(cosine(event.direction or (0, 0, 0), before.direction or (0, 0, 0))) > _STEEP
+    first, then = before.direction, event.direction
     fell, rolled = (each.sources["vector"].why.endswith(BY_DEFAULT) for each in (before, event))
-    if along and event.direction and before.direction and (fell or rolled):
-        changed, other = (before, event) if fell else (event, before)
-        across = normalise(cross(other.direction, brief.directions.up))
+    if first and then and (fell or rolled) and abs(cosine(then, first)) > _STEEP:
+        changed, other = (before, then) if fell else (event, first)
+        across = normalise(cross(other, brief.directions.up))
         if across and dot(across, brief.directions.toward) < 0:
             across = scale(across, -1.0)
         _turn(changed, across, f"it rolls across itself {BY_DEFAULT}")
