@@ -6,7 +6,9 @@ higher. Knees take that up; here the object gets up but slowly once its feet hav
 
 from __future__ import annotations
 
-from physagent_jax.forces.calibration import GAIN_MIN, MAGNITUDE_MIN, find_flight
+import math
+
+from physagent_jax.forces.calibration import GAIN_MIN, GRAVITY, MAGNITUDE_MIN, find_flight
 from physagent_jax.forces.schema import Action, ConstraintType, VelocityConstraint
 from physagent_jax.motion.schema import SceneBrief
 from physagent_jax.motion.vectors import dot
@@ -29,8 +31,24 @@ def land(jump: Action, until: float, brief: SceneBrief) -> VelocityConstraint | 
     rise = jump.magnitude * jump.gain * dot(jump.vector, brief.directions.up) * brief.size
     if jump.active_time is None or rise <= 0:
         return None
-    aloft = find_flight(rise) / brief.frame_dt
-    at = round(jump.active_time[1] + aloft + _TOUCHES, 3)
+    at = jump.active_time[1] + find_flight(rise) / brief.frame_dt
+    return _stop(at, until, _STANDS / brief.frame_dt, brief)
+
+
+def stand_after_drop(height: float, until: float, brief: SceneBrief) -> VelocityConstraint | None:
+    """The stop of what is soft where it lands: it is pressed together and wobbles there, and does not bounce over.
+
+    Args:
+        height: From which it falls at frame 0 [L].
+        until, brief: As of `land`.
+    """
+    at = math.sqrt(2.0 * height * brief.size / GRAVITY) / brief.frame_dt
+    return _stop(at, until, until, brief)
+
+
+def _stop(at: float, until: float, stands: float, brief: SceneBrief) -> VelocityConstraint | None:
+    """A stop of what would be down at a frame, which acts for ``stands`` frames; None if there is no time for it."""
+    at = round(at + _TOUCHES, 3)
     if at + 2.0 > until:
         return None
     return VelocityConstraint(
@@ -39,5 +57,5 @@ def land(jump: Action, until: float, brief: SceneBrief) -> VelocityConstraint | 
         magnitude=MAGNITUDE_MIN,
         gain=GAIN_MIN,
         active_time=(at, at + 1.0),
-        held_until=min(at + 1.0 + _STANDS / brief.frame_dt, until),
+        held_until=min(at + 1.0 + stands, until),
     )

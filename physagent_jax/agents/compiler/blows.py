@@ -28,7 +28,7 @@ from physagent_jax.forces.slabs import make_box
 from physagent_jax.motion.attitudes import find_attitude
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_held_magnitude, find_lengths
-from physagent_jax.motion.landing import LANDED, land
+from physagent_jax.motion.landing import LANDED, land, stand_after_drop
 from physagent_jax.motion.pressing import LEAST_ROOM, poke
 from physagent_jax.motion.schema import Amount, MotionKind
 from physagent_jax.motion.tipping import tip
@@ -267,6 +267,10 @@ def _let_fall(task: Task) -> None:
             builder.enable_gravity(task.event.words, "a falling object needs gravity")
             if pose and not earlier:
                 builder.attitude = find_attitude(pose, builder.brief)
+            elif task.event.trembles and builder.default_drop and not earlier:
+                until = task.window[1] if task.after else float(task.brief.last)
+                landing = stand_after_drop(height or DROP_HEIGHT, until, task.brief)
+                builder.constraints += [] if landing is None else [landing]
     elif not builder.grounded:
         task.act(ActionType.TRANSLATION, builder.brief.directions.down, MAGNITUDE_MAX, task.window)
         builder.notes.append(

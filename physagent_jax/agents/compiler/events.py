@@ -92,6 +92,7 @@ class Event:
         radial: 1 = parts go out from the middle, -1 = inwards; 0 = as ``direction`` tells.
         amount: A quantity that the sentence names.
         rebounds: How often it comes up again from what it falls onto.
+        trembles: Whether it stands where it lands and wobbles there.
         obstacles: Solids that it meets.
         means: Whether it only makes possible what is asked, as a lift before a drop.
         sources: Where each value comes from.
@@ -122,6 +123,7 @@ class Event:
     radial: int = 0
     amount: Amount | None = None
     rebounds: int = 0
+    trembles: bool = False
     obstacles: list[ObstacleRequest] = field(default_factory=list)
     means: bool = False
     sources: dict[str, ValueSource] = field(default_factory=dict)

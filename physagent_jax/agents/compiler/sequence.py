@@ -160,12 +160,19 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         slam.motion = replace(slam.motion, effect=Effect.STRIKE, gives=True)
         slam.strength, slam.doubts = MAGNITUDE_MAX, [*slam.doubts, *event.doubts]
         return  # "it crashes into the wall, and its front crumples": it is of what gives way
-    yields = event.motion.gives or bool(events) and events[-1].effect is Effect.FALL and _yields(event)
+    yields = (
+        event.motion.gives
+        or bool(events)
+        and events[-1].effect is Effect.FALL
+        and _yields(event, builder.soft)
+    )
     if yields and falls and any(each.effect not in _RESTING for each in events):
         events[-1].doubts += event.doubts
+        events[-1].trembles |= builder.soft and not event.motion.gives
         return  # "it falls and shatters", "it falls and flattens"
     if builder.soft and events and events[-1].effect is Effect.FALL and _trembles(event):
         builder.notes.append(f"'{event.words}': what is soft does so by itself as it lands.")
+        events[-1].trembles = True
         return  # led to and fro, it would hang where it has bounced to
     if event.verb is not None and event.verb.bounces and event.effect in (Effect.FALL, Effect.JUMP):
         bouncing = events[-1] if events and events[-1].effect is Effect.FALL else event
@@ -291,10 +298,14 @@ def _rises_again(before: Event, event: Event) -> bool:
     return pressed and bare and event.phrase == "rise"
 
 
-def _yields(event: Event) -> bool:
-    """Return whether a change of shape is what the ground does as it is met: it is told of no later time."""
+def _yields(event: Event, soft: bool) -> bool:
+    """Return whether a change of shape is what the ground does as it is met.
+
+    It is told of no later time; or of what is soft, as of something that happens: "it lands, gets squashed, ...".
+    """
     shapes = event.effect is Effect.SCALE and event.motion.sign < 0
-    return shapes and event.clause.order != "then" and not (event.ways or event.parts)
+    happens = soft and event.words.split()[0].lower() != event.phrase.split()[0] and not event.clause.cause
+    return shapes and (happens or event.clause.order != "then") and not (event.ways or event.parts)
 
 
 def _is_crushed(before: Event, event: Event) -> bool:
@@ -305,9 +316,12 @@ def _is_crushed(before: Event, event: Event) -> bool:
 
 
 def _trembles(event: Event) -> bool:
-    """Return whether it goes to and fro by no way that is told: "it wobbles as it lands"."""
-    wobbles = event.motion.wobbles or event.motion.jiggles
-    return event.effect is Effect.SWAY and wobbles and not (event.ways or event.parts or event.repeat.count)
+    """Return whether it goes to and fro by no way that is told, or comes back: "it wobbles as it lands"."""
+    if event.effect is Effect.RELEASE:
+        return not event.parts
+    wobbles = event.effect is Effect.SWAY and (event.motion.wobbles or event.motion.jiggles)
+    aside = event.ways and not event.is_back  # "and wobbles back into shape"
+    return wobbles and not (aside or event.parts or event.repeat.count)
 
 
 def _goes_over(before: Event, event: Event) -> bool:
