@@ -18,7 +18,7 @@ from jax.core import Tracer
 
 from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
-from physagent_jax.forces.calibration import RETREAT
+from physagent_jax.forces.calibration import MAGNITUDE_MIN, RETREAT
 from physagent_jax.forces.opposition import RISES, find_balance, find_resistance, find_righting
 from physagent_jax.forces.parameters import ActionParameters, Array
 from physagent_jax.forces.regions import grade_part, make_region_mask
@@ -58,7 +58,7 @@ ROCKS = math.radians(2)  # by which what slides may rock
 TILTED = math.radians(20)  # at which what is led over its foot stands on its edge, or by less
 _SLIGHT = math.radians(5)  # of which it is seen where that is
 FALLING = math.radians(40)  # from which on what is led over it and let go falls over
-RISES_BY = 0.35  # [m/s] at which what has come down gets up again
+RISES_BY = 0.35  # [m/s] at which what has come down gets up again, for the least M
 _CARRIERS = 1024  # particles at most, whose mean motion a limb is carried by
 _EDGE = 0.02  # [L] around that point, in which particles tell where the edge is
 HELD_END = 0.25  # of the length, whose middle is where what is held turns about when it is wrung
@@ -356,8 +356,9 @@ class Binding:
 
     def limit_rebound(self) -> list:
         """The force that lets the whole come up but slowly, against the entry's way, until it is let go."""
-        way, end = self.leaf(-self._way), self._held_until
-        return [Touchdown(self.leaf(RISES_BY), way, self.window[0], self.window[1] if end is None else end)]
+        most = self.leaf(self._split()[0] * (RISES_BY / MAGNITUDE_MIN))
+        end = self.window[1] if self._held_until is None else self._held_until
+        return [Touchdown(most, self.leaf(-self._way), self.window[0], end)]
 
     def let_land(self) -> list:
         """The force that lets what is led over the edge of its foot, and then let go, lie where it falls."""

@@ -330,7 +330,7 @@ def is_too_short(first: float, last: float) -> bool:
 def is_stop(entry: Action | VelocityConstraint) -> bool:
     """Return whether an entry only takes up the rebound of what comes down along it (`motion.landing`).
 
-    It asks all of the object for the least speed that there is, which nobody would see, and is then held.
+    It asks all of the object for the least gain that there is, and is then held. Its M is of the speed that is left.
     """
     if not isinstance(entry, VelocityConstraint) or entry.region is not None or entry.held_until is None:
         return False

@@ -14,10 +14,10 @@ from physagent_jax.motion.schema import SceneBrief
 from physagent_jax.motion.vectors import dot
 
 LANDED = "'{}': it is stopped where it comes down, as knees would, and does not spring up again."
-_TOUCHES = (
-    -0.25
-)  # frames after a body in free flight would be down: what is soft loses some height as it leaps
+# Frames after a body in free flight would be down: what is soft loses some height as it leaps.
+_TOUCHES = -0.25
 _STANDS = 0.6  # [s] for which it does not spring up
+_WOBBLES = 1.0  # M with which what is soft is seen to stretch again, and hardly leaves the ground
 
 
 def land(jump: Action, until: float, brief: SceneBrief) -> VelocityConstraint | None:
@@ -40,13 +40,16 @@ def stand_after_drop(height: float, until: float, brief: SceneBrief) -> Velocity
 
     Args:
         height: From which it falls at frame 0 [L].
-        until, brief: As of `land`.
+        until: Frame at which it ends.
+        brief: The scene, with a ground.
     """
     at = math.sqrt(2.0 * height * brief.size / GRAVITY) / brief.frame_dt
-    return _stop(at, until, until, brief)
+    return _stop(at, until, until, brief, _WOBBLES)
 
 
-def _stop(at: float, until: float, stands: float, brief: SceneBrief) -> VelocityConstraint | None:
+def _stop(
+    at: float, until: float, stands: float, brief: SceneBrief, magnitude: float = MAGNITUDE_MIN
+) -> VelocityConstraint | None:
     """A stop of what would be down at a frame, which acts for ``stands`` frames; None if there is no time for it."""
     at = round(at + _TOUCHES, 3)
     if at + 2.0 > until:
@@ -54,7 +57,7 @@ def _stop(at: float, until: float, stands: float, brief: SceneBrief) -> Velocity
     return VelocityConstraint(
         constraint_type=ConstraintType.PARTICLE_TRANSLATION,
         vector=brief.directions.down,
-        magnitude=MAGNITUDE_MIN,
+        magnitude=magnitude,
         gain=GAIN_MIN,
         active_time=(at, at + 1.0),
         held_until=min(at + 1.0 + stands, until),

@@ -13,7 +13,7 @@ class ParticleTranslation(Skill):
     it during a time t, however thin the object is there; what lies between them follows in proportion.
 
     Of the whole, with the least gain that there is and then held, it prescribes nothing: it stands for the landing of
-    what has jumped (`forces.schema.is_stop`, `forces.terms.Touchdown`).
+    what has jumped, which gets up the faster the larger M is (`forces.schema.is_stop`, `forces.terms.Touchdown`).
     """
 
     name = "enforce_particle_translation"
