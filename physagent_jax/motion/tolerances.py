@@ -48,6 +48,7 @@ _TOLD_STRAIN = 0.04  # [1] within which perception tells nine strains of ten
 _TOLD_TURN = 60.0  # [degrees] off an angle that the sentence names, however large
 _LOST_TURN = 0.12  # of a turn that is lost in following it all around, again and again
 _FALLEN = 0.4  # of a height that the sentence names, that a fall may differ by: nothing beside it shows where it was
+_LIES = 0.5  # [L] by which the middle of what fell sinks at most as it tips over, or lies in pieces
 _WRUNG = 0.85  # of the largest angle of its word that a free end turns by: it lessens towards the held one
 _SPUN_LEAST = 60.0  # [degrees] less is a turn, and no spin
 _BLADES_LEAST = 15.0  # [degrees] the same of a part
@@ -282,4 +283,5 @@ def expect_quantity(amount: Amount, kind: MotionKind, brief: SceneBrief) -> Tole
             name = "of its length" if axial else "body lengths"
             share = _FALLEN if kind is MotionKind.FALL else 0.2
             width = max(share * value, _TOLD_STRAIN if axial else LEAST)
-    return Tolerance(max(value - width, least * value), value, value + width, name)
+    lies = _LIES if kind is MotionKind.FALL and name == "body lengths" else 0.0
+    return Tolerance(max(value - width, least * value), value, value + width + lies, name)

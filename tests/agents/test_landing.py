@@ -2,6 +2,7 @@
 
 import pytest
 
+from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY, MAGNITUDE_MIN
 from physagent_jax.forces.schema import ActionType, is_stop
 from physagent_jax.motion.matching import Cause
 from physagent_jax.motion.wishes import replace_items
@@ -88,3 +89,32 @@ def test_jumps_each_higher_than_the_one_before_are_a_doubt_and_no_stretch():
     reply = read("it hops three times, each higher than the one before", brief(world="ground"))
     assert {each.action_type for each in reply.force_field.actions} == {ActionType.IMPULSE}
     assert any("How much 'higher' each time" in doubt for doubt in reply.unsure)
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "the jelly robot is dropped and wobbles when it lands",
+        "drop the jelly robot so it squashes on impact and then jiggles back into shape",
+        "the robot is made of jelly, it drops, gets squished as it hits the floor and springs back",
+    ],
+)
+def test_what_is_soft_stands_and_wobbles_where_it_lands(sentence):
+    """It bounced, tipped over and lay on its side. It is down after sqrt(2 h / g)."""
+    blows, (landing,) = list_landings(sentence)
+    down = (2 * DROP_HEIGHT * brief().size / GRAVITY) ** 0.5 / brief().frame_dt
+    assert not blows and landing.active_time[0] == pytest.approx(down, abs=1.0)
+    assert landing.held_until == brief().last and landing.magnitude > MAGNITUDE_MIN
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "the robot is dropped and wobbles when it lands",
+        "the jelly robot is dropped onto its side",
+        "the jelly robot is dropped and bounces twice",
+        "the jelly robot is dropped, then squash it",
+    ],
+)
+def test_what_is_hard_or_is_not_to_stand_is_left_to_itself(sentence):
+    assert not list_landings(sentence)[1]

@@ -8,7 +8,8 @@ from physagent_jax.motion import edits
 from physagent_jax.motion.edits import Case
 from physagent_jax.motion.kinds import choose_kinds
 from physagent_jax.motion.matching import find_own_causes
-from physagent_jax.motion.tolerances import expect_strain
+from physagent_jax.motion.schema import Amount, MotionKind
+from physagent_jax.motion.tolerances import expect_quantity, expect_strain
 from tests.agents.scenes import brief, make_report, read
 from tests.agents.tellings import ground, order
 
@@ -155,3 +156,10 @@ def test_what_stands_is_twisted_against_its_foot(line, held):
     assert (reply.anchor.kind == "rest") == held
     assert len(reply.expectations) == (1 if held else 2)
     assert all(each.released for each in reply.expectations)
+
+
+@pytest.mark.parametrize(("sunk", "passes"), [(0.5, True), (0.9, True), (1.2, False), (0.2, False)])
+def test_what_lies_or_is_in_pieces_has_sunk_by_more_than_it_fell(sunk, passes):
+    """A glass that falls by 0.48 lengths and smashes was FAIL: its middle sank by 0.3 more."""
+    fall = Amount(value=0.48, unit="lengths")
+    assert (expect_quantity(fall, MotionKind.FALL, brief()).margin(sunk) >= 0) is passes
