@@ -42,6 +42,7 @@ _ALOFT = (Effect.FALL, Effect.JUMP)  # or thrown, or lifted
 _FLYING = (Effect.FALL, Effect.ROLL, Effect.PUSH, Effect.JUMP)  # what has come off
 _PIECES = ("tip", "end", "top", "half", "piece")  # of a part that has broken
 _BUCKLING = ("give", "buckle")
+_STAYS = ("stay", "remain")
 _RESTING = (Effect.STILL, Effect.RELEASE)
 _MOST_FALLS = 4  # that one clip has time for
 _MOST_SWINGS = 3  # of a door in one clip
@@ -142,6 +143,9 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         builder.notes.append(f"'{event.text}': where that is, is not known, and nothing is done to it.")
         event.unknown_parts.clear()
         return  # "while the trunk stays put"
+    if events and events[-1].effect is event.effect is Effect.STILL and event.is_bare:
+        events[-1].stays |= event.stays
+        return  # "it stops, still standing"
     severed = bool(events) and events[-1].motion.manner == "detach"
     if severed and event.effect is Effect.LEAN and event.motion.direction == "beside" and not event.parts:
         builder.notes.append(f"'{event.words}' comes of the part that is gone: nothing is made of that.")
@@ -575,6 +579,8 @@ def _hold(event: Event, last: Event | None, after: Event | None) -> list[Event]:
         return [_wait(event)]  # "hold it for a second, then"
     elif moved and last is not None and event.clause.order != "together":
         last.stays = after is None
+    elif last is not None and event.phrase.split()[0] in _STAYS and event.clause.order != "together":
+        return [_wait(event)]  # "it rolls over there and stays there": nobody holds it
     elif after is None or after.effect not in (Effect.FALL, Effect.RELEASE):
         return [event]
     return []
