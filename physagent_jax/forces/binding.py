@@ -96,6 +96,7 @@ class Circumstances:
         tilted: Axis about which what stands is first tilted by a constraint, unit vector, shape (3,); None = it is not.
         moved: Whether it has gone elsewhere before that.
         again: Whether the whole object fell, or a blow threw it up, before it.
+        lies: Whether the whole object was turned over before it, and not back.
     """
 
     scaling: SkillScaling
@@ -107,6 +108,7 @@ class Circumstances:
     tilted: np.ndarray | None = None
     moved: bool = False
     again: bool = False
+    lies: bool = False
 
 
 @dataclasses.dataclass(frozen=True)
@@ -153,6 +155,7 @@ class Binding:
         whole: Whether it acts on the whole object.
         upwards: Vertical component of its own way, whatever numbers stand in its place.
         again: Whether the whole object fell, or a blow threw it up, before it.
+        lies: Whether the whole object was turned over before it, and not back.
     """
 
     def __init__(
@@ -191,7 +194,7 @@ class Binding:
                 do="Give frames inside the clip",
             )
         self.scaling, self.stroke, self._turned = about.scaling, about.stroke, about.turned
-        self.again = about.again
+        self.again, self._lies = about.again, about.lies
         self._dtype, self._rest, self._volume, frame_dt = rest.dtype, rest, volume, about.frame_dt
         self._mask = np.ones(len(rest), bool)
         if timed.region is not None:
@@ -320,13 +323,11 @@ class Binding:
             return [PushCompensation(*numbers, *self.window, pulse=pulse)]
         (begin, end), most = self.window, self.leaf(RUBS * resistance)
         speed = jnp.abs(start + push * (end - begin))
-        brake = jnp.minimum(jnp.maximum(self.leaf(self._find_safe_rate()), speed / BRAKING), most)
+        safe = 0.0 if self._lies else self._find_safe_rate()
+        brake = jnp.minimum(jnp.maximum(self.leaf(safe), speed / BRAKING), most)
         rest = jnp.maximum(jnp.minimum(end + speed / brake, self._until), end)
-        return [
-            PushCompensation(
-                *numbers, begin, rest, feet=self._find_feet(), pulse=pulse, brake=brake, pushed=end
-            )
-        ]
+        feet = None if self._lies else self._find_feet()  # what has been turned over lies on other matter
+        return [PushCompensation(*numbers, begin, rest, feet=feet, pulse=pulse, brake=brake, pushed=end)]
 
     def _find_safe_rate(self) -> float:
         """Deceleration at which what slides along its own way does not trip [m/s^2]."""
@@ -346,7 +347,7 @@ class Binding:
             released: Whether it is only kept upright once the entry lets it go: what was out of shape until then.
         """
         opposition, most = self._opposition_of_the_whole, self._find_most_balance()
-        if opposition is None or most is None or self._turned:
+        if opposition is None or most is None or self._turned or self._lies:
             return []
         swings = self.stroke is not None and self.stroke.swings
         slack = 0.0 if self.upwards >= RISES else ROCKS

@@ -59,14 +59,13 @@ def compile_force_field(
 
     def bind(group: str, index: int) -> Binding:
         entry, values = getattr(field, group)[index], getattr(parameters, group)[index]
-        turned = (
-            isinstance(entry, Action) and _is_turned_meanwhile(entry, field) or _is_overturned(entry, field)
-        )
+        turned = isinstance(entry, Action) and _is_turned_meanwhile(entry, field)
+        lies = _is_overturned(entry, field)
         stroke = strokes.get(index) if group == "actions" else None
         scale, until = scale_entry(scaling, entry), _find_next_begin(entry, field)
         tilted, moved = _find_tilt(entry, field, scaling.rotation * frame_dt)
         again = _is_thrown_before(entry, field)
-        about = Circumstances(scale, frame_dt, frame_count, stroke, turned, until, tilted, moved, again)
+        about = Circumstances(scale, frame_dt, frame_count, stroke, turned, until, tilted, moved, again, lies)
         return Binding(entry, values, f"force_field.{group}[{index}]", rest, volume, about)
 
     pairs = {pair.first: pair for pair in find_pairs(field, scaling, rest)}
