@@ -72,6 +72,24 @@ def test_what_was_turned_over_is_not_set_upright_again_as_it_is_pushed():
     assert find_balance(push) and not find_balance(push, constraints=[topple])
 
 
+def test_what_slides_on_its_side_does_not_rock_there():
+    """A van that was tipped over lurched to and fro as it was pushed along: nothing opposed its spin."""
+    topple = dict(
+        constraint_type="enforce_particle_rotation", vector=(0, 1, 0), magnitude=1.0, active_time=(0, 14)
+    )
+    lying = TOWER[:, [2, 1, 0]] - [0, 0, TOWER[:, 0].min()]
+    spin = np.cross([0, 0.5, 0], lying - lying.mean(0))
+    terms, _ = compile_entries(act("translation", (1, 0, 0), 25, 50), constraints=[topple])
+    (slide,) = [each for each in terms if isinstance(each, PushCompensation)]
+    assert slide.feet is None  # it lies on other matter
+    field = evaluate([slide], lying, spin, 1.5)
+    against = np.cross(lying - lying.mean(0), field).mean(0) @ [0, 1, 0]
+    assert against < 0.0
+    rolls = act("torque", (0, 1, 0), 25, 50)
+    for each in compile_entries(act("translation", (1, 0, 0), 25, 50), rolls, constraints=[topple])[0]:
+        assert not isinstance(each, PushCompensation) or not float(each.lever)
+
+
 def test_it_lets_go_when_something_else_begins_and_leaves_alone_what_rolls_is_kicked_or_turned():
     hop, topple = act("impulse", (0, 0, 1), 0, 1), act("torque", (1, 0, 0), 25, 50)
     (balance,) = find_balance(hop, topple)
