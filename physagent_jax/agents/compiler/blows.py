@@ -43,6 +43,7 @@ _ASIDE = 0.9  # cosine below which a leap goes aside
 # Of a blow, with which what is thrown comes down about as far aside as one along the ground goes, and a leap rises by a
 # third of a length and comes down six tenths aside; and with which a leap comes down as far aside as is told.
 _THROWN, _LED = 0.45, 0.77
+_HOPS = 1.0  # the same of each of several leaps: they are as high as there is time for
 _FLUNG = 1.5  # power of a strength by which what is flung hard goes farther: it flies, and does not hop
 _AGAINST = 1.6  # strength as which it is taken where a wall is to be reached
 _RESTITUTION = 0.65  # speed after a rebound over that before it
@@ -66,12 +67,13 @@ def compile_strike(task: Task) -> None:
     falls_back = builder.default_drop or (builder.grounded and not builder.anchored)
     rises = falls_back and dot(way, up) > 0.5
     strength, flown = _find_blow(task, count, rises), way
-    most, lift = (_ASIDE, 1.0) if event.effect is Effect.JUMP else (_LEVEL, _LIFT)
+    jumps, hops = event.effect is Effect.JUMP, event.effect is Effect.JUMP and count > 1 and not event.amount
+    most, lift = (_ASIDE, 1.0) if jumps else (_LEVEL, _LIFT)
     if rises and count > 1:
         each = (window[1] - window[0]) * task.brief.frame_dt / count
         strength = min(strength, find_highest_leap(each) / task.brief.size)
     if event.motion.gravity and builder.grounded and not builder.anchored and abs(dot(way, up)) < most:
-        share = _LED if event.effect is Effect.JUMP and event.amount else _THROWN
+        share = _HOPS if hops else _LED if jumps and event.amount else _THROWN
         flung = event.effect is Effect.STRIKE and event.amount is None
         least = _AGAINST if event.clause.solids else 1.0
         share *= max(strength, least) ** _FLUNG if flung else 1.0
