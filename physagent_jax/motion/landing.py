@@ -17,7 +17,7 @@ LANDED = "'{}': it is stopped where it comes down, as knees would, and does not 
 # Frames after a body in free flight would be down: what is soft loses some height as it leaps.
 _TOUCHES = -0.25
 _STANDS = 0.6  # [s] for which it does not spring up
-_WOBBLES = 1.0  # M with which what is soft is seen to stretch again, and hardly leaves the ground
+_WOBBLES = 1.6  # M with which what is soft is seen to stretch again, and hardly leaves the ground
 
 
 def land(jump: Action, until: float, brief: SceneBrief) -> VelocityConstraint | None:

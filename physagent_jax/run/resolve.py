@@ -187,6 +187,7 @@ class ResolvedRun:
             let_go="none" in (self.spec.anchor.kind, reply and reply.anchor.kind),
             struck=None if reply is None else find_blow(reply.plan, UP),
             rigid=hard and (reply is None or keeps_shape(reply)),
+            lands=reply is not None and any(e.kind is MotionKind.FALL and e.jiggles for e in reply.plan),
         )
 
     def _look_at_parts(self, template: SceneTemplate, body: Body, reply: SemanticReply) -> SceneTemplate:

@@ -51,6 +51,9 @@ BEHIND = 0.5  # of its extent along a blow on a side, beyond which it is held
 LIGHT = 0.5  # share of its weight, with less of which nothing keeps an object on the ground
 _LEVEL = 0.7  # component along the vertical below which a way is level
 HELD_FOOT = 0.1  # of its height, that is held of what would fall over: its feet
+LANDING = (
+    2.5  # of its weight, that is borne by what lands softly: with less it stays as its fall has pressed it
+)
 _POTS = frozenset(("pot", "flowerpot", "planter", "tub"))  # words for what a plant stands in
 _RIM = 0.7  # of its height, up to which a plant's pot is held at most
 
@@ -65,6 +68,7 @@ class Support:
         let_go: Leave it free: the sentence or the user says so.
         struck: Way of a blow that presses it in, unit vector.
         rigid: Its matter is hard, and nothing asks it to deform: it bears its weight, whatever its stand-in does.
+        lands: It is dropped, and is to get up again where it lands.
     """
 
     keep_material: bool = False
@@ -72,6 +76,7 @@ class Support:
     let_go: bool = False
     struck: Vector | None = None
     rigid: bool = False
+    lands: bool = False
 
 
 DEFAULT = Support()
@@ -179,13 +184,16 @@ def find_tipping_angle(body: Body, overhang: float) -> float:
 def _bear(template: SceneTemplate, body: Body, support: Support) -> tuple[SceneTemplate, tuple[str, ...]]:
     """The template in which elastic matter bears the weight, or as much of it as it can, and what was changed."""
     material = template.material
-    if not is_borne(template) or find_own_burden(template, body).share <= 1:
+    load = LANDING if support.lands and not support.keep_material else 1.0
+    if not is_borne(template) or load * find_own_burden(template, body).share <= 1:
         return template, ()
-    borne = template if support.keep_material else _stiffen(template, body, 1.0)
+    borne = template if support.keep_material else _stiffen(template, body, load)
     most = max(find_affordable_modulus(material, template.preset.domain.dx) / material.youngs_modulus, 1.0)
     needed = find_largest_factor(borne.bearing)
     if not support.keep_material and needed <= most:
         return borne, (explain_stiffening(needed),)
+    if load > 1:
+        return _bear(template, body, dataclasses.replace(support, lands=False))
     carrying = find_bearing_modulus(template, body)
     if support.keep_material:
         needed, most = carrying / material.youngs_modulus, 1.0

@@ -100,7 +100,7 @@ class Task:
             "excludes_part": event.excludes_part,
             "stays": event.stays,
             "manner": event.motion.manner,
-            "jiggles": event.motion.jiggles,
+            "jiggles": event.motion.jiggles or event.trembles,
             "means": event.means,
             "counted": any(each.times is not None for each in event.clause.repetitions),
             "even": (event.clause.pace == "even" or event.motion.floats or event.is_quick)

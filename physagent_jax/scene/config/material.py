@@ -201,12 +201,12 @@ class Bearing(Strict):
 
     Attributes:
         ground: Height of the ground on which it stands [m]; null = it hangs on what is held.
-        weight: Share of the weight that is borne.
+        weight: Share of the weight that is borne; over 1 for what is to spring up again where it lands.
         most: Largest factor of Young's modulus of any part.
     """
 
     ground: Annotated[float, Field(ge=-1e6, le=1e6)] | None = None
-    weight: Annotated[float, Field(ge=0, le=1)] = 1.0
+    weight: Annotated[float, Field(ge=0, le=10)] = 1.0
     most: Annotated[float, Field(ge=1, le=1e12)] = 1.0
 
 
