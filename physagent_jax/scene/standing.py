@@ -51,9 +51,8 @@ BEHIND = 0.5  # of its extent along a blow on a side, beyond which it is held
 LIGHT = 0.5  # share of its weight, with less of which nothing keeps an object on the ground
 _LEVEL = 0.7  # component along the vertical below which a way is level
 HELD_FOOT = 0.1  # of its height, that is held of what would fall over: its feet
-LANDING = (
-    2.5  # of its weight, that is borne by what lands softly: with less it stays as its fall has pressed it
-)
+# Times its weight, borne by what is to get up where it lands: with less it stays as its fall has pressed it.
+LANDING = 2.5
 _POTS = frozenset(("pot", "flowerpot", "planter", "tub"))  # words for what a plant stands in
 _RIM = 0.7  # of its height, up to which a plant's pot is held at most
 

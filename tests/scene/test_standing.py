@@ -18,6 +18,7 @@ from physagent_jax.scene.burden import measure_burden
 from physagent_jax.scene.fuse import fuse
 from physagent_jax.scene.materials.cost import AFFORDABLE_RATE, count_substeps
 from physagent_jax.scene.standing import (
+    LANDING,
     Support,
     find_bearing_modulus,
     find_own_burden,
@@ -121,6 +122,16 @@ def test_a_thin_neck_that_would_tear_is_found(tmp_path):
     template, body, _ = template_of(tmp_path / "cow.obj", anchor={"kind": "top"})
     standing, notes = make_stand(template, body)
     assert notes and standing.bearing.most > 2.0
+
+
+def test_what_is_to_get_up_where_it_lands_bears_more_than_its_weight(table):
+    """A rabbit of jelly that just bore its weight stayed as flat as its fall had pressed it."""
+    template, body, _ = template_of(table)
+    stands, lands = (make_stand(template, body, Support(lands=lands))[0] for lands in (False, True))
+    assert lands.bearing.weight == LANDING > stands.bearing.weight == 1.0
+    assert lands.bearing.most == pytest.approx(LANDING * stands.bearing.most, rel=0.1)
+    chosen = make_stand(template, body, Support(keep_material=True, lands=True))[0]
+    assert chosen.bearing is None and chosen.material == template.material
 
 
 def test_less_weight_acts_where_a_chosen_stiffness_does_not_bear_it(table):
