@@ -196,7 +196,8 @@ class Turning:
         if motion.kind is MotionKind.ROTATE and axis is not None and (spun := self._find_spun(motion, axis)):
             if spun < _WHEELED:  # pictures do not tell one turn of alike blades from a part of it
                 motion = motion.model_copy(update=dict(amount=Amount(value=spun, unit="degrees")))
-            return [self.turn(axis, spun, (motion.window[0], min(motion.window[1], until)), None)], motion
+            if spun >= _WHEELED or not motion.released:
+                return [self.turn(axis, spun, (motion.window[0], min(motion.window[1], until)), None)], motion
         window = self._find_window(motion, until)
         let_go = motion.released or motion.sudden and not motion.stays
         stop = None if let_go or until <= window[1] else until

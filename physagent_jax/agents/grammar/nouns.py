@@ -105,7 +105,8 @@ def read_named_part(reader: Reader, at: int) -> Mention | None:
     A word for a piece goes with the name: "the lemon slice", "a slice of lemon".
     """
     pieces, start = get_set("servings"), at
-    at += 2 if reader.get_text(at) in pieces and reader.get_text(at + 1) == "of" else 0
+    if reader.get_text(at) in pieces and reader.get_text(at + 1) == "of":
+        at += 2 + (reader.get_text(at + 2) in get_set("determiners"))
     for size in range(max(map(len, reader.parts), default=0), 0, -1):
         phrase = tuple(token.text for token in reader.tokens[at : at + size])
         if len(phrase) < size or phrase not in reader.parts or begins_longer_phrase(reader, at + size - 1):

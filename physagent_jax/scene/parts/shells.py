@@ -31,13 +31,13 @@ _NESTED = 0.04  # of its length, by which a shell may reach out of the box of on
 _HOST = 0.25  # share of the object that such a one has at most
 _CUT = 0.25  # share of a part in shells that it cuts and that are smaller than it, from which on it is none
 _MOST = 0.8  # share of the object that a candidate has
-_INSIDE, _SMALL = 0.8, 0.12  # share of a tip in its shell, at least; of the object in that, at most
+_INSIDE, _SMALL = 0.8, 0.15  # share of a tip in its shell, at least; of the object in that, at most
 _LIKE = 1.5  # ratio of the sizes of a pair, at most
 _AROUND, _OCTANTS = (
     0.12,
     5,
 )  # of its length, about a point; octants there with other shells, of what lies outside
-_MOST_OTHERS = 8000  # points of those
+_MOST_OTHERS, _LINKED = 8000, 1.5  # points of those; spacings within which free points hang together
 
 
 @dataclasses.dataclass(frozen=True)
@@ -85,7 +85,7 @@ class Shells:
             pair = [k for k, part in enumerate(parts) if part.roles[:1] == (role,)]
             if len(pair) != 2 or len({hosts[k] for k in pair} - {None}) != 2:
                 continue
-            masks = [self._find_free(hosts[k]) for k in pair]
+            masks = [self._find_free(hosts[k], parts[k]) for k in pair]
             sizes = sorted(int(mask.sum()) for mask in masks)
             if _FEWEST <= sizes[0] and sizes[1] < _LIKE * sizes[0]:
                 for k, mask in zip(pair, masks):
@@ -102,18 +102,19 @@ class Shells:
         tip = inside[host] > _INSIDE * mask.sum() and sizes[host] > 2 * mask.sum()
         return host if tip and sizes[host] < _SMALL * len(self.points) else None
 
-    def _find_free(self, shell: int | None) -> np.ndarray:
-        """The points of a shell that lie outside of the others, shape (n,): an antler without its root in the head."""
+    def _find_free(self, shell: int | None, tip: Part) -> np.ndarray:
+        """The points of a shell beside its tip that lie outside of the others, shape (n,): no antler's root."""
         found, size = self.labels == shell, float(np.ptp(self.points, axis=0).max())
         others, own = self.points[~found], self.points[found]
         tree: Any = KDTree(others[:: -(-len(others) // _MOST_OTHERS)])
         near = zip(tree.query_ball_point(own, _AROUND * size), own)
         free = np.array([len({*map(tuple, tree.data[each] > place)}) <= _OCTANTS for each, place in near])
         if free.any():  # what lies in a hollow of the rest hangs together with nothing outside
-            reach = _TOUCH * size / max(len(self.points), 8) ** (1 / 3)
+            reach = _LINKED * size / max(len(self.points), 8) ** (1 / 3)
             links = KDTree(own[free]).sparse_distance_matrix(KDTree(own[free]), reach)
             groups = connected_components(links, directed=False)[1]
-            free[free] = groups == np.bincount(groups).argmax()
+            outer = ~make_region_mask(tip.rest, self.points)[found][free]
+            free[free] = groups == np.bincount(groups, outer).argmax()
         found[found] = free
         return found
 
