@@ -37,7 +37,6 @@ _ROCKING = tuple("let rock swing sway tip catch steady save regain".split())
 _MOMENT = 0.2  # of the clip, below which a hold is but a moment
 _LAID = 90.0  # [degrees] that what has fallen over is turned by
 _OVER = 120.0  # [degrees] from where on it is turned over
-_ASIDE = 0.9  # of its own way, by which a part that comes off goes where it then lands
 _LEVEL = 0.5  # cosine to the vertical below which what stands falls aside
 _ALOFT = (Effect.FALL, Effect.JUMP)  # or thrown, or lifted
 _FLYING = (Effect.FALL, Effect.ROLL, Effect.PUSH, Effect.JUMP)  # what has come off
@@ -262,7 +261,7 @@ def _send_piece(piece: Event, event: Event) -> None:
     told = piece.direction is None or not piece.sources["vector"].why.endswith(BY_DEFAULT)
     if event.direction is None or told or all(way.text.lower() == "away" for way in event.pick(WayKind.TO)):
         return
-    piece.direction = normalise(add((piece.direction, scale(event.direction, _ASIDE))))
+    piece.direction = normalise(add((piece.direction, event.direction)))
     piece.notes, piece.sources["vector"] = [], event.sources["vector"]
 
 

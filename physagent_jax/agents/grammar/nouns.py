@@ -100,11 +100,8 @@ def _has_other_meaning(word: str) -> bool:
 
 
 def read_named_part(reader: Reader, at: int) -> Mention | None:
-    """Reads a part that has a name of its own; words that are verbs too need an article.
-
-    A word for a piece goes with the name: "the lemon slice", "a slice of lemon".
-    """
-    pieces, start = get_set("servings"), at
+    """Reads a part that has a name of its own; words that are verbs too need an article."""
+    pieces, start = get_set("servings"), at  # "the lemon slice", "a slice of lemon"
     if reader.get_text(at) in pieces and reader.get_text(at + 1) == "of":
         at += 2 + (reader.get_text(at + 2) in get_set("determiners"))
     for size in range(max(map(len, reader.parts), default=0), 0, -1):
