@@ -50,11 +50,8 @@ _MOVED, _REST = 16, 128  # places of it and of the rest that are looked at
 _SETTLES = 0.4  # [s] after it has come down
 _DELAY = 0.2  # [s] before it leaves
 _DRAWN, _DRAWING = 0.22, 0.35  # [body lengths] that a wheel is drawn off its axle, and [s] in which it is
-_ROLLED, _ROLLING = (
-    0.9,
-    1.0,
-)  # [body lengths] that it then rolls, and [s] in which it would if it did not slow down
-_STARTS = 40.0  # [degrees] of that on which it is led
+_ROLLED, _ROLLING = 1.2, 1.0  # [body lengths] that it then rolls, and [s] in which, if nothing brakes it
+_STARTS = 55.0  # [degrees] of that on which it is led
 _LEVELLED = 0.3  # vertical component of its axle up to which it can roll
 
 
