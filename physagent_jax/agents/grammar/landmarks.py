@@ -58,13 +58,14 @@ def _is_of_another(mentions: list[Mention], at: int, names: frozenset[str]) -> b
 
 def _is_joint(mentions: list[Mention], at: int, before: int) -> bool:
     """Return whether a noun tells where a part bends or comes off: "its arm bends at the elbow"."""
-    motion = get_last_motion(mentions[:at])
+    placed = mentions[at].kind is MentionKind.PLACE
+    motion = get_last_motion(mentions[:at]) if placed or mentions[at].phrase in get_set("joints") else None
     if motion is None or before < 0:
         return False
     preposition, severed = mentions[before], motion.manner == "detach"
     begin = max((k for k in range(before) if mentions[k].kind is MentionKind.JOIN), default=0)
     parts = [k for k in range(at) if mentions[k].kind is MentionKind.PLACE]
-    if severed and parts[-1:] > [begin] and mentions[at].kind is MentionKind.PLACE:
+    if severed and placed and parts[-1:] > [begin]:
         return parts[-1] < at - 1 and preposition.form not in ("of", "and", "with")  # "slips off the rim"
     whole = mentions[at].phrase in ("base", "root", "roots", "stem")  # "saw the tree off at its base"
     if mentions[at].phrase not in get_set("joints") or not (parts or whole and severed):
