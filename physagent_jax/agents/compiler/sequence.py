@@ -258,10 +258,10 @@ def _is_of_piece(event: Event, before: Event) -> bool:
 
 def _send_piece(piece: Event, event: Event) -> None:
     """Sends a part that comes off where it is then said to go or to land: "flies off and lands behind him"."""
-    told = piece.direction is None or not piece.sources["vector"].why.endswith(BY_DEFAULT)
+    told = not piece.sources["vector"].why.endswith(BY_DEFAULT)
     if event.direction is None or told or all(way.text.lower() == "away" for way in event.pick(WayKind.TO)):
         return
-    piece.direction = normalise(add((piece.direction, event.direction)))
+    piece.direction = normalise(add(filter(None, (piece.direction, event.direction))))
     piece.notes, piece.sources["vector"] = [], event.sources["vector"]
 
 
