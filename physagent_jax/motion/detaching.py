@@ -2,11 +2,12 @@
 
 Matter on one grid moves together within the reach of the grid's kernels, so that a part of which only the hold was
 taken away would cling to the rest. It is led away from it for a moment instead, and then flies on by itself with that
-speed: of the ways that it may go, the one on which it meets least of the rest.
+speed: of the ways that it may go, the one on which it meets least of the rest. A wheel is drawn off, and rolls.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
 from collections.abc import Iterable, Sequence
@@ -18,7 +19,18 @@ from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import VelocityConstraint
 from physagent_jax.motion.hinges import find_box
 from physagent_jax.motion.schema import ExpectedMotion, SceneBrief
-from physagent_jax.motion.vectors import add, clamp, cosine, dot, norm, normalise, rotate, scale, subtract
+from physagent_jax.motion.vectors import (
+    add,
+    clamp,
+    cosine,
+    cross,
+    dot,
+    norm,
+    normalise,
+    rotate,
+    scale,
+    subtract,
+)
 
 _APART = (
     0.16,
@@ -37,12 +49,16 @@ _STEPS = 8  # of its flight that are looked at
 _MOVED, _REST = 16, 128  # places of it and of the rest that are looked at
 _SETTLES = 0.4  # [s] after it has come down
 _DELAY = 0.2  # [s] before it leaves
+_DRAWN, _DRAWING = 0.22, 0.35  # [body lengths] that a wheel is drawn off its axle, and [s] in which it is
+_ROLLED, _ROLLING = 1.2, 1.0  # [body lengths] that it then rolls, and [s] in which, if nothing brakes it
+_STARTS = 55.0  # [degrees] of that on which it is led
+_LEVELLED = 0.3  # vertical component of its axle up to which it can roll
 
 
 def detach(
     part: Part, brief: SceneBrief, frame_count: int, motion: ExpectedMotion
-) -> tuple[VelocityConstraint, ExpectedMotion]:
-    """The constraint by which a part comes off, and the motion as it is then expected.
+) -> tuple[list[VelocityConstraint], ExpectedMotion]:
+    """The constraints by which a part comes off, and the motion as it is then expected.
 
     Args:
         part: The part.
@@ -51,6 +67,15 @@ def detach(
         motion: The motion; its direction tells a way that is not down.
     """
     up, box = brief.directions.up, find_box(brief)
+    first = min(motion.window[0] + brief.count_frames(_DELAY), max(motion.window[1] - 2.0, motion.window[0]))
+    # What is beside the joint goes with the nearer of the two: it would tie them together.
+    whole = part.moved.model_copy(update=dict(outside=part.rest.inside, rigid=True))
+    driver = PartDriver(part.model_copy(update=dict(moved=whole)), brief.frame_dt, frame_count)
+    if brief.world == "ground" and part.axle is not None and abs(dot(part.axle, up)) < _LEVELLED:
+        radius = part.joint[2] * box[2]
+        low = min(place[2] for place in part.moved.inside) * box[2]
+        if low < 0.5 * radius:
+            return _roll_off(driver, brief, motion, first)
     moved = _spread(part.moved.inside, box, _MOVED)
     rest = _spread(part.moved.outside, box, _REST)
     height, gravity = min(dot(each, up) for each in moved), GRAVITY / brief.size
@@ -61,14 +86,10 @@ def detach(
         _Flight(moved, rest, level, reach, rise, height, gravity, up)
         for level, rise, reach in itertools.product(_list_ways(part, brief, motion), rises, _ASIDE)
     )
-    first = min(motion.window[0] + brief.count_frames(_DELAY), max(motion.window[1] - 2.0, motion.window[0]))
     speed = norm(flight.velocity)
     led = clamp(brief.count_frames(flight.apart / speed), 1.0, max(motion.window[1] - first, 1.0))
     along = [dot(each, flight.way) for each in (*moved, *rest)]
     length = speed * led * brief.frame_dt / max(max(along) - min(along), 0.1)  # of its width
-    # What is beside the joint goes with the nearer of the two: it would tie them together.
-    whole = part.moved.model_copy(update=dict(outside=part.rest.inside, rigid=True))
-    driver = PartDriver(part.model_copy(update=dict(moved=whole)), brief.frame_dt, frame_count)
     made = driver.shift(flight.way, length, (first, first + led), None)
     grounded = brief.world == "ground"
     travel = add([scale(flight.level, flight.reach), scale(up, -height)]) if grounded else flight.way
@@ -77,14 +98,42 @@ def detach(
         rising = dot(flight.velocity, up) / gravity
         travel = add([scale(flight.way, flight.apart), scale(flight.velocity, 0.5 * rising)])
         ends = first + led + brief.count_frames(rising)
-    return made, motion.model_copy(
-        update=dict(
-            direction=normalise(travel),
-            strength=MAGNITUDE_MAX,
-            window=(motion.window[0], min(ends, frame_count - 1.0)),
-            sudden=False,
-        )
+    return [made], _expect(motion, travel, min(ends, frame_count - 1.0))
+
+
+def _expect(motion: ExpectedMotion, travel: Vector, end: float) -> ExpectedMotion:
+    """The motion of a part that goes along ``travel`` until a frame."""
+    told = dict(
+        direction=normalise(travel), strength=MAGNITUDE_MAX, window=(motion.window[0], end), sudden=False
     )
+    return motion.model_copy(update=told)
+
+
+def _roll_off(
+    driver: PartDriver, brief: SceneBrief, motion: ExpectedMotion, first: float
+) -> tuple[list[VelocityConstraint], ExpectedMotion]:
+    """As `detach`, of a wheel that stands on the ground: it is drawn off its axle, started, and rolls on by itself."""
+    part, up, box = driver.part, brief.directions.up, find_box(brief)
+    axle = part.axle or brief.directions.right
+    out = scale(axle, 1.0 if dot(part.side, axle) > 0 else -1.0)
+    ahead = normalise(cross(out, up)) or brief.directions.right
+    told = motion.direction or part.side
+    leads = told if abs(dot(told, ahead)) > _LEVEL else part.side  # else to the nearer end
+    ahead = ahead if dot(leads, ahead) > 0 else scale(ahead, -1.0)
+    drawn, width = first + brief.count_frames(_DRAWING), sum(abs(x) * side for x, side in zip(out, box))
+    radius = part.joint[2] * box[2]
+    started = math.radians(_STARTS) * radius / (_ROLLED / _ROLLING)  # [s]
+    # It turns about the place on which it stands halfway there, and so neither sinks nor rises in the end.
+    shift = add((scale(out, _DRAWN), scale(ahead, radius * math.tan(math.radians(0.5 * _STARTS)))))
+    pivot = tuple(place + off / side for place, off, side in zip((*part.joint[:2], 0.0), shift, box))
+    rolling = dataclasses.replace(driver, part=part.model_copy(update=dict(joint=pivot)))
+    window = (drawn, drawn + max(brief.count_frames(started), 1.0))
+    made = [
+        driver.shift(out, _DRAWN / width, (first, drawn), None),
+        rolling.turn(cross(up, ahead), _STARTS, window, None),
+    ]
+    end = min(window[1] + brief.count_frames(_ROLLING), driver.frame_count - 1.0)
+    return made, _expect(motion, add((scale(out, _DRAWN), scale(ahead, 0.7 * _ROLLED))), end)
 
 
 class _Flight:

@@ -8,12 +8,13 @@ the back. A round one, as a pot's lid is, has none.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.part import Part, split_name
 from physagent_jax.motion.doors import find_edge
-from physagent_jax.motion.schema import SceneBrief
+from physagent_jax.motion.schema import Amount, ExpectedMotion, SceneBrief
 from physagent_jax.motion.vectors import add, clamp, cross, dot, norm, normalise, scale, subtract
 
 _NEAR = 0.06  # [body lengths] beyond the least distance, within which a piece touches the rest
@@ -52,6 +53,26 @@ class Hinge:
         if axis is not None and dot(axis, self.axis) < 0:
             return (_FURTHER if self.angle > _OPEN else _OPENED) * clamp(strength, _LEAST_OPENED, 1.0)
         return max(self.angle - _GAP, _GAP)
+
+    def swing(
+        self, lead: Hinge | None, motion: ExpectedMotion, before: Sequence[ExpectedMotion]
+    ) -> ExpectedMotion:
+        """A motion with its axis and its angle: what was opened is closed by as much, and opened by as much again.
+
+        Args:
+            lead: The hinge that the motion's direction is told of; None = it has none.
+            motion: The motion.
+            before: Those of the same piece before it.
+        """
+        way = self.follow(lead, motion.direction)
+        angles = [(e.direction or way, self.find_angle(e.direction, e.strength)) for e in before]
+        turned = [angle for axis, angle in angles if dot(axis, way) < 0]
+        opens = dot(way, self.axis) < 0
+        likewise = [angle for axis, angle in angles if turned and opens and dot(axis, way) > 0]
+        led = likewise or turned or [self.find_angle(way, motion.strength)]
+        amount = motion.amount or Amount(value=led[-1], unit="degrees")
+        loose = motion.amount is None and opens  # half open is open
+        return motion.model_copy(update=dict(direction=way, amount=amount, may_stop_short=loose))
 
 
 def find_hinge(part: Part, brief: SceneBrief) -> Hinge | None:

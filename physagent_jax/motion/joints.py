@@ -44,6 +44,7 @@ _SWAYS = 0.75  # of a plain angle, to either side of a limb that goes to and fro
 _SEEN = 0.08  # [body lengths] that its tip goes to either side at least, so that it is seen
 _WIDEST = 40.0  # [degrees] that a short one swings by for that at most
 _ALONG = 0.85  # cosine to the limb from which on a way leads along it
+_AGAINST = -0.7  # cosine of the way back
 _REACH = 0.3  # of its length, by which a plain word moves a limb along itself
 _DENTED = 0.6  # the same of a region that is pressed into what it is one skin with
 _SHOWN = 0.08  # [body lengths] that a loose piece is moved along itself at least, so that it is seen
@@ -86,8 +87,9 @@ _JAWS = frozenset(("jaw", "mouth"))  # words for what opens downwards
 _ASIDE = frozenset(("left", "right"))  # words for a side that a limb is brought to
 _LIMP, _CREASES = (
     ("droop", "flop", "hang", "wilt", "fall", "drop", "limp"),
-    60.0,
-)  # begins of words; [degrees] for them
+    75.0,
+)  # begins of words; [degrees] for them, though the skin creases
+_FLOPPED = 75.0  # [degrees] that such a word turns a limb by aside
 _HIGH = frozenset(("overhead", "sky", "ceiling"))  # words for where a limb is raised high
 _SLOW = ("slow", "gradual", "lazi", "limp")  # begins of words for the pace alone
 _OWN_WAYS = dict(
@@ -194,25 +196,29 @@ class Turning:
         if motion.kind is MotionKind.ROTATE and axis is not None and (spun := self._find_spun(motion, axis)):
             if spun < _WHEELED:  # pictures do not tell one turn of alike blades from a part of it
                 motion = motion.model_copy(update=dict(amount=Amount(value=spun, unit="degrees")))
-            return [self.turn(axis, spun, (motion.window[0], min(motion.window[1], until)), None)], motion
+            if spun >= _WHEELED or not motion.released:
+                return [self.turn(axis, spun, (motion.window[0], min(motion.window[1], until)), None)], motion
         window = self._find_window(motion, until)
         let_go = motion.released or motion.sudden and not motion.stays
         stop = None if let_go or until <= window[1] else until
-        if motion.kind is MotionKind.ROTATE and axis is not None:
-            return [self.turn(axis, self.find_angle(motion, axis), window, stop)], motion
-        way = self._gape(motion) or motion.direction or self.swing
-        if self.curls and abs(dot(way, self.arm)) > _ALONG:  # it cannot curl along itself
-            way = self.swing if self.hangs else self.brief.directions.toward
-        angle = self._find_seen(motion, way)
-        course = motion.direction and self.find_course(way, angle, sudden=motion.sudden)
         kept = max(window[1], min(motion.window[1], until))
         back = (kept, min(kept + window[1] - window[0], until))
-        turns = not (self.slides or self.is_borne(way)) and self.find_axis(way) is not None
+        if motion.kind is MotionKind.ROTATE and axis is not None:
+            angle, course, turns = self.find_angle(motion, axis), axis, motion.manner != "hinge"
+            bring = functools.partial(self.turn, axis)
+        else:
+            way = self._gape(motion) or motion.direction or self.swing
+            if self.curls and abs(dot(way, self.arm)) > _ALONG:  # it cannot curl along itself
+                way = self.swing if self.hangs else self.brief.directions.toward
+            angle = self._find_seen(motion, way)
+            course = motion.direction and self.find_course(way, angle, sudden=motion.sudden)
+            turns = not (self.slides or self.is_borne(way)) and self.find_axis(way) is not None
+            bring = functools.partial(self.bring, way, motion)
         returns = turns and motion.released and not motion.sudden and back[1] - back[0] >= 2.0
         stop = kept if returns and kept > window[1] else stop
-        made = [self.bring(way, motion, angle, window, stop)]
+        made = [bring(angle, window, stop)]
         if returns:  # what is stiff, or lies where it was brought, would not come back by itself
-            made.append(self.bring(way, motion, -angle, back, until if until > back[1] else None))
+            made.append(bring(-angle, back, until if until > back[1] else None))
         return made, motion.model_copy(update=dict(direction=course))
 
     def undo(
@@ -303,7 +309,7 @@ class Turning:
         slow, limp = (any(each.startswith(begins) for each in words) for begins in (_SLOW, _LIMP))
         high = not _HIGH.isdisjoint(words)
         strength = max(motion.strength, 1.0) if slow else motion.strength  # as far as else, in more time
-        plain, most = (_CURLED, _CURLED) if self.curls else (_PLAIN, _MOST)
+        plain, most = (_CURLED, _CURLED) if self.curls else (_FLOPPED if limp else _PLAIN, _MOST)
         angle = clamp(plain * strength, _LEAST, most)
         rise = 0.0 if way is None else dot(way, self.brief.directions.up)
         if axis is None:
@@ -496,6 +502,14 @@ class Turning:
     def driver(self) -> PartDriver:
         """Makes the constraints."""
         return PartDriver(self.part, self.brief.frame_dt, self.frame_count)
+
+
+def is_undone(done: ExpectedMotion, motion: ExpectedMotion) -> bool:
+    """Return whether a motion takes a limb back where it was: it is lifted, then lowered again."""
+    first, then = done.direction, motion.direction
+    plain = not (done.released or done.sudden or motion.sudden or motion.amount or done.manner == "hinge")
+    moves = done.kind is motion.kind is MotionKind.MOVE and plain and done.repeats < 2
+    return moves and first is not None and then is not None and cosine(first, then) < _AGAINST
 
 
 def _list_strokes(angle: float, count: int) -> list[float]:

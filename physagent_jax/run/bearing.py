@@ -78,9 +78,9 @@ def carry_along(reply: SemanticReply, body: Body, parts: Sequence[Part], frame_d
 
 
 def _goes(motion: ExpectedMotion) -> bool:
-    """Return whether a part is to go somewhere, but down."""
-    way = motion.direction
-    plain = motion.kind is MotionKind.MOVE and motion.repeats == 1 and motion.manner not in ("bend", "hinge")
+    """Return whether a part is to go somewhere, but down or off."""
+    way, alone = motion.direction, ("bend", "hinge", "detach")
+    plain = motion.kind is MotionKind.MOVE and motion.repeats == 1 and motion.manner not in alone
     return plain and motion.partial and not motion.excludes_part and way is not None and way[2] > _DOWN
 
 

@@ -94,7 +94,7 @@ class Body:
             UserError: What a person names is no part of it.
         """
         points = np.asarray(self.particles.x, np.float64)
-        shown = [self.shells.snap_part(part) for part in find_parts(self.shape)]
+        shown = self.shells.snap_parts(find_parts(self.shape))
         found = join_parts(points, self.named, shown)
         return choose_parts(points, found, self.choices, self.placement)
 

@@ -14,7 +14,7 @@ from physagent_jax.forces.schema import ConstraintType
 from physagent_jax.metrics import report_true_motion
 from physagent_jax.motion.schema import MotionKind, Verdict
 from tests.agents.scenes import Unseen, brief
-from tests.agents.test_limbs import HEAD, LEFT_ARM, RIGHT_ARM, read
+from tests.agents.test_limbs import HEAD, LEFT_ARM, RIGHT_ARM, make_part, read
 
 GROUND = dict(world="ground")
 
@@ -36,6 +36,8 @@ GROUND = dict(world="ground")
         "the head breaks in two",
         "the head snaps off in the middle, and its tip falls to the floor",
         "the head comes off, and the robot sags on that side",
+        "the head slips off and falls to the floor",
+        "the head drops off the edge of the robot",
     ],
 )
 def test_a_part_comes_off_and_the_rest_stays(sentence):
@@ -65,6 +67,54 @@ def test_what_pops_off_goes_up_first():
 def test_a_limb_goes_the_way_that_it_points(word, arm, sign):
     (lead,) = read(f"the {word} arm falls off", **GROUND).force_field.constraints
     assert sign * lead.vector[0] > 0.6 and lead.region.inside == arm.moved.inside
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "the head slips off its left arm",
+        "a strong wind knocks the head off the left arm",
+        "the head falls off the robot's right arm and rolls away",
+    ],
+)
+def test_what_a_part_comes_off_is_no_part_that_moves(sentence):
+    reply = read(sentence, **GROUND)
+    assert [each.limb for each in reply.expectations] == [2] and not reply.unsure
+
+
+@pytest.mark.parametrize(
+    ("sentence", "way"),
+    [
+        ("the head falls off and lands to the left of the robot", (-1, 0, 0)),
+        ("the head falls off and rolls away to the right", (1, 0, 0)),
+        ("the head flies off in the wind and lands behind it", (0, 1, 0)),
+        ("a gust of wind from the left blows the head off", (1, 0, 0)),
+        ("the head pops off and lands on the right", (1, 0, 0)),
+    ],
+)
+def test_a_part_goes_where_it_is_said_to_land(sentence, way):
+    (lead,) = read(sentence, **GROUND).force_field.constraints
+    assert np.dot(lead.vector, way) > 0.15
+
+
+def test_a_wind_does_not_blow_a_part_straight_up():
+    (motion,) = read("the wind blows its head off", **GROUND).expectations
+    assert motion.direction[2] < 0
+
+
+@pytest.mark.parametrize(("words", "sign"), [("", -1), (" to the right", 1), (" to the left", -1)])
+def test_a_wheel_is_drawn_off_its_axle_and_rolls_on(words, sign):
+    """Along the ground, to the nearer end of what it carries where no way is told."""
+    told = dict(name="wheel", roles=(), origin="file", axle=(0.0, 1.0, 0.0))
+    low = make_part("side", (0, 0, 0), (-0.6, -0.6, -1.1)).model_copy(update=told)
+    wheel = low.model_copy(update=dict(joint=(0.26, 0.26, 0.25)))
+    made = read(f"the wheel comes off and rolls away{words}", wheel, **GROUND).force_field.constraints
+    assert [each.constraint_type for each in made] == [
+        ConstraintType.PARTICLE_TRANSLATION,
+        ConstraintType.PARTICLE_ROTATION,
+    ]
+    assert made[0].vector == pytest.approx((0, -1, 0)) and made[1].active_time[0] == made[0].active_time[1]
+    assert made[1].vector == pytest.approx((0, sign, 0)) and made[1].pivot[2] == 0.0
 
 
 def test_what_else_is_said_is_said_to_be_of_the_part():

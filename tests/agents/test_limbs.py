@@ -737,3 +737,41 @@ def test_a_short_limb_that_is_moved_gently_is_seen_to_move():
     assert np.linalg.norm(find_turn(made)) == pytest.approx(30, abs=0.5)
     (made,) = read("tilt its left arm up by 10 degrees", short, HEAD).force_field.constraints
     assert np.linalg.norm(find_turn(made)) == pytest.approx(10, abs=0.5)
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "twist its head to the left, then let go so it springs back",
+        "grab the head, turn it around and let it snap back",
+    ],
+)
+def test_a_part_that_is_twisted_and_let_go_is_turned_back(sentence):
+    out, back = read(sentence, frame_count=100).force_field.constraints
+    assert (
+        back.vector == pytest.approx([-c for c in out.vector]) and back.active_time[0] >= out.active_time[1]
+    )
+    assert out.held_until in (None, back.active_time[0]) and back.magnitude * back.gain == pytest.approx(
+        out.magnitude * out.gain, rel=0.02
+    )
+
+
+@pytest.mark.parametrize(
+    ("sentence", "way"),
+    [
+        ("its left arm flops backwards and springs up again", (0, 1, 0)),
+        ("the left arm flops back, then pops back up", (0, 1, 0)),
+        ("its left arm flops down and springs up", (0, 0, -1)),
+    ],
+)
+def test_what_flops_bends_far_over_and_comes_back(sentence, way):
+    reply = read(sentence, frame_count=100)
+    out, _ = reply.force_field.constraints
+    assert np.dot(find_way(out, LEFT_ARM), way) > 0.1 and reply.expectations[0].released
+    assert find_degrees(out) > 60
+
+
+def find_degrees(turn):
+    """The angle of a rotation [degrees]."""
+    seconds = (turn.active_time[1] - turn.active_time[0]) * brief().frame_dt
+    return 90 * turn.magnitude * turn.gain * seconds / HELD_TIME

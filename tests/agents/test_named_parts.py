@@ -252,3 +252,9 @@ def test_a_blow_on_a_part_that_gives_way_dents_it_alone(sentence):
     reply = read(sentence, make_part("front bumper", (0, -1, 0)), object_name="car")
     (dent,) = reply.expectations
     assert dent.limb == 0 and dent.sudden and dent.stays
+
+
+@pytest.mark.parametrize("words", ["lime slice", "lime wedge", "slice of lime", "piece of the lime"])
+def test_a_word_for_a_piece_goes_with_the_name_of_a_part(words):
+    limbs, doubts = find_limbs(f"the {words} moves to the left", make_part("lime"), ARM)
+    assert limbs == [0] and not doubts

@@ -64,6 +64,13 @@ def test_other_parts_and_other_motions_stay_as_they_are(statue, body, prompt):
     assert not any("bears the rest" in note for note in reply.notes)
 
 
+@pytest.mark.parametrize("prompt", ["the base comes off and flies to the left", "the pedestal breaks off"])
+def test_what_comes_off_takes_nothing_along(statue, body, prompt):
+    reply = read(statue, body, prompt)
+    assert [each.manner for each in reply.expectations] == ["detach"] and reply.expectations[0].partial
+    assert not any("bears the rest" in note for note in reply.notes)
+
+
 CAR = {  # centre and half sizes, z up, in pieces with a gap
     "body": ((0, 0, 0.35), (0.5, 0.25, 0.15)),
     "front bumper": ((0.55, 0, 0.25), (0.03, 0.25, 0.05)),

@@ -226,3 +226,15 @@ def test_a_surface_that_looks_like_nothing_else_is_certain(rivals):
     told = dict(shells=SimpleNamespace(candidates=shells, are_cut=bool))
     (part,) = guess_parts(points, [], ["cap"], VIEWER, **told)
     assert part.unsure is rivals and part.joint[2] > 0.8
+
+
+def test_a_hat_may_be_more_than_half_of_a_head_that_the_file_names():
+    points = np.random.default_rng(0).uniform((-0.1, -0.1, 0.0), (0.1, 0.1, 1.0), (4000, 3))
+    hat, badge = points[:, 2] > 0.84, np.abs(points[:, 2] - 0.9) < 0.02
+    head = fit_part(points, points[:, 2] > 0.7, joined=False).model_copy(
+        update=dict(name="figure", origin="file")
+    )
+    shells = [hat, badge & (points[:, 1] < -0.08), points[:, 2] < 0.3]
+    told = dict(shells=SimpleNamespace(candidates=shells, are_cut=bool))
+    (part,) = guess_parts(points, [head], ["hat"], VIEWER, **told)
+    assert part.share == pytest.approx(hat.mean(), abs=0.01) and not part.unsure

@@ -150,6 +150,22 @@ def test_a_node_holds_those_below_it(tmp_path):
     assert {("body",), ("arm",), ("hand", "arm")} <= names
 
 
+@pytest.mark.parametrize("mesh", ["wheel_left", "Mesh wheel_left.002"])
+def test_a_mesh_that_is_called_as_one_of_its_nodes_names_no_other_one(tmp_path, mesh):
+    """Else one wheel of four was all of them."""
+    scene, far = trimesh.Scene(), np.eye(4)
+    scene.add_geometry(make_box((0, 0, 0), (0.5, 0.5, 0.2)), node_name="body", geom_name="mesh_0")
+    wheel = make_box((0.8, 0, 0), (0.1, 0.2, 0.2))
+    scene.add_geometry(wheel, node_name="wheel_left", geom_name=mesh)
+    far[0, 3] = -1.6
+    scene.graph.update(frame_to="wheel_right", matrix=far, geometry=mesh)
+    path = tmp_path / "cart.glb"
+    path.write_bytes(scene.export(file_type="glb"))
+    names = [each.names for each in read_named_parts(path)]
+    assert sum("left wheel" in each for each in names) == 1 and ("right wheel",) in [n[:1] for n in names]
+    assert not any("left wheel 2" in each for each in names[2:])
+
+
 @pytest.mark.parametrize("name", ["default", "Object.001", "mesh_0"])
 def test_machine_made_names_are_no_parts(tmp_path, name):
     boxes = {f"{name}{k}": box for k, box in enumerate(FIGURE.values())}

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.scene.mesh_files import read_shells
 from physagent_jax.scene.mesh_formats import MeshPart
 from physagent_jax.scene.parts import Frame, find_shells, guess_parts
@@ -83,6 +84,31 @@ def test_a_part_that_is_about_a_shell_has_its_border(car):
         abs(shells.snap_part(part).share - sign.mean()) < 1e-3 and part.share > shells.snap_part(part).share
     )
     assert shells.snap(points[:, 1] > 0) is None and find_shells(points).snap(sign) is None
+
+
+def test_of_a_pair_of_antlers_the_tips_tell_all_that_sticks_out():
+    """Not what of them is sunk in the head."""
+    boxes = [
+        make_box((1, 1, 1), (0, 0, 0)),
+        *(make_box((0.12, 0.12, 1.0), (x, 0, 0.6)) for x in (-0.3, 0.3)),
+    ]
+    chance, counts = np.random.default_rng(0), (14000, 300, 300)
+    points = [chance.uniform(*box.bounds, (count, 3)) for box, count in zip(boxes, counts)]
+    surfaces = [MeshPart(np.asarray(box.vertices), np.asarray(box.faces)) for box in boxes]
+    points = np.concatenate(points)
+    shells = find_shells(points, surfaces)
+    tips = [
+        fit_part(points, (points[:, 2] > 0.95) & (sign * points[:, 0] > 0), joined=True).model_copy(
+            update=dict(roles=("horn",))
+        )
+        for sign in (-1, 1)
+    ]
+    for part in shells.snap_parts(tips):
+        own = ~make_region_mask(part.rest, points)
+        assert part.roles == ("horn",) and points[own, 2].min() == pytest.approx(0.5, abs=0.12)
+        assert part.arm[2] > 0.25 and part.neck[0] > 0
+    lone = shells.snap_parts(tips[:1])[0]
+    assert lone.moved == tips[0].moved  # what has no like beside it may be a horn on its head
 
 
 def test_a_border_across_small_shells_is_that_of_no_part(car):

@@ -169,6 +169,8 @@ def _choose_motion(event: Event, brief: SceneBrief, before: Event | None) -> tup
         phrase = "break"  # "the sword snaps in two"
     elif motion.manner == "detach" and not event.parts and phrase.split()[0] in motions:
         phrase = phrase.split()[0]  # "the robot falls off"
+    elif motion.manner == "detach" and event.is_in_wind:
+        phrase = "fly off"  # not up
     elif phrase == "swing" and _is_brought_down(event, brief):
         event.ways = [way for way in event.ways if way.names not in (("up",), ("down",))]
         pace = event.clause.pace if counted else "sudden"

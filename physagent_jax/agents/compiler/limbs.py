@@ -18,12 +18,12 @@ from physagent_jax.forces.part import is_plural, split_name
 from physagent_jax.forces.schema import ConstraintType, VelocityConstraint
 from physagent_jax.motion.detaching import detach
 from physagent_jax.motion.hinges import find_hinge
-from physagent_jax.motion.joints import Turning
+from physagent_jax.motion.joints import Turning, is_undone
 from physagent_jax.motion.limbs import LOOSE, LOW, PLACES, STEMS, choose_parts, find_front, sum_directions
 from physagent_jax.motion.parts import find_named, join_rest
-from physagent_jax.motion.schema import Amount, AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.schema import AnchorRequest, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.swaying import FOOT, find_fold, leads_aside, lies
-from physagent_jax.motion.vectors import add, cosine, dot, scale
+from physagent_jax.motion.vectors import add, cosine, scale
 
 _DONE = {
     ConstraintType.PARTICLE_ROTATION: "turns about its joint",
@@ -36,7 +36,6 @@ _LEAF = 0.2  # share of the object, at most
 _POTS = frozenset(("pot", "flowerpot", "planter", "bucket", "vase"))
 _WITH_ALL = (Effect.SWAY, Effect.LEAN, Effect.TOPPLE, Effect.TURN, Effect.ROLL, Effect.PUSH, Effect.STRIKE)
 _WITH_ALL += (Effect.JUMP, Effect.FALL)
-_AGAINST = -0.7  # cosine of the way back
 _BENDING = (Effect.LEAN, Effect.SWAY, Effect.TURN, Effect.PUSH)
 _DRIVEN = (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE)
 
@@ -188,37 +187,17 @@ def _drive(
     assert motion.limb is not None
     part = brief.parts[motion.limb]
     if motion.manner == "detach":
-        made, motion = detach(part, brief, frame_count, motion)
-        return [made], motion
+        return detach(part, brief, frame_count, motion)
+    before = [e for e in asked if e.limb == motion.limb and e.window[1] <= motion.window[0] + 0.5]
     if motion.manner == "hinge" and (hinge := find_hinge(part, brief)):
         part = part.model_copy(update=dict(joint=hinge.joint))
         first = next(e.limb for e in asked if e.words == motion.words and e.limb is not None)
-        way = hinge.follow(find_hinge(brief.parts[first], brief), motion.direction)
-        before = [e for e in asked if e.limb == motion.limb and e.window[1] <= motion.window[0] + 0.5]
-        angles = [(e.direction or way, hinge.find_angle(e.direction, e.strength)) for e in before]
-        turned = [angle for axis, angle in angles if dot(axis, way) < 0]
-        opens = dot(way, hinge.axis) < 0
-        likewise = [angle for axis, angle in angles if turned and opens and dot(axis, way) > 0]
-        # What was opened is closed by as much, and opened by as much again.
-        led = likewise or turned or [hinge.find_angle(way, motion.strength)]
-        angle = Amount(value=led[-1], unit="degrees")
-        loose = motion.amount is None and opens  # half open is open
-        told = dict(direction=way, amount=motion.amount or angle, may_stop_short=loose)
-        motion = motion.model_copy(update=told)
+        motion = hinge.swing(find_hinge(brief.parts[first], brief), motion, before)
     slides = part.seated and (part.origin == "place" or LOOSE.issuperset(find_roles(part.name)))
     later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > motion.window[0] + 0.5]
     until, turning = min([frame_count - 1.0, *later]), Turning(part, brief, frame_count, slides)
-    before = [e for e in asked if e.limb == motion.limb and e.window[1] <= motion.window[0] + 0.5]
     # Tilted in the air, a lid is still as high as it was lifted.
     before = [e for e in before if e.kind is not MotionKind.ROTATE] if part.seated else before
-    if before and _is_undone(before[-1], motion):
+    if before and is_undone(before[-1], motion):
         return turning.undo(before[-1], motion, until)
     return turning.drive(motion, until)
-
-
-def _is_undone(done: ExpectedMotion, motion: ExpectedMotion) -> bool:
-    """Return whether a motion takes a limb back where it was: it is lifted, then lowered again."""
-    first, then = done.direction, motion.direction
-    plain = not (done.released or done.sudden or motion.sudden or motion.amount or done.manner == "hinge")
-    moves = done.kind is motion.kind is MotionKind.MOVE and plain and done.repeats < 2
-    return moves and first is not None and then is not None and cosine(first, then) < _AGAINST

@@ -151,6 +151,7 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         builder.notes.append(f"'{event.words}' comes of the part that is gone: nothing is made of that.")
         return  # "its wheel comes off and it sags on that side"
     if severed and _is_of_piece(event, events[-1]):
+        _send_piece(events[-1], event)
         event.motion = replace(event.motion, manner="detach", gives=False)  # no matter of the rest
         builder.notes.append(f"'{event.words}' is taken to be said of the part that comes off.")
         return  # "its head falls off and rolls away"
@@ -218,9 +219,10 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         event.sources |= {} if level else {"vector": leans or ValueSource(event.words, BY_DEFAULT)}
     elif event.phrase == "collapse" and builder.grounded and not events:
         event = replace(_make_another(event, "sag"), direction=builder.brief.directions.up)  # where it stands
+    poked = before and before.motion.pokes and builder.soft  # a finger goes into it
     if before and _goes_over(before, event):
         event = _join_fall(events.pop(), event)
-    elif before and _sets_rocking(before, event) and _is_free(before, builder):
+    elif before and _sets_rocking(before, event) and builder.grounded and not (builder.anchored or poked):
         builder.notes.append(
             f"'{before.words}' is what sets it rocking: pushed as well, it would slide or fall."
         )
@@ -265,6 +267,15 @@ def _is_of_piece(event: Event, before: Event) -> bool:
     return event.effect not in _RESTING and event.effect is not Effect.HOLD and (same or piece and falls)
 
 
+def _send_piece(piece: Event, event: Event) -> None:
+    """Sends a part that comes off where it is then said to go or to land: "flies off and lands behind him"."""
+    told = not piece.sources["vector"].why.endswith(BY_DEFAULT)
+    if event.direction is None or told or all(way.text.lower() == "away" for way in event.pick(WayKind.TO)):
+        return
+    piece.direction = normalise(add(filter(None, (piece.direction, event.direction))))
+    piece.notes, piece.sources["vector"] = [], event.sources["vector"]
+
+
 def _drop_again(events: list[Event], builder: ForceFieldBuilder) -> None:
     """Adds the other falls of what is dropped several times, each after a lift."""
     event, told = events[-1], [each.text for each in events[-1].clause.repetitions]
@@ -296,10 +307,11 @@ def _is_dropped(event: Event, builder: ForceFieldBuilder) -> bool:
 
 
 def _rises_again(before: Event, event: Event) -> bool:
-    """Return whether what has been pressed comes up by itself: "squash it, and let it rise again"."""
+    """Return whether what was pressed, or a limb, comes up by itself: "squash it, and let it rise again"."""
     pressed = before.effect is Effect.SCALE and before.motion.sign < 0 and not before.motion.gives
     bare = all(way.phrase == "up" for way in event.ways) and not (event.clause.quantities or event.limbs)
-    return pressed and bare and event.phrase == "rise"
+    springs = bool(before.limbs) and event.phrase == "spring up"
+    return bare and (pressed and event.phrase == "rise" or springs)
 
 
 def _yields(event: Event, soft: bool) -> bool:
@@ -358,12 +370,6 @@ def _sets_rocking(before: Event, event: Event) -> bool:
     rocks &= event.effect is Effect.SWAY and not (event.parts or event.is_timed)
     soon = {"and": True, "then": before.strength < _PLAIN}.get(event.clause.order, False)
     return pushed and not (told or goes) and level and rocks and soon
-
-
-def _is_free(event: Event, builder: ForceFieldBuilder) -> bool:
-    """Return whether it stands where nothing holds it, and no finger goes into it."""
-    poked = event.motion.pokes and builder.soft
-    return builder.grounded and not (builder.anchored or poked)
 
 
 def _join_push(before: Event, event: Event) -> Event:
@@ -494,7 +500,7 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
             result.append(replace(result[-1], clause=event.clause, when=event.when, direction=back))
         elif acted and result[-1].effect is Effect.TOPPLE and not event.motion.lets_go:
             if event.phrase.startswith(_ROCKING):  # "tip it over, then let it rock back upright"
-                result[-1:] = [_stop_halfway(result[-1]), event]
+                result[-1:] = [replace(result[-1], motion=read_lexicon().motions["tip"], phrase="tip"), event]
             else:
                 result.append(_raise(result[-1], event, builder.brief))
         elif acted:
@@ -529,11 +535,6 @@ def _raise(fallen: Event, event: Event, brief: SceneBrief) -> Event:
     axis, laid = scale(find_lean_axis(fallen.direction, brief), -1.0), Amount(value=_LAID, unit="degrees")
     motion = replace(read_lexicon().motions["turn"], puts_back=True)
     return replace(event, motion=motion, phrase="turn", direction=axis, amount=laid)
-
-
-def _stop_halfway(event: Event) -> Event:
-    """The fall over as a lean that it comes back from, by the angle that is told."""
-    return replace(event, motion=read_lexicon().motions["tip"], phrase="tip")
 
 
 def _is_lifted(events: list[Event], builder: ForceFieldBuilder) -> bool:

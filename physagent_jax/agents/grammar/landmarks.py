@@ -58,16 +58,21 @@ def _is_of_another(mentions: list[Mention], at: int, names: frozenset[str]) -> b
 
 def _is_joint(mentions: list[Mention], at: int, before: int) -> bool:
     """Return whether a noun tells where a part bends or comes off: "its arm bends at the elbow"."""
-    if mentions[at].phrase not in get_set("joints") or before < 0:
+    placed = mentions[at].kind is MentionKind.PLACE
+    motion = get_last_motion(mentions[:at]) if placed or mentions[at].phrase in get_set("joints") else None
+    if motion is None or before < 0:
         return False
-    motion, preposition = get_last_motion(mentions[:at]), mentions[before]
-    named = any(each.kind is MentionKind.PLACE for each in mentions[:before])
+    preposition, severed = mentions[before], motion.manner == "detach"
+    begin = max((k for k in range(before) if mentions[k].kind is MentionKind.JOIN), default=0)
+    parts = [k for k in range(at) if mentions[k].kind is MentionKind.PLACE]
+    if severed and placed and parts[-1:] > [begin]:
+        return parts[-1] < at - 1 and preposition.form not in ("of", "and", "with")  # "slips off the rim"
     whole = mentions[at].phrase in ("base", "root", "roots", "stem")  # "saw the tree off at its base"
-    if motion is None or not (named or whole and motion.manner == "detach"):
+    if mentions[at].phrase not in get_set("joints") or not (parts or whole and severed):
         return False
     struck = motion.effect is Effect.STRIKE
     placed = preposition.form == "from" or preposition.form in ("at", "in") and not struck
-    return placed or preposition.motion is motion and motion.manner == "detach"  # "breaks off its base"
+    return placed or preposition.motion is motion and severed  # "breaks off its base"
 
 
 def _is_beginning(mentions: list[Mention], at: int, before: int) -> bool:

@@ -101,6 +101,9 @@ def _has_other_meaning(word: str) -> bool:
 
 def read_named_part(reader: Reader, at: int) -> Mention | None:
     """Reads a part that has a name of its own; words that are verbs too need an article."""
+    pieces, start = get_set("servings"), at  # "the lemon slice", "a slice of lemon"
+    if reader.get_text(at) in pieces and reader.get_text(at + 1) == "of":
+        at += 2 + (reader.get_text(at + 2) in get_set("determiners"))
     for size in range(max(map(len, reader.parts), default=0), 0, -1):
         phrase = tuple(token.text for token in reader.tokens[at : at + size])
         if len(phrase) < size or phrase not in reader.parts or begins_longer_phrase(reader, at + size - 1):
@@ -109,7 +112,7 @@ def read_named_part(reader: Reader, at: int) -> Mention | None:
             phrase[0] in reader.names or phrase[0] in LEXICON.part_adjectives or phrase[0] in LEXICON.parts
         )
         if size > 1 or not known and (phrase[0] not in FORMS or reader.is_after_determiner(at)):
-            used = list(range(at, at + size))
+            used = list(range(start, at + size + (reader.get_text(at + size) in pieces)))
             whole = phrase == ("body",) and reader.get_text(at - 1) in ("whole", "entire")  # of a truck
             aside = whole or reader.is_gripped(at)
             kind, value = (MentionKind.FUNCTION, None) if aside else (MentionKind.PLACE, NAMED)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from physagent_jax.agents.grammar.mentions import LOOSE, Mention, MentionKind, empty
+from physagent_jax.agents.grammar.mentions import LOOSE, Mention, MentionKind, empty, get_last_motion
 from physagent_jax.agents.grammar.tables import LEXICON, get_set
 from physagent_jax.agents.lexicon import NAMED, Effect, Motion, Place
 from physagent_jax.forces.part import is_plural
@@ -50,13 +50,15 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
         verb, place = _find(segment, MentionKind.VERB), _find(segment, MentionKind.PLACE)
         if place is not None or part is not None:  # "it raises one arm and points up"
             segment = [empty(each) if each.form in ("point", "points") else each for each in segment]
-        if place is not None and sticks_out(segment[place]):
+        flops = verb is not None and segment[verb].phrase.startswith("flop")  # leaves do as well
+        flops |= part is not None and place is not None and segment[place].phrase == part.mention.phrase
+        if place is not None and (flops or sticks_out(segment[place])):
             if verb is not None and verb < place and segment[verb].phrase.startswith("let "):
                 let, own = segment[verb], replace(segment[place], first=segment[verb].first)  # "lets it drop"
                 segment = [*segment[:verb], own, let, *segment[verb + 1 : place], *segment[place + 1 :]]
                 place, verb = verb, verb + 1
             leads = verb is not None and place < verb
-            segment = _let_droop(segment, place, verb) if verb is not None and leads else segment
+            segment = _let_droop(segment, place, verb, result) if leads and verb else segment
             before = {each.phrase for each in segment[:verb]} if verb is not None else set()
             itself = not before.isdisjoint(names | get_set("pronouns"))
             first = None if verb is None or leads else segment[verb].motion
@@ -139,15 +141,23 @@ def _has_subject(before: list[Mention]) -> bool:
     return any(each.kind not in beside and each.form not in idle for each in before)
 
 
-def _let_droop(segment: list[Mention], place: int, verb: int) -> list[Mention]:
-    """Makes a droop of the fall of a part, or of its hanging; what it then rests on is no part that moves."""
+def _let_droop(segment: list[Mention], place: int, verb: int, told: list[Mention]) -> list[Mention]:
+    """Makes a droop of the fall of a part, or of its hanging; what it then rests on is no part that moves.
+
+    It comes off where it falls "off the edge"; what it "flops back" from was told before, or it goes to its back.
+    """
     motion, between = segment[verb].motion, segment[place + 1 : verb]
     if motion is None or any(each.kind not in _BESIDE for each in between):
         return segment
+    if _hangs(motion) and get_last_motion(told) is LEXICON.motions[_LIMP]:
+        return [empty(each) for each in segment]  # "it flops over and dangles there"
     falls = motion.effect in (Effect.FALL, Effect.TOPPLE) and not (motion.lands or motion.manner)
-    if not (falls or _hangs(motion)):
+    back = motion.alone == "fall" and not (get_last_motion(told) or motion.lets_go)
+    if not (falls or back or _hangs(motion)):
         return segment
-    droop = replace(segment[verb], value=LEXICON.motions[_LIMP], phrase=_LIMP)
+    phrase = "fall off" if "off" in segment[verb].phrase.split() else _LIMP
+    droop = replace(segment[verb], value=LEXICON.motions[phrase], phrase=phrase)
+    way = dict(kind=MentionKind.DIRECTION, value=("away",), words="", phrase="back")
     rests = (MentionKind.PLACE, MentionKind.SIDES)
     behind = [empty(each) if each.kind in rests else each for each in segment[verb + 1 :]]
-    return [*segment[:verb], droop, *behind]
+    return [*segment[:verb], droop, *([replace(droop, **way)] if back else []), *behind]

@@ -8,6 +8,7 @@ of that, and the attributes once read are the mesh.
 from __future__ import annotations
 
 import dataclasses
+import re
 from pathlib import Path
 from typing import Any
 
@@ -139,21 +140,33 @@ def _place_nodes(tree: Any, place: str) -> dict[int, np.ndarray]:
 def _name_nodes(tree: Any) -> list[list[str]]:
     """Names of each node: its own, its mesh's, and those of the nodes above it; of a skin's joint, its limb's.
 
-    What hangs on a joint, as a tool in a hand, belongs to the same limbs as the skin there.
+    What hangs on a joint, as a tool in a hand, belongs to the same limbs as the skin there. A mesh that several nodes
+    show, and that is called as one of them ("wheel_frontLeft" of all four wheels), names the others nothing.
     """
     nodes = tree.get("nodes", [])
+    owners = {
+        (node["mesh"], _drop_number(node.get("name", ""))): index
+        for index, node in enumerate(nodes)
+        if "mesh" in node
+    }
     joints = {joint for skin in tree.get("skins", []) for joint in skin["joints"]}
     above = {child: index for index, node in enumerate(nodes) for child in node.get("children", [])}
     found = []
     for index, node in enumerate(nodes):
         names = [node.get("name", "")]
         if "mesh" in node:
-            names.append(tree["meshes"][node["mesh"]].get("name", ""))
+            name = tree["meshes"][node["mesh"]].get("name", "")
+            names += [name] if owners.get((node["mesh"], _drop_number(name)), index) == index else []
         while (index := above.get(index, -1)) >= 0:
             name = nodes[index].get("name", "")
             names += list_limbs([name]) if index in joints and isinstance(name, str) else [name]
         found.append([each for each in names if isinstance(each, str)])
     return found
+
+
+def _drop_number(name: Any) -> tuple[str, ...]:
+    """A name without the number that a program has added, as a person would say it: "Mesh lid.002" is a lid."""
+    return list_names([re.sub(r"\.\d+$", "", name)]) if isinstance(name, str) else ()
 
 
 def _name_limbs(tree: Any, skin: int) -> tuple[tuple[str, ...], ...]:

@@ -46,7 +46,7 @@ _MET = 0.6  # share of a limb's image that does, where it has one
 _FEWEST = 8  # particles
 _LIKE, _AS_LIKELY = 1.5, 0.85  # ratio of what is alike, at most; of the best score, that it has at least
 _NEARLY = 0.9  # of the best score, that what holds the best one has at least
-_NAMED = 0.5  # overlap (intersection over union) from which on a shell is a part that has a name
+_NAMED = 0.75  # overlap (intersection over union) from which on a shell is a part that has a name: a hat is half a head
 _APART_BY = 0.15  # of the length, by which places are on different sides
 _APART = 0.1  # share of the smaller one in the larger, up to which two are apart
 

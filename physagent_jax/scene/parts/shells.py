@@ -31,6 +31,13 @@ _NESTED = 0.04  # of its length, by which a shell may reach out of the box of on
 _HOST = 0.25  # share of the object that such a one has at most
 _CUT = 0.25  # share of a part in shells that it cuts and that are smaller than it, from which on it is none
 _MOST = 0.8  # share of the object that a candidate has
+_INSIDE, _SMALL = 0.8, 0.15  # share of a tip in its shell, at least; of the object in that, at most
+_LIKE = 1.5  # ratio of the sizes of a pair, at most
+_AROUND, _OCTANTS = (
+    0.12,
+    5,
+)  # of its length, about a point; octants there with other shells, of what lies outside
+_MOST_OTHERS, _LINKED = 8000, 1.5  # points of those; spacings within which free points hang together
 
 
 @dataclasses.dataclass(frozen=True)
@@ -67,6 +74,49 @@ class Shells:
         made = fit_part(self.points, mask, joined=False)
         told = dict(moved=made.moved, rest=made.rest, share=made.share, side=made.side, neck=made.neck)
         return part.model_copy(update=told)
+
+    def snap_parts(self, parts: Sequence[Part]) -> list[Part]:
+        """The parts that the shape shows, with the borders of the shells that they are about, or are a pair of tips of.
+
+        Of antlers that branch, the shape shows two tips alone.
+        """
+        hosts, found = [self._find_host(part) for part in parts], [self.snap_part(part) for part in parts]
+        for role in {part.roles[0] for part in parts if part.roles}:
+            pair = [k for k, part in enumerate(parts) if part.roles[:1] == (role,)]
+            if len(pair) != 2 or len({hosts[k] for k in pair} - {None}) != 2:
+                continue
+            masks = [self._find_free(hosts[k], parts[k]) for k in pair]
+            sizes = sorted(int(mask.sum()) for mask in masks)
+            if _FEWEST <= sizes[0] and sizes[1] < _LIKE * sizes[0]:
+                for k, mask in zip(pair, masks):
+                    made = fit_part(self.points, mask, joined=True, limb=True)
+                    told = dict(roles=parts[k].roles, confidence=parts[k].confidence, origin=parts[k].origin)
+                    found[k] = made.model_copy(update=told)
+        return found
+
+    def _find_host(self, part: Part) -> int | None:
+        """The small shell that a part is the tip of; None if there is none."""
+        mask = ~make_region_mask(part.rest, self.points)
+        inside, sizes = np.bincount(self.labels[mask]), np.bincount(self.labels)
+        host = int(inside.argmax())
+        tip = inside[host] > _INSIDE * mask.sum() and sizes[host] > 2 * mask.sum()
+        return host if tip and sizes[host] < _SMALL * len(self.points) else None
+
+    def _find_free(self, shell: int | None, tip: Part) -> np.ndarray:
+        """The points of a shell beside its tip that lie outside of the others, shape (n,): no antler's root."""
+        found, size = self.labels == shell, float(np.ptp(self.points, axis=0).max())
+        others, own = self.points[~found], self.points[found]
+        tree: Any = KDTree(others[:: -(-len(others) // _MOST_OTHERS)])
+        near = zip(tree.query_ball_point(own, _AROUND * size), own)
+        free = np.array([len({*map(tuple, tree.data[each] > place)}) <= _OCTANTS for each, place in near])
+        if free.any():  # what lies in a hollow of the rest hangs together with nothing outside
+            reach = _LINKED * size / max(len(self.points), 8) ** (1 / 3)
+            links = KDTree(own[free]).sparse_distance_matrix(KDTree(own[free]), reach)
+            groups = connected_components(links, directed=False)[1]
+            outer = ~make_region_mask(tip.rest, self.points)[found][free]
+            free[free] = groups == np.bincount(groups, outer).argmax()
+        found[found] = free
+        return found
 
     def are_cut(self, mask: np.ndarray) -> bool:
         """Return whether the border of a mask is across shells that are smaller than it."""
