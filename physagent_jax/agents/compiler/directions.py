@@ -184,7 +184,7 @@ def _find_obstacle(event: Event, brief: SceneBrief) -> Heading | None:
 def _find_blow(event: Event, brief: SceneBrief) -> Heading | None:
     """A blow on a side drives away from it."""
     dents = event.motion.quick and event.motion.sign < 0
-    if not event.parts or not (dents or event.effect is Effect.STRIKE):
+    if not event.parts or not (dents or event.is_blow):
         return None
     part = event.parts[0]
     if part.phrase in read_lexicon().fronts:

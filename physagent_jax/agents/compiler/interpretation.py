@@ -22,7 +22,7 @@ from physagent_jax.agents.lexicon import NAMED, Effect, Motion, Names, Repeat, r
 from physagent_jax.agents.materials import LIMP
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.part import Part, is_plural
+from physagent_jax.forces.part import Part, is_plural, split_name
 from physagent_jax.forces.slabs import make_end_region, make_middle_region
 from physagent_jax.motion.attitudes import has_back_on_top
 from physagent_jax.motion.axes import find_lean_axis
@@ -52,8 +52,12 @@ _STEEP = 0.7  # cosine to the vertical
 _TALL = 1.2  # height over its breadth, from which on what falls over can roll about its own line alone
 _UPRIGHT = 0.9  # the same, from which on a part lies above or below
 _OWN_PARTS = dict(
-    nod="head", wag="tail", flap="wings", wave="arm", salute="arm", clap="arms"
+    {"give paw": "paw"}, nod="head", wag="tail", flap="wings", wave="arm", salute="arm", clap="arms"
 )  # with no other named
+_SAID = ("head", "paw")  # parts within a phrase: "dip its head"
+_TOPS = frozenset(
+    "hood bonnet roof deck seat saddle cushion mattress shoulder shoulders".split()
+)  # seldom pressed aside
 _WINGS = frozenset("wing wings fin fins flipper flippers".split())  # what beats, and is not beaten
 _SCURRYING = ("scuttle", "scurry", "paddle", "run")  # what legs and fins do by themselves
 _OTHERS = frozenset(("other", "another", "one", "each", "next"))  # beside a limb's name: not that of before
@@ -176,8 +180,13 @@ def _choose_motion(event: Event, brief: SceneBrief, before: Event | None) -> tup
         return replace(motions["tip"], angle=_CHOP), phrase  # "swing the axe down"
     elif phrase == "swing" and not repeats and event.pick(WayKind.TO) and (event.parts or event.is_upwards):
         phrase = "raise" if event.is_upwards else "move"  # "swings its arm forward": once
+    elif _reaches_out(event, motion, brief):
+        phrase = "raise" if event.is_upwards else "move"  # "stretches its arms forward"
     elif phrase == "beat" and event.parts and not _WINGS.isdisjoint(event.parts[0].text.lower().split()):
         phrase = "flap"
+    elif effect is Effect.PUSH and before is None and _is_pressed(event, brief):
+        event.ways = []
+        phrase = "press"  # "push it down from above"
     elif phrase == "steer" and event.parts:
         phrase = "turn"  # "steer the front wheels to the left"
     elif (motion.steps or phrase in _SCURRYING) and _is_of_limbs(event, brief):
@@ -215,6 +224,27 @@ def _is_brought_down(event: Event, brief: SceneBrief) -> bool:
     down = any(way.names == ("down",) for way in event.pick(WayKind.TO))
     wielded = brief.object_kind == "tool" or any("handle" in part.roles[:1] for part in brief.parts)
     return down and wielded and not (event.parts or event.is_upwards)
+
+
+def _is_pressed(event: Event, brief: SceneBrief) -> bool:
+    """Return whether what stands on the ground is pushed onto it from above."""
+    upright = all(way.names in (("up",), ("down",)) for way in event.ways)
+    stands = brief.world == "ground" and brief.anchored is None and not event.parts and not event.is_in_wind
+    return upright and stands and any(way.names == ("up",) for way in event.pick(WayKind.FROM))
+
+
+def _reaches_out(event: Event, motion: Motion, brief: SceneBrief) -> bool:
+    """Return whether it brings its own limbs to where it stretches them: "it stretches both arms forward"."""
+    if (
+        motion.effect is not Effect.SCALE
+        or not event.parts
+        or not event.pick(WayKind.TO)
+        or event.clause.quantities
+    ):
+        return False
+    limb = find_roles(event.parts[0].phrase)[:1] in (["arm"], ["leg"], ["wing"])
+    own = motion.sign > 0 and event.words.lower().endswith(("s", "ing"))
+    return own and limb and bool(find_limbs(event.parts[0], brief))
 
 
 def _is_felled(event: Event, motion: Motion, brief: SceneBrief) -> bool:
@@ -273,7 +303,8 @@ def _means_same(event: Event, before: Event, brief: SceneBrief) -> bool:
     told = part.place.names or is_plural(part.text) or not _OTHERS.isdisjoint(event.text.lower().split())
     if told or not event.limbs or len(before.limbs) != 1:
         return False
-    return brief.parts[event.limbs[0]].roles[:1] == brief.parts[before.limbs[0]].roles[:1]
+    one, other = (brief.parts[each.limbs[0]] for each in (event, before))
+    return (one.roles[:1] or split_name(one.name)[-1:]) == (other.roles[:1] or split_name(other.name)[-1:])
 
 
 def _join_cause(event: Event) -> tuple[Motion, str]:
@@ -414,7 +445,8 @@ def _take_over_direction(event: Event, before: Event, brief: SceneBrief) -> None
     assumed = event.sources["vector"].why.endswith(BY_DEFAULT)
     if tumbles and assumed and before.direction and abs(before.direction[2]) < _STEEP:
         _turn(event, find_lean_axis(before.direction, brief), "it tumbles the way that it goes")
-    if before.direction is not None and event.is_back:
+    staggers = before.is_blow and event.clause.order == "and"  # "it is shoved and staggers back"
+    if before.direction is not None and event.is_back and not staggers:
         _turn(event, scale(before.direction, -1.0), "back where it came from")
 
 
@@ -498,7 +530,7 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
     hinged = event.motion.manner == "hinge" and not (event.parts or event.excluded) and find_hinged(brief)
     if hinged:  # "close the laptop"
         event.parts = [KnownPart(NAMED, brief.parts[hinged[0]].name, event.words)]
-    own = _OWN_PARTS.get(event.phrase, "head" if "~ head" in event.phrase else "")
+    own = _OWN_PARTS.get(event.phrase) or next((each for each in _SAID if f"~ {each}" in event.phrase), "")
     if own and not (event.parts or event.excluded):
         part = KnownPart(read_lexicon().parts[own], own, own)
         event.parts = [part] if find_limbs(part, brief) else []
@@ -514,7 +546,7 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
     if not named or whole and named[0].place.names == ("down",) and event.parts:
         return  # "lands on its feet", as it stood
     place, event.excludes_part = named[0].place, not event.parts
-    if event.parts and not (event.effect is Effect.STRIKE and named[0].phrase in read_lexicon().fronts):
+    if event.parts and not (event.is_blow and named[0].phrase in read_lexicon().fronts):
         # A blow on the belly drives all of it away.
         event.limbs = hinged or _find_bearers(named[0], event, brief) or find_limbs(named[0], brief)
         if before is not None and _means_same(event, before, brief):
@@ -555,6 +587,7 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
             event.motion = replace(event.motion, effect=Effect.PUSH, sign=1, skill=None)
             down = brief.directions.down
             juts = part.origin == "place" and dot(part.side, down) < _STEEP  # a foot goes onto the ground
+            juts &= _TOPS.isdisjoint(split_name(part.name))
             event.direction = scale(limb.arm, -1.0) if juts else down
         return
     nowhere = place.role and (not place.names or place.names == ("up",) and stands_on_legs(brief.parts))

@@ -187,7 +187,8 @@ def _compile_scale(task: Task) -> None:
     event, builder, window = task.event, task.builder, task.window
     table = builder.brief.directions
     axes = [table.right, table.up, table.toward] if event.direction is None else [event.direction]
-    count = task.limit_count(event.repeat.count or (2 if event.repeat.alternate else 1))
+    usual = 2 if event.repeat.alternate else event.motion.strokes
+    count = task.limit_count(event.repeat.count or usual)
     windows = divide(window, [1.0] * (2 * count))[::2] if count > 1 else [window]
     strength = event.strength
     if event.amount is not None and event.amount.unit == "factor":

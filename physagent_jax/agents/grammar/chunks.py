@@ -8,9 +8,9 @@ from collections.abc import Iterator
 
 from physagent_jax.agents.grammar.measures import make_moment
 from physagent_jax.agents.grammar.mentions import Mention, MentionKind, Reader, get_last_motion
-from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set
+from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set, read_sections
 from physagent_jax.agents.grammar.tokens import FORMS
-from physagent_jax.agents.lexicon import Effect, Join, Motion, Place
+from physagent_jax.agents.lexicon import Effect, Join, Motion, Place, Repeat
 
 GAP = "~"
 LONGEST_GAP = 4
@@ -101,6 +101,8 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
         kind, value = MentionKind.FUNCTION, None  # "flies away to the right"
     elif kind is MentionKind.DIRECTION and words[0] in ("off", "clear") and _is_part_told(reader):
         kind, value = MentionKind.FUNCTION, None  # "two wheels off the ground"
+    elif kind is MentionKind.DIRECTION and _is_crossing(reader, at) and _is_repeated(reader, at + 3):
+        kind, value, used = MentionKind.REPEAT, Repeat(alternate=True, names=words), [at, at + 1, at + 2]
     elif kind is MentionKind.DIRECTION and words == ("right",) and _is_exactly(reader, at):
         kind, value = MentionKind.FUNCTION, None
     elif kind is MentionKind.DIRECTION and words == ("left",) and _is_remaining(reader, at):
@@ -221,7 +223,7 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
             behind in get_set("determiners") or behind in NUMBERS or behind.isdigit()
         )
         over |= words[-2:] == (GAP, "over") and {behind, reader.get_text(used[-1] - 1)} <= set(_ENDS)
-        return over or begins_longer_phrase(reader, used[-1])
+        return over or words[0] in LEXICON.motions and begins_longer_phrase(reader, used[-1])
     described = before in LEXICON.intensities and not before.endswith("ly")
     article = reader.get_text(at - 2) in ("the", "its", "a", "an")
     strange = any(m.first == at - 1 and m.kind is MentionKind.UNKNOWN for m in reader.mentions[-1:])
@@ -338,6 +340,13 @@ def _is_crossing(reader: Reader, at: int) -> bool:
     """Return whether it goes "left to right": from there to the other side."""
     pair = (reader.get_text(at), reader.get_text(at + 2))
     return reader.get_text(at + 1) == "to" and pair in (("left", "right"), ("right", "left"))
+
+
+def _is_repeated(reader: Reader, at: int) -> bool:
+    """Return whether it is told there how often: "left to right a few times" goes to and fro."""
+    return any(
+        reader.get_text(at + step) in (*read_sections()["times"], "twice", "thrice") for step in range(4)
+    )
 
 
 def _is_locating_cause(reader: Reader, words: tuple[str, ...]) -> bool:

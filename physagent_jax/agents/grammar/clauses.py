@@ -17,7 +17,7 @@ from physagent_jax.agents.lexicon import Effect, Join, Motion, Repeat
 from physagent_jax.agents.lexicon.types import HOLDABLE, OPPOSITES
 
 _LINES = (*WAYS, MentionKind.AXIS, MentionKind.PLANE, MentionKind.SIDES)
-WHERE = (*_LINES, MentionKind.SENSE, MentionKind.PLACE, MentionKind.EXCLUDED)
+WHERE = (*_LINES, MentionKind.SENSE, MentionKind.PLACE, MentionKind.LISTED, MentionKind.EXCLUDED)
 WHERE += (MentionKind.REPEAT, MentionKind.REVERSAL)
 TURNING = (Effect.TURN, Effect.ROLL, Effect.LEAN, Effect.TOPPLE)
 DRIVING = (Effect.PUSH, Effect.STRIKE)

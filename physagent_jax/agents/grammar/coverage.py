@@ -266,7 +266,23 @@ def _is_reaching(spot: _Spot) -> bool:
 def _is_a_part(spot: _Spot) -> bool:
     """A part of the object: "the corners", "the handle", "its lid"."""
     owned = spot.get(-1) in get_set("pronouns_of_owners") and spot.get(-2) not in get_set("prepositions")
-    return spot.word in LEXICON.unplaced or spot.word.removesuffix("s") in LEXICON.part_nouns or owned
+    return (
+        spot.word in LEXICON.unplaced
+        or spot.word.removesuffix("s") in LEXICON.part_nouns
+        or owned
+        or _is_listed(spot)
+    )
+
+
+def _is_listed(spot: _Spot) -> bool:
+    """A noun behind a part: "the cap and the band wobble"."""
+    part, link = (spot.mentions[at] if at >= 0 else None for at in (spot.first - 2, spot.first - 1))
+    return (
+        part is not None
+        and part.kind is MentionKind.PLACE
+        and link.phrase == "and"
+        and spot.get(-1) in get_set("determiners")
+    )
 
 
 def _is_moved_part(spot: _Spot) -> bool:
@@ -315,11 +331,32 @@ def _is_a_path(spot: _Spot) -> bool:
     return spot.word in get_set("paths") or spot.word in get_set("worlds")
 
 
-def _is_rolled_along(spot: _Spot) -> bool:
-    """A circle in which something rolls or rocks, as what is no ball does by itself: "it rolls in a half circle"."""
-    rolls = spot.motion is not None and (spot.motion.effect is Effect.ROLL or spot.motion.manner == "rock")
-    circle = spot.get(1) if spot.word == "half" else spot.word
-    return rolls and circle in ("circle", "circles", "semicircle", "arc")
+def _is_its_own_path(spot: _Spot) -> bool:
+    """A circle in which something rolls or rocks, an arc in which it flies or swings: all do so by themselves."""
+    if spot.motion is None:
+        return False
+    rolls = spot.motion.effect is Effect.ROLL or spot.motion.manner == "rock"
+    flies = spot.motion.gravity or spot.motion.effect in (Effect.LEAN, Effect.SWAY, Effect.TOPPLE)
+    word = spot.get(1) if spot.word == "half" else spot.word
+    return (
+        rolls and word in ("circle", "circles", "semicircle") or (rolls or flies) and word in ("arc", "arcs")
+    )
+
+
+def _is_speech(spot: _Spot) -> bool:
+    """What is said, and its verb: "it says boo and jumps"."""
+    said = spot.mentions[spot.begin : spot.index + 1]
+    return any(each.form in get_set("speaking") for each in said) and not has_motion(said)
+
+
+def _is_a_measure(spot: _Spot) -> bool:
+    """A noun for all of the object there is: "the stack of pancakes"."""
+    return spot.word in get_set("measures") and spot.get(1) == "of" and spot.get(2) in spot.names
+
+
+def _is_a_tool(spot: _Spot) -> bool:
+    """The part of whoever acts: "with your palm"."""
+    return spot.get(-1) in ("my", "your", "our") and spot.preposition in ("with", "by", "between", "in")
 
 
 def _is_struck(spot: _Spot) -> bool:
@@ -422,13 +459,16 @@ _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
     (_is_a_particle, False),
     (_is_a_known_word, True),
     (_is_interjection, True),
+    (_is_speech, True),
+    (_is_a_measure, True),
+    (_is_a_tool, True),
     (_is_drawn_out, True),
     (_is_style, True),
     (_is_matter_of_a_part, True),
     (lambda spot: spot.word in get_set("remains") and spot.motion is not None, True),
     (_is_a_share, True),
     (lambda s: s.word == "head" and s.mentions[s.index - 1].words in s.names and s.motion is None, True),
-    (_is_rolled_along, True),
+    (_is_its_own_path, True),
     (_is_a_path, False),
     (_is_heading, True),
     (_is_in_a_fragment, True),

@@ -42,11 +42,32 @@ def read_clauses(mentions: list[Mention]) -> list[Clause]:
         blown = clause.head is not None and get_verb(clause.head).wind and clause.select(MentionKind.FROM)
         if blown:  # "a wind from the right blows it away": off, wherever that is
             clause.modifiers = [m for m in clause.modifiers if m.phrase != "away"]
+    clauses = [each for clause in clauses for each in _part_places(clause)]
     untils = [m.first for m in mentions if m.kind is MentionKind.JOIN and m.phrase == "until"]
     whens = [m.first for m in mentions if m.kind is MentionKind.JOIN and m.phrase == "when"]
     thens = [m.first for m in mentions if m.value is Join.THEN and m.words[0].isalpha()]
     clauses = _withstand(clauses, thens)
     return _sort_clauses(_merge_results(_turn_whens(_turn_untils(clauses, untils), whens)))
+
+
+def _part_places(clause: Clause) -> list[Clause]:
+    """The same clause for each of several parts that are listed: "its ears and its tail wiggle"."""
+    if not clause.select(MentionKind.LISTED):
+        return [clause]
+    places = clause.select(MentionKind.PLACE, MentionKind.LISTED)
+    named = [replace(place, kind=MentionKind.PLACE) for place in places]
+    rest = [each for each in clause.modifiers if each not in places]
+    if clause.head is None or clause.has(Effect.STILL, Effect.HOLD) or get_verb(clause.head).wrings:
+        return [replace(clause, modifiers=[*rest, *named])]
+    return [
+        replace(
+            clause,
+            join=Join.WHILE if number else clause.join,
+            modifiers=[*rest, place],
+            mentions=[m for m in clause.mentions if m not in places or m.first == place.first],
+        )
+        for number, place in enumerate(named)
+    ]
 
 
 def _withstand(clauses: list[Clause], thens: list[int]) -> list[Clause]:
@@ -55,7 +76,8 @@ def _withstand(clauses: list[Clause], thens: list[int]) -> list[Clause]:
     yields = any(clause.join is Join.BUT for clause in told)
     rests = [clause for clause in told if _is_unmoved(clause) or yields and _is_staying(clause)]
     passive = all(c.cause or c.has(Effect.STILL) or _is_act(c) for c in told if not _is_unmoved(c))
-    if not rests or not passive:
+    sways = any(c.verb and c.has(Effect.SWAY) for c in told)  # "it sways, but it stays on its feet"
+    if not rests or not passive or sways and not any(map(_is_unmoved, rests)):
         return clauses
     first = min(m.first for m in rests[0].mentions)
     if any(0 < then < first for then in thens):  # "push it, then it does not move"
@@ -287,6 +309,11 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
     # "Toss it so that it flips", "drop it so that it rolls", "twist it until it tears".
     shapes = {first.effect, second.effect} <= {Effect.TURN, Effect.SCALE, Effect.SWAY}
     another = drops or second.effect is Effect.TURN and first.gravity
+    another |= second.effect is Effect.STRIKE and first.effect in (
+        Effect.FALL,
+        Effect.TOPPLE,
+    )  # "so it smashes"
+    severs = second.manner == "detach" and first.effect in _FORMS and not cause.select(MentionKind.PLACE)
     another |= shapes and second.effect is not first.effect
     lengths = [m for m in cause.select(MentionKind.QUANTITY) if getattr(m.value, "unit", "") in _LENGTHS]
     own = first.effect in (Effect.PUSH, Effect.ROLL) and second.effect is Effect.SWAY and bool(lengths)
@@ -323,8 +350,10 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
         cause.modifiers = [m for m in cause.modifiers if m.kind is not MentionKind.PLACE or m in grips]
     if second.effect is Effect.TOPPLE and cause.has(*DRIVING) and not cause.select(*WAYS):
         cause.modifiers += effect.select(*WAYS)  # "push it until it tips over to the right"
-    if second.effect in _SEPARATE or another or is_end(first, second):
-        ends = second.effect in (Effect.STILL, Effect.RELEASE) or is_end(first, second)
+    if (
+        second.effect in _SEPARATE or another or severs or is_end(first, second)
+    ):  # "twist it until it snaps in two"
+        ends = second.effect in (Effect.STILL, Effect.RELEASE) or is_end(first, second) or severs
         effect.join = Join.THEN if ends or drops else Join.WHILE
         return [effect]
     if first.effect is Effect.STRIKE and second.effect is Effect.LEAN:  # "hit its belly so that it folds"

@@ -26,6 +26,7 @@ _NEAR = 4  # words from "each" to what it is less by
 _RUNNING_OUT = (Effect.PUSH, Effect.ROLL, Effect.TURN)
 _WHENS = ("when", "once", "as soon as", "after")
 _ENDING = frozenset(("stop", "cease", "halt", "subside", "die down", "calm down"))
+_ENDING |= {f"come to {end}" for end in ("rest", "a stop", "a halt", "a standstill")}
 
 
 def read_trends(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
@@ -148,9 +149,13 @@ def read_lulls(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]
         end = next((k for k, each in enumerate(behind) if each.phrase in _ENDING), 0)
         ends = mention.kind is MentionKind.JOIN and mention.phrase in _WHENS and has_motion(mentions[:at])
         acts = end > 0 and (behind[end - 1].form == "it" or behind[end - 1].motion is not None)
-        if ends and acts and has_motion(behind[end + 1 :] + mentions[at + 1 + _NEAR :]):
-            result[at] = replace(mention, value=Join.THEN, phrase="then")
-            result[at + 1 : at + end + 2] = map(empty, behind[: end + 1])
+        later = has_motion(behind[end + 1 :] + mentions[at + 1 + _NEAR :])
+        # "It slides and wobbles when it stops": then.
+        link = max((k for k in range(at) if mentions[k].kind is MentionKind.JOIN), default=0)
+        if ends and acts and (later or has_motion(mentions[:link])):
+            join = at if later else link
+            result[join] = replace(mentions[join], value=Join.THEN, phrase="then")
+            result[at + later : at + end + 2] = map(empty, mentions[at + later : at + end + 2])
         if mention.phrase == "stop" and behind and behind[0].form in get_set("objects"):
             for k in range(max(at - _NEAR, 0), at):
                 result[k] = empty(mentions[k]) if mentions[k].kind is MentionKind.PLACE else result[k]

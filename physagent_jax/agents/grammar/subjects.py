@@ -3,8 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
-from physagent_jax.agents.grammar.mentions import LOOSE, Mention, MentionKind, empty
+from physagent_jax.agents.grammar.mentions import (
+    LOOSE,
+    Mention,
+    MentionKind,
+    empty,
+    get_last_motion,
+    has_motion,
+    list_segments,
+)
 from physagent_jax.agents.grammar.tables import LEXICON, get_set
 from physagent_jax.agents.lexicon import NAMED, Effect, Motion, Place
 from physagent_jax.forces.part import is_plural
@@ -65,6 +74,40 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
             again &= _find(mentions[begin:end], MentionKind.PLACE) is None
             part = part if again else _Part(segment[place], leads, itself and not leads, raised)
         result += segment
+    return result
+
+
+def read_lists(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Marks the parts of a list behind the first: "its ears and its tail wiggle"."""
+    result = list(mentions)
+    ends = [0, *(at for at, each in enumerate(mentions) if each.kind is MentionKind.JOIN), len(mentions)]
+    for before, at in pairwise(at for at, each in enumerate(mentions) if each.kind is MentionKind.PLACE):
+        between = mentions[before + 1 : at]
+        links = {each.phrase for each in between if each.kind is MentionKind.JOIN}
+        idle = get_set("determiners") | {"both"}
+        beside = all(
+            each.kind in (*LOOSE, MentionKind.JOIN) or each.kind is MentionKind.FUNCTION and each.form in idle
+            for each in between
+        )
+        first, last = max(k for k in ends if k <= before), min(k for k in ends if k > at)
+        acts = has_motion(mentions[first:before]) and has_motion(mentions[at:last])
+        if beside and "and" in links and links <= {"and", ","} and not acts:
+            result[at] = replace(mentions[at], kind=MentionKind.LISTED)
+    return result
+
+
+def read_grips(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Makes a grip of a pinch that is gone on with: "pinch the tip and bend it" bends the tip."""
+    result = list(mentions)
+    for (begin, end), (first, last) in pairwise(list_segments(mentions)):
+        verb, place = (_find(mentions[begin:end], kind) for kind in (MentionKind.VERB, MentionKind.PLACE))
+        it = next((at for at in range(first, last) if mentions[at].form == "it"), first)
+        done = get_last_motion(mentions[first:it])
+        if verb is None or place is None or mentions[begin + verb].phrase != "pinch":
+            continue
+        if place > verb and done is not None and done.effect in _MOVED:
+            result[it] = replace(mentions[begin + place], first=mentions[it].first)
+            result[begin:end] = map(empty, mentions[begin:end])
     return result
 
 
