@@ -228,9 +228,9 @@ def _is_brought_down(event: Event, brief: SceneBrief) -> bool:
 
 def _is_pressed(event: Event, brief: SceneBrief) -> bool:
     """Return whether what stands on the ground is pushed onto it from above."""
-    upright = all(way.names in (("up",), ("down",)) for way in event.ways)
+    told = {way.names for way in event.ways}
     stands = brief.world == "ground" and brief.anchored is None and not event.parts and not event.is_in_wind
-    return upright and stands and any(way.names == ("up",) for way in event.pick(WayKind.FROM))
+    return event.phrase == "push" and stands and told == {("up",), ("down",)}
 
 
 def _reaches_out(event: Event, motion: Motion, brief: SceneBrief) -> bool:

@@ -223,7 +223,8 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
             behind in get_set("determiners") or behind in NUMBERS or behind.isdigit()
         )
         over |= words[-2:] == (GAP, "over") and {behind, reader.get_text(used[-1] - 1)} <= set(_ENDS)
-        return over or words[0] in LEXICON.motions and begins_longer_phrase(reader, used[-1])
+        away = words[-1] == "away" and words[0] not in LEXICON.motions  # "it backs away from us"
+        return over or not away and begins_longer_phrase(reader, used[-1])
     described = before in LEXICON.intensities and not before.endswith("ly")
     article = reader.get_text(at - 2) in ("the", "its", "a", "an")
     strange = any(m.first == at - 1 and m.kind is MentionKind.UNKNOWN for m in reader.mentions[-1:])

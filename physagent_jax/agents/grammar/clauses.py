@@ -156,7 +156,7 @@ def _join_subjects(segments: list[tuple[Join, list[Mention]]]) -> list[tuple[Joi
 def _begins_with_subject(segment: list[Mention]) -> bool:
     """Return whether a part, or all else, does what the first verb says."""
     verb = next((at for at, each in enumerate(segment) if each.kind in MOTIONS), 0)
-    nouns = (MentionKind.PLACE, MentionKind.UNKNOWN)
+    nouns = (MentionKind.PLACE, MentionKind.LISTED, MentionKind.UNKNOWN)
     return any(m.kind in nouns or m.form in LEXICON.whole for m in segment[:verb])
 
 

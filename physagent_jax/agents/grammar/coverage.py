@@ -337,6 +337,7 @@ def _is_its_own_path(spot: _Spot) -> bool:
         return False
     rolls = spot.motion.effect is Effect.ROLL or spot.motion.manner == "rock"
     flies = spot.motion.gravity or spot.motion.effect in (Effect.LEAN, Effect.SWAY, Effect.TOPPLE)
+    flies &= spot.preposition == "in"
     word = spot.get(1) if spot.word == "half" else spot.word
     return (
         rolls and word in ("circle", "circles", "semicircle") or (rolls or flies) and word in ("arc", "arcs")

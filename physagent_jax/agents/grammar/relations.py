@@ -309,10 +309,9 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
     # "Toss it so that it flips", "drop it so that it rolls", "twist it until it tears".
     shapes = {first.effect, second.effect} <= {Effect.TURN, Effect.SCALE, Effect.SWAY}
     another = drops or second.effect is Effect.TURN and first.gravity
-    another |= second.effect is Effect.STRIKE and first.effect in (
-        Effect.FALL,
-        Effect.TOPPLE,
-    )  # "so it smashes"
+    another |= (
+        second.effect is Effect.STRIKE and not effect.modifiers and cause.has(Effect.FALL, Effect.TOPPLE)
+    )
     severs = second.manner == "detach" and first.effect in _FORMS and not cause.select(MentionKind.PLACE)
     another |= shapes and second.effect is not first.effect
     lengths = [m for m in cause.select(MentionKind.QUANTITY) if getattr(m.value, "unit", "") in _LENGTHS]

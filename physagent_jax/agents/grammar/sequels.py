@@ -149,13 +149,14 @@ def read_lulls(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]
         end = next((k for k, each in enumerate(behind) if each.phrase in _ENDING), 0)
         ends = mention.kind is MentionKind.JOIN and mention.phrase in _WHENS and has_motion(mentions[:at])
         acts = end > 0 and (behind[end - 1].form == "it" or behind[end - 1].motion is not None)
-        later = has_motion(behind[end + 1 :] + mentions[at + 1 + _NEAR :])
-        # "It slides and wobbles when it stops": then.
-        link = max((k for k in range(at) if mentions[k].kind is MentionKind.JOIN), default=0)
-        if ends and acts and (later or has_motion(mentions[:link])):
-            join = at if later else link
-            result[join] = replace(mentions[join], value=Join.THEN, phrase="then")
-            result[at + later : at + end + 2] = map(empty, mentions[at + later : at + end + 2])
+        if ends and acts:
+            later = has_motion(behind[end + 1 :] + mentions[at + 1 + _NEAR :])
+            links = [
+                k for k in range(at) if mentions[k].kind is MentionKind.JOIN and has_motion(mentions[:k])
+            ]
+            for link in [at] if later else links[-1:]:  # "it slides and wobbles when it stops"
+                result[link] = replace(mentions[link], value=Join.THEN, phrase="then")
+                result[at + later : at + end + 2] = map(empty, mentions[at + later : at + end + 2])
         if mention.phrase == "stop" and behind and behind[0].form in get_set("objects"):
             for k in range(max(at - _NEAR, 0), at):
                 result[k] = empty(mentions[k]) if mentions[k].kind is MentionKind.PLACE else result[k]
