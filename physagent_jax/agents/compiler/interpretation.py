@@ -148,75 +148,62 @@ def _choose_motion(event: Event, brief: SceneBrief, before: Event | None) -> tup
     if hops and any(each.alternating for each in repeats):
         leap = motions["jump"] if motion.bounces else motion  # "jumps up and down", "bounces up and down"
         return replace(leap, strokes=max(leap.strokes, motions["bob"].cycles)), phrase
-    if any(each.alternating for each in repeats) and (effect in (Effect.FALL, Effect.JUMP) or motion.gravity):
-        # "is tossed to and fro"
-        phrase = "shuttle" if effect is Effect.STRIKE else "bob"
-    elif (effect is Effect.ROLL or motion.steps) and any(each.alternating for each in repeats):
-        phrase = "rock"  # "the boat rolls from side to side", "it waddles left and right"
-    elif _lifts_end(event, motion, brief):
+    swings = any(each.alternating for each in repeats)
+    if not swings and _lifts_end(event, motion, brief):  # "its rear hops up"
         raised = "behind" if _find_end(event) == ("toward",) else "ahead"
         event.parts, event.ways = [], []
-        return replace(
-            motions["rear up"], direction=raised, angle=_HOPS, brief=True
-        ), phrase  # "its rear hops up"
-    elif motion.bounces and (counted or event.is_upwards):
-        phrase = "jump"  # "it bounces three times"
-    elif motion.tumbles and event.is_upwards:
+        return replace(motions["rear up"], direction=raised, angle=_HOPS, brief=True), phrase
+    if not swings and motion.tumbles and event.is_upwards:
         return replace(motions["toss"], tumbles=True), phrase  # "flip it into the air"
-    elif phrase == "tumble" and event.goes_aside and before is None:
-        phrase = "roll"  # "tumbles to the right"
-    elif _is_felled(event, motion, brief):
-        phrase = "fall over"
-    elif phrase == "snap" and event.parts and event.parts[0].text.lower().split()[-1] in _BITING:
-        phrase = "clack"  # "it snaps its claws"
-    elif phrase.startswith("snap ") and not phrase.endswith("off") and motion.manner and not event.parts:
-        phrase = "break"  # "the sword snaps in two"
-    elif motion.manner == "detach" and not event.parts and phrase.split()[0] in motions:
-        phrase = phrase.split()[0]  # "the robot falls off"
-    elif phrase == "swing" and _is_brought_down(event, brief):
+    if phrase == "swing" and _is_brought_down(event, brief):  # "swing the axe down"
         event.ways = [way for way in event.ways if way.names not in (("up",), ("down",))]
         pace = event.clause.pace if counted else "sudden"
         event.clause = event.clause.model_copy(update=dict(pace=pace))
-        return replace(motions["tip"], angle=_CHOP), phrase  # "swing the axe down"
-    elif phrase == "swing" and not repeats and event.pick(WayKind.TO) and (event.parts or event.is_upwards):
-        phrase = "raise" if event.is_upwards else "move"  # "swings its arm forward": once
-    elif _reaches_out(event, motion, brief):
-        phrase = "raise" if event.is_upwards else "move"  # "stretches its arms forward"
-    elif phrase == "beat" and event.parts and not _WINGS.isdisjoint(event.parts[0].text.lower().split()):
-        phrase = "flap"
-    elif effect is Effect.PUSH and before is None and _is_pressed(event, brief):
-        event.ways = []
-        phrase = "press"  # "push it down from above"
-    elif phrase == "steer" and event.parts:
-        phrase = "turn"  # "steer the front wheels to the left"
-    elif (motion.steps or phrase in _SCURRYING) and _is_of_limbs(event, brief):
-        phrase = "wiggle"  # "its legs scuttle"
-    elif _drops_limb(event, motion, brief):
-        phrase = "lower"  # "drops its arm"
-    elif phrase == "break" and event.parts and event.parts[0].place.names != ("down",):
-        phrase = "break off"  # "its left arm breaks"
-    elif effect is Effect.FALL and motion.by == "whole" and event.parts and phrase.split()[0] in motions:
-        return replace(motions[phrase.split()[0]], direction="down"), phrase.split()[0]  # "bang the lid down"
-    elif motion.coasts and (told or effect is Effect.STILL and not (before and before.effect in _GOING)):
-        phrase = (
-            "move" if told else "cruise"
-        )  # "it coasts to the left", "it skids to a stop"; else it goes on
-    elif motion.by == "limp" and brief.object_kind != "cloth" and not event.parts and stands_slim(brief):
-        phrase = "bend"  # "the lamp droops"
-    elif motion.gives and _droops(event, brief):
-        return replace(
-            motions["droop"], manner="bend", by=""
-        ), phrase  # "slumps to one side", "the plant sags"
-    elif effect is Effect.TOPPLE and _is_on_its_back(event, brief):
+        return replace(motions["tip"], angle=_CHOP), phrase
+    head, part = phrase.partition(" ")[0], event.parts[0].text.lower().split() if event.parts else [""]
+    snaps = head == "snap" and not phrase.endswith("off") and (phrase != head or before is not None)
+    sent = phrase == "swing" and not repeats and event.pick(WayKind.TO) and (event.parts or event.is_upwards)
+    stops = effect is Effect.STILL and not (before and before.effect in _GOING)
+    limp = motion.by == "limp" and brief.object_kind != "cloth" and not event.parts
+    rules = (
+        # "Is tossed to and fro", "the boat rolls from side to side", "it waddles left and right".
+        ("shuttle", swings and effect is Effect.STRIKE and motion.gravity),
+        ("bob", swings and (effect in (Effect.FALL, Effect.JUMP) or motion.gravity)),
+        ("rock", swings and (effect is Effect.ROLL or motion.steps)),
+        ("jump", motion.bounces and (counted or event.is_upwards)),  # "it bounces three times"
+        ("roll", phrase == "tumble" and event.goes_aside and before is None),  # "tumbles to the right"
+        ("fall over", _is_felled(event, motion, brief)),
+        ("clack", phrase == "snap" and part[-1] in _BITING),  # "it snaps its claws"
+        ("break", snaps and motion.manner and not event.parts),  # "the sword snaps in two"
+        (head, motion.manner == "detach" and not event.parts and head in motions),  # "the robot falls off"
+        # "Swings its arm forward", "stretches its arms forward": once.
+        ("raise" if event.is_upwards else "move", sent or _reaches_out(event, motion, brief)),
+        ("flap", phrase == "beat" and not _WINGS.isdisjoint(part)),
+        ("press", phrase == "push" and before is None and _is_pressed(event, brief)),  # "down from above"
+        ("turn", phrase == "steer" and event.parts),  # "steer the front wheels to the left"
+        (
+            "wiggle",
+            (motion.steps or phrase in _SCURRYING) and _is_of_limbs(event, brief),
+        ),  # "its legs scuttle"
+        ("lower", _drops_limb(event, motion, brief)),  # "drops its arm"
+        ("break off", phrase == "break" and event.parts and event.parts[0].place.names != ("down",)),
+        ("move", motion.coasts and told),  # "it coasts to the left"
+        ("cruise", motion.coasts and stops),  # "it skids to a stop"; else it goes on
+        ("bend", limp and stands_slim(brief)),  # "the lamp droops"
+        ("cruise", (effect is Effect.ROLL or motion.steps) and has_wheels(brief)),  # its wheels turn
+    )
+    if chosen := next((word for word, holds in rules if holds), ""):
+        return motions[chosen], chosen
+    if effect is Effect.FALL and motion.by == "whole" and event.parts and head in motions:
+        return replace(motions[head], direction="down"), head  # "bang the lid down"
+    if motion.gives and _droops(event, brief):  # "slumps to one side", "the plant sags"
+        return replace(motions["droop"], manner="bend", by=""), phrase
+    if effect is Effect.TOPPLE and _is_on_its_back(event, brief):
         event.ways = [way for way in event.ways if way.text.lower() != "back"]
-        phrase = "turn over"
-    elif (effect is Effect.ROLL or motion.steps) and has_wheels(brief):
-        phrase = "cruise"  # its wheels turn, and it does not
-    elif effect is Effect.SWELL and (told or event.pick(WayKind.LINE, WayKind.PLANE)):
+        return motions["turn over"], "turn over"
+    if effect is Effect.SWELL and (told or event.pick(WayKind.LINE, WayKind.PLANE)):
         return replace(motion, effect=Effect.SCALE), phrase  # "expands horizontally", "grows upwards"
-    else:
-        return motion, phrase
-    return motions[phrase], phrase
+    return motion, phrase
 
 
 def _is_brought_down(event: Event, brief: SceneBrief) -> bool:
@@ -230,7 +217,7 @@ def _is_pressed(event: Event, brief: SceneBrief) -> bool:
     """Return whether what stands on the ground is pushed onto it from above."""
     told = {way.names for way in event.ways}
     stands = brief.world == "ground" and brief.anchored is None and not event.parts and not event.is_in_wind
-    return event.phrase == "push" and stands and told == {("up",), ("down",)}
+    return stands and told == {("up",), ("down",)}
 
 
 def _reaches_out(event: Event, motion: Motion, brief: SceneBrief) -> bool:

@@ -27,7 +27,7 @@ from physagent_jax.agents.grammar.missiles import read_missiles
 from physagent_jax.agents.grammar.outcomes import read_aims, read_ends, read_outcomes, read_tumbles
 from physagent_jax.agents.grammar.poses import read_landings, read_poses
 from physagent_jax.agents.grammar.sequels import read_captions, read_debris, read_lulls, read_trends
-from physagent_jax.agents.grammar.subjects import read_grips, read_lists, read_subjects, sticks_out
+from physagent_jax.agents.grammar.subjects import read_lists, read_subjects, sticks_out
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.intent import Quantity, Solid
 from physagent_jax.agents.lexicon import Effect, Join, Motion, Place, Repeat
@@ -334,22 +334,6 @@ def _drop_similes(mentions: list[Mention]) -> list[Mention]:
             while end < len(mentions) and mentions[end].kind in LOOSE[:2]:
                 end += 1  # "as a rubber hose"
             result[first:end] = [empty(each, "comparison") for each in mentions[first:end]]
-    return result
-
-
-def read_details(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
-    """Lets a strength be that of the motion before: "it hops three times, small hops" hops no fourth time."""
-    result, last = list(mentions), ""
-    for begin, end in list_segments(mentions):
-        verbs = [at for at in range(begin, end) if mentions[at].kind is MentionKind.VERB]
-        told = [each for at, each in enumerate(mentions[begin:end], begin) if at not in verbs]
-        bare = all(each.kind in (MentionKind.FUNCTION, *LOOSE) and each.phrase not in names for each in told)
-        again = (
-            len(verbs) == 1 and mentions[verbs[0]].form.endswith("s") and mentions[verbs[0]].phrase == last
-        )
-        if again and bare and mentions[verbs[0] - 1].kind is MentionKind.INTENSITY:
-            result[begin - 1], result[verbs[0]] = empty(mentions[begin - 1]), empty(mentions[verbs[0]])
-        last = mentions[verbs[-1]].phrase if verbs else last
     return result
 
 
@@ -682,7 +666,6 @@ PASSES = (
     read_captions,
     read_echoes,
     read_exclamations,
-    read_details,
     read_missiles,
     drop_others,
     read_corrections,
@@ -706,7 +689,6 @@ PASSES = (
     read_stands,
     read_stances,
     read_looks,
-    read_grips,
     read_subjects,
     read_lists,
 )

@@ -89,39 +89,51 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
     if not matches:
         return None
     (words, kind, value), used = max(matches, key=lambda match: (len(match[0][0]), GAP not in match[0][0]))
-    if isinstance(value, Place) and is_standing(reader, at, value):
-        kind, value = MentionKind.FUNCTION, None  # "wobble it on its base"
-    elif kind is MentionKind.PLACE and words[0] != "one" and reader.is_gripped(at):
-        kind, value = MentionKind.FUNCTION, None  # "lift it by the end of its handle": all of it
+    crosses = kind is MentionKind.DIRECTION and _is_crossing(reader, at)
+    if _says_nothing(reader, (words, kind, value), used):
+        kind, value = MentionKind.FUNCTION, None
     elif kind is MentionKind.VERB and isinstance(value, Motion) and _is_means(reader, value, at):
         kind = MentionKind.CAUSE
-    elif kind is MentionKind.DIRECTION and words == ("up",) and _is_height(reader, at):
-        kind, value = MentionKind.FUNCTION, None
-    elif kind is MentionKind.DIRECTION and words == ("away",) and _is_way_told_behind(reader, at):
-        kind, value = MentionKind.FUNCTION, None  # "flies away to the right"
-    elif kind is MentionKind.DIRECTION and words[0] in ("off", "clear") and _is_part_told(reader):
-        kind, value = MentionKind.FUNCTION, None  # "two wheels off the ground"
-    elif kind is MentionKind.DIRECTION and _is_crossing(reader, at) and _is_repeated(reader, at + 3):
+    elif crosses and _is_repeated(reader, at + 3):
         kind, value, used = MentionKind.REPEAT, Repeat(alternate=True, names=words), [at, at + 1, at + 2]
-    elif kind is MentionKind.DIRECTION and words == ("right",) and _is_exactly(reader, at):
-        kind, value = MentionKind.FUNCTION, None
-    elif kind is MentionKind.DIRECTION and words == ("left",) and _is_remaining(reader, at):
-        kind, value = MentionKind.FUNCTION, None
     elif kind is MentionKind.DIRECTION and (
-        reader.get_preposition(at) == "from" or _is_crossing(reader, at) or _is_locating_cause(reader, words)
+        crosses or reader.get_preposition(at) == "from" or _is_locating_cause(reader, words)
     ):
         kind = MentionKind.FROM
-    elif kind is MentionKind.JOIN and token.text == "make" and _is_asked(reader, at):
-        kind, value = MentionKind.FUNCTION, None  # "don't make it jump": a request, and no result
-    elif kind is MentionKind.INTENSITY and _is_describing_object(reader, at, len(used)):
-        kind, value = MentionKind.FUNCTION, None
     return reader.make_mention(kind, value, " ".join(words), used)
 
 
-def _is_part_told(reader: Reader) -> bool:
-    """Return whether a part stands before this in its segment."""
+def _says_nothing(reader: Reader, entry: Entry, used: list[int]) -> bool:
+    """Return whether a phrase of the lexicon means nothing where it stands."""
+    (words, kind, value), at, text = entry, used[0], reader.get_text
+    if kind is MentionKind.PLACE:  # "wobble it on its base", "lift it by the end of its handle": all of it
+        assert isinstance(value, Place)
+        return is_standing(reader, at, value) or words[0] != "one" and reader.is_gripped(at)
+    if kind is MentionKind.JOIN:  # "don't make it jump": a request, and no result
+        return text(at) == "make" and _is_asked(reader, at)
+    if kind is MentionKind.INTENSITY:
+        return _is_describing_object(reader, at, len(used))
+    if words == ("pinch",):  # "pinch the tip and bend it": a grip
+        ends = [
+            at + step
+            for step in range(1, _ADVERBS)
+            if text(at + step) == "and" and text(at + step + 2) == "it"
+        ]
+        return any(reader.tokens[end + 1].lemma in LEXICON.motions for end in ends)
+    if kind is not MentionKind.DIRECTION:
+        return False
+    if words == ("up",):  # "from ridiculously high up"
+        before = [text(at - step) for step in range(1, _ADVERBS)]
+        return before[0] in ("high", "far") and "from" in before
+    if words == ("away",):  # "flies away to the right"
+        return text(at + 1) == "to" and text(at + 3) in ("left", "right")
+    if words == ("right",):  # "hit it right on the head": just there
+        on = text(at + 1) in ("on", "in") and reader.is_after_determiner(at + 3)
+        return on and reader.is_striking()
+    if words == ("left",):  # "until only a puddle is left", "with nothing left of it"
+        return text(at - 1) in get_set("copulas") | get_set("remains") | {"nothing"}
     back = itertools.takewhile(lambda each: each.kind is not MentionKind.JOIN, reversed(reader.mentions))
-    return any(each.kind is MentionKind.PLACE for each in back)
+    return words[0] in ("off", "clear") and any(each.kind is MentionKind.PLACE for each in back)
 
 
 def match_phrases(reader: Reader, first: str, at: int) -> list[tuple[Entry, list[int]]]:
@@ -314,27 +326,6 @@ def _is_means(reader: Reader, motion: Motion, at: int) -> bool:
         before -= 1
     means = reader.get_text(before) in ("a", "an", "one") and reader.get_text(before - 1) == "with"
     return means and motion.effect in (Effect.PUSH, Effect.STRIKE)
-
-
-def _is_height(reader: Reader, at: int) -> bool:
-    """Return whether "up" tells from where something falls: "from ridiculously high up"."""
-    before = [reader.get_text(at - step) for step in range(1, _ADVERBS)]
-    return before[0] in ("high", "far") and "from" in before
-
-
-def _is_way_told_behind(reader: Reader, at: int) -> bool:
-    return reader.get_text(at + 1) == "to" and reader.get_text(at + 3) in ("left", "right")
-
-
-def _is_exactly(reader: Reader, at: int) -> bool:
-    """Return whether "right" says no way but just where a blow lands: "hit it right on the head"."""
-    on = reader.get_text(at + 1) in ("on", "in") and reader.is_after_determiner(at + 3)
-    return on and reader.is_striking()
-
-
-def _is_remaining(reader: Reader, at: int) -> bool:
-    """Return whether "left" says no way but what remains: "until only a puddle is left", "with nothing left of it"."""
-    return reader.get_text(at - 1) in get_set("copulas") | get_set("remains") | {"nothing"}
 
 
 def _is_crossing(reader: Reader, at: int) -> bool:

@@ -226,9 +226,13 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
         ):
             merged += _relate(before, clause)
         else:
-            if clause.join is Join.AND and before.has(Effect.STRIKE) and clause.has(Effect.TOPPLE):
-                told = before.select(*WHERE)  # "a kick topples it to the right"
+            flies = clause.has(Effect.TURN) and get_verb(before.head).gravity
+            if clause.join is Join.AND and before.has(Effect.STRIKE) and (flies or clause.has(Effect.TOPPLE)):
+                told = before.select(
+                    *WHERE
+                )  # "a kick topples it to the right", "it is thrown spinning to the right"
                 before.modifiers += [] if told else clause.select(*WAYS)
+                clause.modifiers = [m for m in clause.modifiers if told or not flies or m.kind not in WAYS]
             if clause.join is Join.AND and before.has(Effect.STRIKE) and clause.has(Effect.PUSH):
                 clause.join = Join.THEN  # "it is thrown to the left and slides down"
             merged.append(clause)

@@ -5,15 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from physagent_jax.agents.grammar.mentions import (
-    LOOSE,
-    Mention,
-    MentionKind,
-    empty,
-    get_last_motion,
-    has_motion,
-    list_segments,
-)
+from physagent_jax.agents.grammar.mentions import LOOSE, Mention, MentionKind, empty, has_motion
 from physagent_jax.agents.grammar.tables import LEXICON, get_set
 from physagent_jax.agents.lexicon import NAMED, Effect, Motion, Place
 from physagent_jax.forces.part import is_plural
@@ -93,21 +85,6 @@ def read_lists(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]
         acts = has_motion(mentions[first:before]) and has_motion(mentions[at:last])
         if beside and "and" in links and links <= {"and", ","} and not acts:
             result[at] = replace(mentions[at], kind=MentionKind.LISTED)
-    return result
-
-
-def read_grips(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
-    """Makes a grip of a pinch that is gone on with: "pinch the tip and bend it" bends the tip."""
-    result = list(mentions)
-    for (begin, end), (first, last) in pairwise(list_segments(mentions)):
-        verb, place = (_find(mentions[begin:end], kind) for kind in (MentionKind.VERB, MentionKind.PLACE))
-        it = next((at for at in range(first, last) if mentions[at].form == "it"), first)
-        done = get_last_motion(mentions[first:it])
-        if verb is None or place is None or mentions[begin + verb].phrase != "pinch":
-            continue
-        if place > verb and done is not None and done.effect in _MOVED:
-            result[it] = replace(mentions[begin + place], first=mentions[it].first)
-            result[begin:end] = map(empty, mentions[begin:end])
     return result
 
 
