@@ -55,9 +55,8 @@ _OWN_PARTS = dict(
     {"give paw": "paw"}, nod="head", wag="tail", flap="wings", wave="arm", salute="arm", clap="arms"
 )  # with no other named
 _SAID = ("head", "paw")  # parts within a phrase: "dip its head"
-_TOPS = frozenset(
-    "hood bonnet roof deck seat saddle cushion mattress shoulder shoulders".split()
-)  # seldom pressed aside
+# Seldom pressed aside.
+_TOPS = frozenset("hood bonnet roof deck seat saddle cushion mattress shoulder shoulders".split())
 _WINGS = frozenset("wing wings fin fins flipper flippers".split())  # what beats, and is not beaten
 _SCURRYING = ("scuttle", "scurry", "paddle", "run")  # what legs and fins do by themselves
 _OTHERS = frozenset(("other", "another", "one", "each", "next"))  # beside a limb's name: not that of before
@@ -367,9 +366,8 @@ def _act_from_sides(event: Event, brief: SceneBrief) -> None:
     sides, told = event.pick(WayKind.SIDES), event.pick(*WAYS)
     limbs = event.parts and find_limbs(event.parts[0], brief)
     all_around = bool(sides) and sides[0].names == ("all",)
-    sized = any(
-        each.unit == "share" for each in event.clause.quantities
-    )  # "stretch its ears to twice their length"
+    # "Stretch its ears to twice their length".
+    sized = any(each.unit == "share" for each in event.clause.quantities)
     spread = len(limbs) > 1 and event.effect is Effect.SCALE and event.motion.sign > 0 and not (told or sized)
     if event.effect is Effect.BURST and told:
         event.motion = replace(event.motion, effect=Effect.STRIKE)
@@ -499,9 +497,8 @@ def _find_unused(event: Event) -> list[str]:
     clause, effect = event.clause, event.effect
     unused = [way.text for way in event.ways if effect in _USELESS[way.kind]]
     if effect in _WHOLE:
-        lands = (
-            event.motion.lands or effect is Effect.TOPPLE
-        )  # "lands on its feet", "its pedestal topples over"
+        # "Lands on its feet", "its pedestal topples over".
+        lands = event.motion.lands or effect is Effect.TOPPLE
         parts = [*event.parts, *event.excluded]
         unused += [part.text for part in parts if not (lands and part.place.names == ("down",))]
     if (clause.turning or clause.seen_from) and effect is not Effect.TURN:
@@ -543,9 +540,8 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
     if event.limbs:
         text, roles = named[0].text, find_roles(named[0].phrase)
         doubt = explain_guess(text, brief.parts, event.limbs, plural=is_plural(text), roles=roles)
-        told = (
-            event.notes if event.effect is Effect.STILL else event.doubts
-        )  # it only has to stay where it is
+        # It only has to stay where it is.
+        told = event.notes if event.effect is Effect.STILL else event.doubts
         told += filter(None, [doubt])
         part = brief.parts[event.limbs[0]]
         event.region, event.part = part.moved, part.side

@@ -232,9 +232,8 @@ def _turn_steadily(task: Task) -> None:
     motion, builder = task.event.motion, task.builder
     if motion.leaps and builder.grounded and not builder.anchored and not builder.earlier:
         jump, told = read_lexicon().motions["jump"], task.event.pick(WayKind.TO)
-        names = (
-            told[0].names if told and told[0].names != ("away",) else ("up",)
-        )  # "backwards" is how it turns
+        # "Backwards" is how it turns.
+        names = told[0].names if told and told[0].names != ("away",) else ("up",)
         way = normalise(sum_directions(names, task.brief))
         leap(replace(task, event=replace(task.event, motion=jump, direction=way, amount=None)))
     if spin_aloft(task, task.direction):

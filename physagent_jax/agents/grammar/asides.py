@@ -325,9 +325,8 @@ def _drop_similes(mentions: list[Mention]) -> list[Mention]:
     for at in range(1, len(mentions) - 1):
         before, article = mentions[at - 1], mentions[at + 1].form in ("a", "an")
         likens = before.form in get_set("copulas") if before.kind is MentionKind.VERB else article
-        twice = (
-            at > 1 and mentions[at - 2].form == "as" and mentions[at + 1].kind in LOOSE
-        )  # "as light as cloth"
+        # "As light as cloth".
+        twice = at > 1 and mentions[at - 2].form == "as" and mentions[at + 1].kind in LOOSE
         if mentions[at].form == "as" and (likens or twice):
             first, end = at - 1 if before.kind is MentionKind.UNKNOWN else at, at + 2 + article
             first = first if article else at - 2 if twice else first
@@ -383,9 +382,8 @@ def read_returns(mentions: list[Mention], _names: frozenset[str]) -> list[Mentio
         result.append(mention)
         if mention.phrase not in ("and back", "and back again"):
             continue
-        if (
-            at + 1 < len(mentions) and mentions[at + 1].kind is MentionKind.DIRECTION
-        ):  # "up 10 cm and back down"
+        # "Up 10 cm and back down".
+        if at + 1 < len(mentions) and mentions[at + 1].kind is MentionKind.DIRECTION:
             result[-1] = replace(mention, kind=MentionKind.JOIN, value=Join.THEN, phrase="then")
             continue
         steps = any(m.value is Join.THEN and m.words.isalpha() for m in mentions[:at])
@@ -488,9 +486,8 @@ def read_locations(mentions: list[Mention], _names: frozenset[str]) -> list[Ment
                 if mentions[here].form == "head" and mention.form in ("over", "above"):
                     up = dict(kind=MentionKind.DIRECTION, value=("up",), words="overhead", phrase="overhead")
                     result[here] = replace(mentions[here], **up)
-            again = [each.kind for each in mentions[here : here + 2]] == [
-                MentionKind.PLACE
-            ] * 2  # "the cab roof"
+            # "The cab roof".
+            again = [each.kind for each in mentions[here : here + 2]] == [MentionKind.PLACE] * 2
             if kind not in (MentionKind.FUNCTION, *LOOSE) and not again:
                 break
     return result
@@ -575,9 +572,8 @@ def read_echoes(mentions: list[Mention], _names: frozenset[str]) -> list[Mention
     for at, mention in enumerate(mentions):
         last = result[-1] if result else None
         motion = mention.motion
-        lands = (
-            motion is not None and motion.effect is Effect.FALL and not motion.bounces
-        )  # "clatter clatter"
+        # "Clatter clatter".
+        lands = motion is not None and motion.effect is Effect.FALL and not motion.bounces
         if mention.kind is MentionKind.VERB and last is not None and not lands:
             count = last.value.count or 0 if isinstance(last.value, Repeat) and last.phrase == _ECHO else 1
             said = result[-2] if count > 1 and len(result) > 1 else last

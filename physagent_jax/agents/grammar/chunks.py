@@ -275,9 +275,8 @@ def _is_done(reader: Reader, at: int) -> bool:
     while article > at - LONGEST_GAP and reader.get_text(article) in LEXICON.intensities:
         article -= 1
     light = reader.get_text(article) in ("a", "an") and reader.get_text(article - 1) in get_set("light_verbs")
-    return (
-        light and reader.tokens[at].text in FORMS and reader.get_text(at + 1) not in FORMS
-    )  # "make a rock fall"
+    # "Make a rock fall".
+    return light and reader.tokens[at].text in FORMS and reader.get_text(at + 1) not in FORMS
 
 
 def _find_owner(reader: Reader, at: int) -> int:

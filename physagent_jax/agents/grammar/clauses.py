@@ -324,9 +324,8 @@ def _is_continuing(clauses: list[Clause], join: Join, has_verb: bool, mentions: 
     last = clauses[-1]
     if any(mention.kind is MentionKind.ORDINAL for mention in mentions):
         return False
-    turns = any(is_turn(mention) for mention in mentions) and not last.has(
-        *TURNING
-    )  # "..., does a half turn"
+    # "..., does a half turn".
+    turns = any(is_turn(mention) for mention in mentions) and not last.has(*TURNING)
     if not has_verb and (_is_turning_back(clauses, join, mentions) or turns and last.head is not None):
         return False
     if not has_verb and join is Join.RESULT and last.has(*DRIVING) and any(map(_is_size, mentions)):
@@ -373,9 +372,8 @@ def _is_absorbed(clause: Clause, mention: Mention) -> bool:
     if clause.verb is None:
         return False
     first, second = get_verb(clause.verb), get_verb(mention)
-    stops = (
-        first.effect is Effect.STILL and not first.generic and not clause.negated
-    )  # "never stops spinning"
+    # "Never stops spinning".
+    stops = first.effect is Effect.STILL and not first.generic and not clause.negated
     return stops or second.generic and first.effect is not Effect.STILL and not _is_becoming(first, second)
 
 

@@ -158,9 +158,8 @@ def read_ends(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
                 result[lies] = replace(mentions[lies], value=LEXICON.motions["lie down"], phrase="lie down")
         elif mention.motion is not None:
             back = mention.phrase.startswith("settle back")
-            if (
-                back and motion is not None and motion.effect is Effect.LEAN
-            ):  # "tilt it, then it settles back level"
+            # "Tilt it, then it settles back level".
+            if back and motion is not None and motion.effect is Effect.LEAN:
                 result[at] = replace(mention, value=LEXICON.motions["return"], phrase="return")
             motion, lies = mention.motion, at if mention.phrase == "lie" else None
     return result

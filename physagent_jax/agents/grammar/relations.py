@@ -228,9 +228,8 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
         else:
             flies = clause.has(Effect.TURN) and get_verb(before.head).gravity
             if clause.join is Join.AND and before.has(Effect.STRIKE) and (flies or clause.has(Effect.TOPPLE)):
-                told = before.select(
-                    *WHERE
-                )  # "a kick topples it to the right", "it is thrown spinning to the right"
+                # "A kick topples it to the right", "it is thrown spinning to the right".
+                told = before.select(*WHERE)
                 before.modifiers += [] if told else clause.select(*WAYS)
                 clause.modifiers = [m for m in clause.modifiers if told or not flies or m.kind not in WAYS]
             if clause.join is Join.AND and before.has(Effect.STRIKE) and clause.has(Effect.PUSH):
@@ -353,9 +352,8 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
         cause.modifiers = [m for m in cause.modifiers if m.kind is not MentionKind.PLACE or m in grips]
     if second.effect is Effect.TOPPLE and cause.has(*DRIVING) and not cause.select(*WAYS):
         cause.modifiers += effect.select(*WAYS)  # "push it until it tips over to the right"
-    if (
-        second.effect in _SEPARATE or another or severs or is_end(first, second)
-    ):  # "twist it until it snaps in two"
+    # "Twist it until it snaps in two".
+    if second.effect in _SEPARATE or another or severs or is_end(first, second):
         ends = second.effect in (Effect.STILL, Effect.RELEASE) or is_end(first, second) or severs
         effect.join = Join.THEN if ends or drops else Join.WHILE
         return [effect]
@@ -421,9 +419,8 @@ def _is_falling_over(topple: Clause, clause: Clause) -> bool:
     """Return whether a fall ends a toppling: "it tips over to the right and falls"."""
     ways = [m for m in clause.select(*WAYS) if m.value != ("down",)]
     told = bool(topple.select(*WHERE))
-    onto = clause.join is Join.RESULT and clause.has(
-        Effect.TOPPLE
-    )  # "knock it over so that it falls on its side"
+    # "Knock it over so that it falls on its side".
+    onto = clause.join is Join.RESULT and clause.has(Effect.TOPPLE)
     return topple.has(Effect.TOPPLE) and (onto or clause.has(Effect.FALL)) and not (ways and told)
 
 
