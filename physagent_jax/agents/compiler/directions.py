@@ -128,7 +128,8 @@ def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
     around = [each for each in event.clause.quantities if each.unit == "degrees" and each.value == _ALL_ROUND]
     halfway = (
         not (motion.tumbles or event.clause.inherited)
-        and _is_away(total, brief)
+        and total is not None
+        and dot(total, brief.directions.away) > _SAME
         and (around or not event.is_back)
     )
     if motion.effect is Effect.TURN and halfway:  # "all the way round to the back"; "turn it back" returns
@@ -141,10 +142,6 @@ def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
         total = find_lean_axis(total, brief) if tumbles else find_turn_towards(total, brief)
         why = f"{'the top' if tumbles else 'the side that faces the viewer'} turns this way"
     return Heading(total, " ".join(way.text for way in told), why)
-
-
-def _is_away(way: Vector | None, brief: SceneBrief) -> bool:
-    return way is not None and dot(way, brief.directions.away) > _SAME
 
 
 def _find_line(event: Event, brief: SceneBrief) -> Heading | None:

@@ -143,7 +143,8 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         builder.notes.append(f"'{event.text}': where that is, is not known, and nothing is done to it.")
         event.unknown_parts.clear()
         return  # "while the trunk stays put"
-    if event.phrase == "smash" and event.is_bare and _has_fallen(events):
+    fell = bool(events) and (events[-1].effect in (Effect.FALL, Effect.TOPPLE) or events[-1].motion.gravity)
+    if event.phrase == "smash" and event.is_bare and fell:  # "it falls and smashes"
         event.motion, event.phrase, event.direction = read_lexicon().motions["break"], "break", None
     severed = bool(events) and events[-1].motion.manner == "detach"
     if severed and event.effect is Effect.LEAN and event.motion.direction == "beside" and not event.parts:
@@ -244,11 +245,6 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         builder.notes.append(f"'{event.words}': it stands on the ground, so it is lifted first.")
     events.append(event)
     _drop_again(events, builder)
-
-
-def _has_fallen(events: list[Event]) -> bool:
-    """Return whether it breaks by itself of what was done last: "it falls and smashes"."""
-    return bool(events) and (events[-1].effect in (Effect.FALL, Effect.TOPPLE) or events[-1].motion.gravity)
 
 
 def _is_of_piece(event: Event, before: Event) -> bool:
@@ -485,7 +481,7 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
             result.append(replace(result[-1], clause=event.clause, when=event.when, direction=back))
         elif acted and result[-1].effect is Effect.TOPPLE and not event.motion.lets_go:
             if event.phrase.startswith(_ROCKING):  # "tip it over, then let it rock back upright"
-                result[-1:] = [_stop_halfway(result[-1]), event]
+                result[-1:] = [replace(result[-1], motion=read_lexicon().motions["tip"], phrase="tip"), event]
             else:
                 result.append(_raise(result[-1], event, builder.brief))
         elif acted:
@@ -520,11 +516,6 @@ def _raise(fallen: Event, event: Event, brief: SceneBrief) -> Event:
     axis, laid = scale(find_lean_axis(fallen.direction, brief), -1.0), Amount(value=_LAID, unit="degrees")
     motion = replace(read_lexicon().motions["turn"], puts_back=True)
     return replace(event, motion=motion, phrase="turn", direction=axis, amount=laid)
-
-
-def _stop_halfway(event: Event) -> Event:
-    """The fall over as a lean that it comes back from, by the angle that is told."""
-    return replace(event, motion=read_lexicon().motions["tip"], phrase="tip")
 
 
 def _is_lifted(events: list[Event], builder: ForceFieldBuilder) -> bool:

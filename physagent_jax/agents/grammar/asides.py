@@ -252,7 +252,11 @@ def read_corrections(mentions: list[Mention], _names: frozenset[str]) -> list[Me
         while stop < len(mentions) and mentions[stop].kind not in (MentionKind.JOIN, *MOTIONS):
             stop += 1
         said = mentions[begin + size : stop]
-        if stop < len(mentions) and mentions[stop].kind is MentionKind.VERB and not any(map(_tells, said)):
+        if (
+            stop < len(mentions)
+            and mentions[stop].kind is MentionKind.VERB
+            and {m.kind for m in said} <= {MentionKind.FUNCTION}
+        ):
             last = max((i for i in range(begin) if mentions[i].kind is MentionKind.VERB), default=None)
             if last is not None and begin - last <= _REACH:  # "lift it, sorry, I meant drop it"
                 result[last : begin + size] = [empty(m) for m in mentions[last : begin + size]]
@@ -270,10 +274,6 @@ def read_corrections(mentions: list[Mention], _names: frozenset[str]) -> list[Me
             first -= 1
         result[first : begin + size] = [empty(m) for m in result[first : begin + size]]
     return result
-
-
-def _tells(mention: Mention) -> bool:
-    return mention.kind is not MentionKind.FUNCTION
 
 
 def _match_correction(mentions: list[Mention], at: int) -> int:
@@ -440,13 +440,9 @@ def read_results(mentions: list[Mention], names: frozenset[str]) -> list[Mention
             result[at], others[at] = empty(mention), word
     for at, word in list(others.items())[: not own]:
         result[at] = _read_as(mentions[at], read_sections()["made_by"][word])
-    shaped = own or bool(others) or any(map(_is_share, mentions))
+    sizes = [each.value for each in mentions if isinstance(each.value, Quantity)]
+    shaped = own or bool(others) or any(each.relation == "is" for each in sizes)  # "until it's half as tall"
     return _drop_uppermost(result) if scaled.sign < 0 and shaped else result
-
-
-def _is_share(mention: Mention) -> bool:
-    """Return whether it tells how large something becomes: "until it's half as tall"."""
-    return isinstance(mention.value, Quantity) and mention.value.relation == "is"
 
 
 def _drop_uppermost(mentions: list[Mention]) -> list[Mention]:

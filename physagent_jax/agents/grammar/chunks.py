@@ -150,7 +150,8 @@ def _follow(
     """The phrases from a node on, whose next word is at ``position``, or behind a gap from there on."""
     for entry in node.entries:
         yield entry, used
-    steps = [(child, _skip_gap(reader, position, word)) for word, child in _list_behind_gap(node)]
+    gaps = node.following[GAP].following if GAP in node.following else {}
+    steps = [(child, _skip_gap(reader, position, word)) for word, child in gaps.items()]
     if position < len(reader.tokens):
         token = reader.tokens[position]
         words = dict.fromkeys((token.text, token.lemma))
@@ -158,10 +159,6 @@ def _follow(
     for child, there in steps:
         if there < len(reader.tokens) and there not in reader.used:
             yield from _follow(reader, child, [*used, there], there + 1)
-
-
-def _list_behind_gap(node: Node) -> list[tuple[str, Node]]:
-    return list(node.following[GAP].following.items()) if GAP in node.following else []
 
 
 def begins_longer_phrase(reader: Reader, at: int) -> bool:

@@ -284,7 +284,11 @@ def _add_segment(clauses: list[Clause], join: Join, mentions: list[Mention]) -> 
             bare = fresh and clause.has(Effect.HOLD) and get_verb(clause.verb).holds == "base"
             holds = not is_participle(mention.form) and (kept or bare)  # "keep it bent", "hold it bent"
             gone = negated and clause.head is None and len(clauses) > 1 and bool(clause.select(*WAYS))
-            replaced = clause.verb is None or holds or not negated and _is_announcing(clause.verb, mention)
+            first, second = get_verb(clause.verb) if clause.verb else None, get_verb(mention)
+            # "Goes spinning", "stands swaying", "grows taller": the first only announces the second.
+            replaced = (
+                first is None or holds or not negated and (first.generic or _is_becoming(first, second))
+            )
             if gone or not replaced:
                 clause = Clause(Join.AND)
                 clauses.append(clause)
@@ -375,11 +379,6 @@ def _is_absorbed(clause: Clause, mention: Mention) -> bool:
     # "Never stops spinning".
     stops = first.effect is Effect.STILL and not first.generic and not clause.negated
     return stops or second.generic and first.effect is not Effect.STILL and not _is_becoming(first, second)
-
-
-def _is_announcing(first: Mention, second: Mention) -> bool:
-    """Return whether a verb only announces the next one: "goes spinning", "stands swaying", "grows taller"."""
-    return get_verb(first).generic or _is_becoming(get_verb(first), get_verb(second))
 
 
 def _is_becoming(first: Motion, second: Motion) -> bool:

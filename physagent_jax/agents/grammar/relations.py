@@ -193,7 +193,8 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
     """Makes one clause of cause and effect ("pushes it so that it bends"): the effect's verb, all modifiers."""
     merged: list[Clause] = []
     for index, clause in enumerate(clauses):
-        if merged and clause.join in (Join.RESULT, Join.AND) and _is_braking(merged[-1]):
+        brakes = bool(merged) and merged[-1].has(Effect.STILL) and get_verb(merged[-1].head).brief
+        if brakes and clause.join in (Join.RESULT, Join.AND):
             first = merged.pop()  # "it drives forward and brakes, so that it rocks": along its way
             clause.join = clause.join if merged else first.join
         before = merged[-1] if merged else None
@@ -236,10 +237,6 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
                 clause.join = Join.THEN  # "it is thrown to the left and slides down"
             merged.append(clause)
     return merged
-
-
-def _is_braking(clause: Clause) -> bool:
-    return clause.has(Effect.STILL) and get_verb(clause.head).brief
 
 
 def _is_saying_size_again(before: Clause, clause: Clause) -> bool:

@@ -18,7 +18,7 @@ from physagent_jax.agents.grammar.mentions import (
     list_segments,
 )
 from physagent_jax.agents.grammar.tables import LEXICON, get_set
-from physagent_jax.agents.lexicon import Effect, Join, Motion
+from physagent_jax.agents.lexicon import Effect, Join
 
 _BESIDE = (MentionKind.FUNCTION, *LOOSE)
 _ADVERBS = (MentionKind.INTENSITY, MentionKind.DEGREE)
@@ -105,12 +105,8 @@ def read_debris(mentions: list[Mention], _names: frozenset[str]) -> list[Mention
             if motion is not None and motion.gives and noun.kind is MentionKind.UNKNOWN:
                 strewn = mention.phrase.endswith("directions")  # "its three balls roll off in all directions"
                 result[at - 1] = replace(noun, kind=MentionKind.IGNORED) if strewn else noun
-            parted |= motion is not None and _parts(motion)
+            parted |= motion is not None and (motion.gives or motion.effect is Effect.BURST)
     return result
-
-
-def _parts(motion: Motion) -> bool:
-    return motion.gives or motion.effect is Effect.BURST
 
 
 def read_captions(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:

@@ -45,7 +45,8 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
     for begin, end in zip(begins, [*begins[1:], len(mentions)]):
         segment = mentions[begin:end]
         if part is not None:
-            if part.several and _chooses_one(segment):  # "its ears twitch, first the left one"
+            chosen = any(map(_is_one, segment)) and _find(segment, MentionKind.VERB) is None
+            if part.several and chosen:  # "its ears twitch, first the left one"
                 result = [empty(each) if each == part.mention else each for each in result]
             segment = _name_again(_name_one(segment, part.mention), part, names)
         verb, place = _find(segment, MentionKind.VERB), _find(segment, MentionKind.PLACE)
@@ -105,10 +106,6 @@ def _get_noun(mention: Mention) -> str:
 
 def _is_one(mention: Mention) -> bool:
     return mention.kind is MentionKind.PLACE and mention.words.lower().endswith(" one")
-
-
-def _chooses_one(segment: list[Mention]) -> bool:
-    return any(map(_is_one, segment)) and _find(segment, MentionKind.VERB) is None
 
 
 def _name_one(segment: list[Mention], part: Mention) -> list[Mention]:
