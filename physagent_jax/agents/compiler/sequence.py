@@ -543,7 +543,8 @@ def apply_holding(clauses: list[Event], held: Held | None) -> list[Event]:
             if after is not None and after.effect is Effect.FALL:
                 continue  # "thrown up, it hangs there and falls": so does all that turns back
             event = _wait(event)
-        if _is_bare_hold(event) and held is None:
+        holds = event.effect is Effect.HOLD and event.motion.holds == "base"
+        if holds and held is None and not (event.parts or event.clause.negated):
             result += _hold(event, last, after)
         else:
             result.append(event)
@@ -598,12 +599,6 @@ def _find_held_end(event: Event, otherwise: str | None) -> str | None:
         return otherwise
     names = event.parts[0].place.names
     return "base" if "down" in names else "top" if "up" in names else None
-
-
-def _is_bare_hold(event: Event) -> bool:
-    """Return whether a clause only holds the object."""
-    holds = event.effect is Effect.HOLD and event.motion.holds == "base"
-    return holds and not event.parts and not event.clause.negated
 
 
 def _hangs_in_the_air(event: Event, last: Event | None) -> bool:

@@ -305,7 +305,9 @@ def read_comparisons(mentions: list[Mention], _names: frozenset[str]) -> list[Me
             continue
         end = _find_end(mentions, index)
         telling = _is_telling(verb) or likens and _is_told(verb, mentions[at:end])
-        model = _find_model(mentions[index:end]) if likens else None
+        models, likened = read_sections()["models"], mentions[index:end] if likens else []
+        words = [word for each in likened for word in (each.words.lower(), each.form)]
+        model = next((models[word] for word in words if word in models), None)
         same = model is not None and LEXICON.motions[model].effect is verb.effect
         if model is not None and verb.generic and not same:
             result[at] = replace(result[at], value=LEXICON.motions[model], phrase=model)
@@ -334,12 +336,6 @@ def _drop_similes(mentions: list[Mention]) -> list[Mention]:
                 end += 1  # "as a rubber hose"
             result[first:end] = [empty(each, "comparison") for each in mentions[first:end]]
     return result
-
-
-def _find_model(mentions: list[Mention]) -> str | None:
-    models = read_sections()["models"]
-    words = [word for mention in mentions for word in (mention.words.lower(), mention.form)]
-    return next((models[word] for word in words if word in models), None)
 
 
 def _is_telling(verb: Motion) -> bool:

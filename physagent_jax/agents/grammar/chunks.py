@@ -96,10 +96,11 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
         kind = MentionKind.CAUSE
     elif crosses and _is_repeated(reader, at + 3):
         kind, value, used = MentionKind.REPEAT, Repeat(alternate=True, names=words), [at, at + 1, at + 2]
-    elif kind is MentionKind.DIRECTION and (
-        crosses or reader.get_preposition(at) == "from" or _is_locating_cause(reader, words)
-    ):
+    elif crosses or kind is MentionKind.DIRECTION and reader.get_preposition(at) == "from":
         kind = MentionKind.FROM
+    elif kind is MentionKind.DIRECTION and words[0] in LEXICON.locations:
+        caused = [mention.kind for mention in reader.mentions[-1:]] == [MentionKind.CAUSE]
+        kind = MentionKind.FROM if caused else kind  # "an explosion beneath the robot" drives it up
     return reader.make_mention(kind, value, " ".join(words), used)
 
 
@@ -109,8 +110,8 @@ def _says_nothing(reader: Reader, entry: Entry, used: list[int]) -> bool:
     if kind is MentionKind.PLACE:  # "wobble it on its base", "lift it by the end of its handle": all of it
         assert isinstance(value, Place)
         return is_standing(reader, at, value) or words[0] != "one" and reader.is_gripped(at)
-    if kind is MentionKind.JOIN:  # "don't make it jump": a request, and no result
-        return text(at) == "make" and _is_asked(reader, at)
+    if kind is MentionKind.JOIN:  # "don't make it jump", "make it jump": a request, and no result
+        return text(at) == "make" and (not text(at - 1).isalnum() or text(at - 1) in get_set("asking"))
     if kind is MentionKind.INTENSITY:
         return _is_describing_object(reader, at, len(used))
     if words == ("pinch",):  # "pinch the tip and bend it": a grip
@@ -337,12 +338,6 @@ def _is_repeated(reader: Reader, at: int) -> bool:
     )
 
 
-def _is_locating_cause(reader: Reader, words: tuple[str, ...]) -> bool:
-    """Return whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""
-    caused = [mention.kind for mention in reader.mentions[-1:]] == [MentionKind.CAUSE]
-    return words[0] in LEXICON.locations and caused
-
-
 def _is_describing_object(reader: Reader, at: int, size: int) -> bool:
     """Return whether an adjective belongs to the object or a part, as in "its little wings", not to a motion."""
     behind = [reader.get_text(at + size + step) for step in range(LONGEST_GAP)]
@@ -351,9 +346,3 @@ def _is_describing_object(reader: Reader, at: int, size: int) -> bool:
     owned = reader.get_text(owner) in get_set("determiners") or owner >= 0 and reader.tokens[owner].possessive
     part = noun.removesuffix("s") in LEXICON.part_nouns or (noun,) in reader.parts
     return owned and (noun in reader.names or part)
-
-
-def _is_asked(reader: Reader, at: int) -> bool:
-    """Return whether a verb stands in its plain form at the beginning of a clause, or behind "please"."""
-    before = reader.get_text(at - 1)
-    return not before.isalnum() or before in get_set("asking")

@@ -204,8 +204,9 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
             continue
         if clause.join is Join.COMMA:
             clause.join = _find_comma(merged, clause)
-        if clause.join is Join.COMMA and _is_tumbling_aloft(before, clause):
-            clause.join = Join.AND
+        aloft = before.has(Effect.STRIKE, Effect.JUMP) and get_verb(before.head).gravity
+        if clause.join is Join.COMMA and aloft and clause.has(Effect.TURN) and get_verb(clause.verb).tumbles:
+            clause.join = Join.AND  # "toss it up, let it do a somersault"
         if clause.verb and clause.join in (Join.AND, Join.COMMA) and _is_dented(before, clause):
             clause.join, clause.verb = Join.RESULT, replace(clause.verb, value=_DENT, phrase="dent")
             clause.modifiers = [m for m in clause.modifiers if m.kind is not MentionKind.PLACE]
@@ -214,8 +215,9 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
         bows = LEXICON.motions["bow"] in (get_verb(before.head), get_verb(clause.verb))
         if clause.join is Join.AND and bows and not (clause.has(Effect.TOPPLE) or get_verb(before.head).wind):
             clause.join = Join.THEN  # "it twirls and takes a bow", "it bows and exits"
-        if clause.join is Join.RESULT and _is_first_of_steps(clause, clauses[index + 1 :]):
-            clause.join = Join.THEN
+        repeated = any(each.inherited and each.verb is clause.verb for each in clauses[index + 1 : index + 2])
+        if clause.join is Join.RESULT and repeated and get_verb(clause.verb).generic:
+            clause.join = Join.THEN  # "it sways: its top goes left, then right, and back"
         if clause.stays and not clause.modifiers and before.has(get_verb(clause.verb).effect):
             before.stays = True  # "compress it and keep it compressed"
         elif _is_saying_size_again(before, clause):
@@ -247,24 +249,12 @@ def _is_saying_size_again(before: Clause, clause: Clause) -> bool:
     return alike and measured and clause.join is Join.AND and before.verb is not clause.verb
 
 
-def _is_tumbling_aloft(leap: Clause, clause: Clause) -> bool:
-    """Return whether it goes head over heels while it is in the air: "toss it up, let it do a somersault"."""
-    turns = clause.has(Effect.TURN) and get_verb(clause.verb).tumbles
-    return turns and leap.has(Effect.STRIKE, Effect.JUMP) and get_verb(leap.head).gravity
-
-
 def _is_dented(blow: Clause, clause: Clause) -> bool:
     """Return whether a blow leaves a dent: "it is struck on its left side and keeps the dent, or crumples there"."""
     verb, struck = get_verb(clause.verb), [m.phrase for m in blow.select(MentionKind.PLACE)]
     dents = verb.sign < 0 and (verb.quick or bool(struck) and verb.effect in (Effect.SCALE, Effect.SWELL))
     placed = all(m.phrase in struck for m in clause.select(*WHERE))
     return blow.has(Effect.STRIKE) and dents and placed and not get_verb(blow.head).gravity
-
-
-def _is_first_of_steps(clause: Clause, behind: list[Clause]) -> bool:
-    """Return whether what follows repeats its verb: "it sways: its top goes left, then right, and back"."""
-    repeated = bool(behind) and behind[0].inherited and behind[0].verb is clause.verb
-    return repeated and get_verb(clause.verb).generic
 
 
 def _find_comma(merged: list[Clause], clause: Clause) -> Join:
@@ -387,7 +377,8 @@ def _is_carried_off(before: Clause, clause: Clause) -> bool:
     pushed = first.effect is Effect.PUSH and not first.generic and first.direction is None
     driven = pushed and not before.select(*WHERE) and bool(clause.select(*WAYS))
     elsewhere = before.select(MentionKind.DIRECTION) and clause.select(MentionKind.DIRECTION)
-    elsewhere = elsewhere or _is_sinking_at_wall(before, clause)
+    if before.select(MentionKind.SOLID) and clause.select(*WAYS):  # "thrown against a wall and slides down"
+        elsewhere = elsewhere or all(way.value == ("down",) for way in clause.select(*WAYS))
     return before.has(Effect.STRIKE) and not elsewhere or driven
 
 
@@ -397,12 +388,6 @@ def _is_pushed_over(before: Clause, clause: Clause) -> bool:
     pushed = before.has(Effect.PUSH) and not (first.generic or first.wind or first.direction)
     goes = before.select(MentionKind.QUANTITY, MentionKind.DIRECTION, MentionKind.TIME)
     return pushed and not goes and clause.has(Effect.TOPPLE) and clause.join in (Join.COMMA, Join.AND)
-
-
-def _is_sinking_at_wall(before: Clause, clause: Clause) -> bool:
-    """Return whether it goes down a wall that it met: "thrown against a wall and slides down"."""
-    ways = clause.select(*WAYS)
-    return bool(before.select(MentionKind.SOLID) and ways) and all(way.value == ("down",) for way in ways)
 
 
 def _is_moved_by_wind(wind: Clause, clause: Clause) -> bool:

@@ -46,7 +46,8 @@ def read_trends(mentions: list[Mention], _names: frozenset[str]) -> list[Mention
         ):
             begin -= 1
         known = motion.bounces or motion.effect is Effect.SWAY
-        known |= motion.effect in _RUNNING_OUT and _comes_to_rest(mentions[end:])
+        later = next((each.motion for each in mentions[end:] if each.motion is not None), motion)
+        known |= motion.effect in _RUNNING_OUT and later.effect is Effect.STILL
         less = next(k for k in range(at, end) if mentions[k].form in get_set("fading"))
         if not known and mentions[less].motion is None:
             continue  # "each time less" of a push is doubted as it stands
@@ -78,11 +79,6 @@ def _find_trend(mentions: list[Mention], at: int) -> int:
         while end < len(mentions) and (mentions[end].kind in _BESIDE or mentions[end].phrase == "before"):
             end += 1  # "than the one before"
     return min(end, len(mentions))
-
-
-def _comes_to_rest(behind: list[Mention]) -> bool:
-    motion = next((mention.motion for mention in behind if mention.motion is not None), None)
-    return motion is not None and motion.effect is Effect.STILL
 
 
 def read_debris(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
