@@ -263,13 +263,9 @@ def _is_a_part(spot: _Spot) -> bool:
 
 def _is_listed(spot: _Spot) -> bool:
     """A noun behind a part: "the cap and the band wobble"."""
-    part, link = (spot.mentions[at] if at >= 0 else None for at in (spot.first - 2, spot.first - 1))
-    return (
-        part is not None
-        and part.kind is MentionKind.PLACE
-        and link.phrase == "and"
-        and spot.get(-1) in get_set("determiners")
-    )
+    before = spot.mentions[max(spot.first - 2, 0) : spot.first]
+    parts = [each.kind is MentionKind.PLACE for each in before[:1]] == [True] and before[-1].phrase == "and"
+    return parts and spot.get(-1) in get_set("determiners")
 
 
 def _is_moved_part(spot: _Spot) -> bool:
@@ -327,7 +323,7 @@ def _is_its_own_path(spot: _Spot) -> bool:
 
 
 def _is_speech(spot: _Spot) -> bool:
-    """What is said, and its verb: "it says boo and jumps"."""
+    """Speech with its verb: "it says boo and jumps"."""
     said = spot.mentions[spot.begin : spot.index + 1]
     return any(each.form in get_set("speaking") for each in said) and not has_motion(said)
 
