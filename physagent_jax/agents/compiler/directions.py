@@ -128,7 +128,8 @@ def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
     around = [each for each in event.clause.quantities if each.unit == "degrees" and each.value == _ALL_ROUND]
     halfway = (
         not (motion.tumbles or event.clause.inherited)
-        and _is_away(total, brief)
+        and total is not None
+        and dot(total, brief.directions.away) > _SAME
         and (around or not event.is_back)
     )
     if motion.effect is Effect.TURN and halfway:  # "all the way round to the back"; "turn it back" returns
@@ -141,10 +142,6 @@ def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
         total = find_lean_axis(total, brief) if tumbles else find_turn_towards(total, brief)
         why = f"{'the top' if tumbles else 'the side that faces the viewer'} turns this way"
     return Heading(total, " ".join(way.text for way in told), why)
-
-
-def _is_away(way: Vector | None, brief: SceneBrief) -> bool:
-    return way is not None and dot(way, brief.directions.away) > _SAME
 
 
 def _find_line(event: Event, brief: SceneBrief) -> Heading | None:
@@ -184,7 +181,7 @@ def _find_obstacle(event: Event, brief: SceneBrief) -> Heading | None:
 def _find_blow(event: Event, brief: SceneBrief) -> Heading | None:
     """A blow on a side drives away from it."""
     dents = event.motion.quick and event.motion.sign < 0
-    if not event.parts or not (dents or event.effect is Effect.STRIKE):
+    if not event.parts or not (dents or event.is_blow):
         return None
     part = event.parts[0]
     if part.phrase in read_lexicon().fronts:

@@ -187,6 +187,12 @@ class Event:
         return any(way.names == ("up",) for way in self.pick(WayKind.TO))
 
     @property
+    def is_blow(self) -> bool:
+        """Return whether something meets it: a blow, or a shove."""
+        shoved = self.effect is Effect.PUSH and self.motion.brief and not self.is_in_wind
+        return shoved or self.effect is Effect.STRIKE
+
+    @property
     def lands_aside(self) -> bool:
         """Return whether it tells where something comes down: "as it reaches the ground it is farther to the right"."""
         return self.verb is not None and self.verb.lands and not self.clause.negated and self.goes_aside

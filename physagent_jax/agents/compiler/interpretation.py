@@ -22,7 +22,7 @@ from physagent_jax.agents.lexicon import NAMED, Effect, Motion, Names, Repeat, r
 from physagent_jax.agents.materials import LIMP
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
-from physagent_jax.forces.part import Part, is_plural
+from physagent_jax.forces.part import Part, is_plural, split_name
 from physagent_jax.forces.slabs import make_end_region, make_middle_region
 from physagent_jax.motion.attitudes import has_back_on_top
 from physagent_jax.motion.axes import find_lean_axis
@@ -52,8 +52,11 @@ _STEEP = 0.7  # cosine to the vertical
 _TALL = 1.2  # height over its breadth, from which on what falls over can roll about its own line alone
 _UPRIGHT = 0.9  # the same, from which on a part lies above or below
 _OWN_PARTS = dict(
-    nod="head", wag="tail", flap="wings", wave="arm", salute="arm", clap="arms"
+    {"give paw": "paw"}, nod="head", wag="tail", flap="wings", wave="arm", salute="arm", clap="arms"
 )  # with no other named
+_SAID = ("head", "paw")  # parts within a phrase: "dip its head"
+# Seldom pressed aside.
+_TOPS = frozenset("hood bonnet roof deck seat saddle cushion mattress shoulder shoulders".split())
 _WINGS = frozenset("wing wings fin fins flipper flippers".split())  # what beats, and is not beaten
 _SCURRYING = ("scuttle", "scurry", "paddle", "run")  # what legs and fins do by themselves
 _OTHERS = frozenset(("other", "another", "one", "each", "next"))  # beside a limb's name: not that of before
@@ -144,72 +147,63 @@ def _choose_motion(event: Event, brief: SceneBrief, before: Event | None) -> tup
     if hops and any(each.alternating for each in repeats):
         leap = motions["jump"] if motion.bounces else motion  # "jumps up and down", "bounces up and down"
         return replace(leap, strokes=max(leap.strokes, motions["bob"].cycles)), phrase
-    if any(each.alternating for each in repeats) and (effect in (Effect.FALL, Effect.JUMP) or motion.gravity):
-        # "is tossed to and fro"
-        phrase = "shuttle" if effect is Effect.STRIKE else "bob"
-    elif (effect is Effect.ROLL or motion.steps) and any(each.alternating for each in repeats):
-        phrase = "rock"  # "the boat rolls from side to side", "it waddles left and right"
-    elif _lifts_end(event, motion, brief):
+    swings = any(each.alternating for each in repeats)
+    if not swings and _lifts_end(event, motion, brief):  # "its rear hops up"
         raised = "behind" if _find_end(event) == ("toward",) else "ahead"
         event.parts, event.ways = [], []
-        return replace(
-            motions["rear up"], direction=raised, angle=_HOPS, brief=True
-        ), phrase  # "its rear hops up"
-    elif motion.bounces and (counted or event.is_upwards):
-        phrase = "jump"  # "it bounces three times"
-    elif motion.tumbles and event.is_upwards:
+        return replace(motions["rear up"], direction=raised, angle=_HOPS, brief=True), phrase
+    if not swings and motion.tumbles and event.is_upwards:
         return replace(motions["toss"], tumbles=True), phrase  # "flip it into the air"
-    elif phrase == "tumble" and event.goes_aside and before is None:
-        phrase = "roll"  # "tumbles to the right"
-    elif _is_felled(event, motion, brief):
-        phrase = "fall over"
-    elif phrase == "snap" and event.parts and event.parts[0].text.lower().split()[-1] in _BITING:
-        phrase = "clack"  # "it snaps its claws"
-    elif phrase.startswith("snap ") and not phrase.endswith("off") and motion.manner and not event.parts:
-        phrase = "break"  # "the sword snaps in two"
-    elif motion.manner == "detach" and not event.parts and phrase.split()[0] in motions:
-        phrase = phrase.split()[0]  # "the robot falls off"
-    elif motion.manner == "detach" and event.is_in_wind:
-        phrase = "fly off"  # not up
-    elif phrase == "swing" and _is_brought_down(event, brief):
+    if phrase == "swing" and _is_brought_down(event, brief):  # "swing the axe down"
         event.ways = [way for way in event.ways if way.names not in (("up",), ("down",))]
         pace = event.clause.pace if counted else "sudden"
         event.clause = event.clause.model_copy(update=dict(pace=pace))
-        return replace(motions["tip"], angle=_CHOP), phrase  # "swing the axe down"
-    elif phrase == "swing" and not repeats and event.pick(WayKind.TO) and (event.parts or event.is_upwards):
-        phrase = "raise" if event.is_upwards else "move"  # "swings its arm forward": once
-    elif phrase == "beat" and event.parts and not _WINGS.isdisjoint(event.parts[0].text.lower().split()):
-        phrase = "flap"
-    elif phrase == "steer" and event.parts:
-        phrase = "turn"  # "steer the front wheels to the left"
-    elif (motion.steps or phrase in _SCURRYING) and _is_of_limbs(event, brief):
-        phrase = "wiggle"  # "its legs scuttle"
-    elif _drops_limb(event, motion, brief):
-        phrase = "lower"  # "drops its arm"
-    elif phrase == "break" and event.parts and event.parts[0].place.names != ("down",):
-        phrase = "break off"  # "its left arm breaks"
-    elif effect is Effect.FALL and motion.by == "whole" and event.parts and phrase.split()[0] in motions:
-        return replace(motions[phrase.split()[0]], direction="down"), phrase.split()[0]  # "bang the lid down"
-    elif motion.coasts and (told or effect is Effect.STILL and not (before and before.effect in _GOING)):
-        phrase = (
-            "move" if told else "cruise"
-        )  # "it coasts to the left", "it skids to a stop"; else it goes on
-    elif motion.by == "limp" and brief.object_kind != "cloth" and not event.parts and stands_slim(brief):
-        phrase = "bend"  # "the lamp droops"
-    elif motion.gives and _droops(event, brief):
-        return replace(
-            motions["droop"], manner="bend", by=""
-        ), phrase  # "slumps to one side", "the plant sags"
-    elif effect is Effect.TOPPLE and _is_on_its_back(event, brief):
+        return replace(motions["tip"], angle=_CHOP), phrase
+    head, part = phrase.partition(" ")[0], event.parts[0].text.lower().split() if event.parts else [""]
+    snaps = head == "snap" and not phrase.endswith("off") and (phrase != head or before is not None)
+    sent = phrase == "swing" and not repeats and event.pick(WayKind.TO) and (event.parts or event.is_upwards)
+    stops = effect is Effect.STILL and not (before and before.effect in _GOING)
+    limp = motion.by == "limp" and brief.object_kind != "cloth" and not event.parts
+    rules = (
+        # "Is tossed to and fro", "the boat rolls from side to side", "it waddles left and right".
+        ("shuttle", swings and effect is Effect.STRIKE and motion.gravity),
+        ("bob", swings and (effect in (Effect.FALL, Effect.JUMP) or motion.gravity)),
+        ("rock", swings and (effect is Effect.ROLL or motion.steps)),
+        ("jump", motion.bounces and (counted or event.is_upwards)),  # "it bounces three times"
+        ("roll", phrase == "tumble" and event.goes_aside and before is None),  # "tumbles to the right"
+        ("fall over", _is_felled(event, motion, brief)),
+        ("clack", phrase == "snap" and part[-1] in _BITING),  # "it snaps its claws"
+        ("break", snaps and motion.manner and not event.parts),  # "the sword snaps in two"
+        (head, motion.manner == "detach" and not event.parts and head in motions),  # "the robot falls off"
+        ("fly off", motion.manner == "detach" and event.is_in_wind),  # not up
+        # "Swings its arm forward", "stretches its arms forward": once.
+        ("raise" if event.is_upwards else "move", sent or _reaches_out(event, motion, brief)),
+        ("flap", phrase == "beat" and not _WINGS.isdisjoint(part)),
+        ("press", phrase == "push" and before is None and _is_pressed(event, brief)),  # "down from above"
+        ("turn", phrase == "steer" and event.parts),  # "steer the front wheels to the left"
+        (
+            "wiggle",
+            (motion.steps or phrase in _SCURRYING) and _is_of_limbs(event, brief),
+        ),  # "its legs scuttle"
+        ("lower", _drops_limb(event, motion, brief)),  # "drops its arm"
+        ("break off", phrase == "break" and event.parts and event.parts[0].place.names != ("down",)),
+        ("move", motion.coasts and told),  # "it coasts to the left"
+        ("cruise", motion.coasts and stops),  # "it skids to a stop"; else it goes on
+        ("bend", limp and stands_slim(brief)),  # "the lamp droops"
+        ("cruise", (effect is Effect.ROLL or motion.steps) and has_wheels(brief)),  # its wheels turn
+    )
+    if chosen := next((word for word, holds in rules if holds), ""):
+        return motions[chosen], chosen
+    if effect is Effect.FALL and motion.by == "whole" and event.parts and head in motions:
+        return replace(motions[head], direction="down"), head  # "bang the lid down"
+    if motion.gives and _droops(event, brief):  # "slumps to one side", "the plant sags"
+        return replace(motions["droop"], manner="bend", by=""), phrase
+    if effect is Effect.TOPPLE and _is_on_its_back(event, brief):
         event.ways = [way for way in event.ways if way.text.lower() != "back"]
-        phrase = "turn over"
-    elif (effect is Effect.ROLL or motion.steps) and has_wheels(brief):
-        phrase = "cruise"  # its wheels turn, and it does not
-    elif effect is Effect.SWELL and (told or event.pick(WayKind.LINE, WayKind.PLANE)):
+        return motions["turn over"], "turn over"
+    if effect is Effect.SWELL and (told or event.pick(WayKind.LINE, WayKind.PLANE)):
         return replace(motion, effect=Effect.SCALE), phrase  # "expands horizontally", "grows upwards"
-    else:
-        return motion, phrase
-    return motions[phrase], phrase
+    return motion, phrase
 
 
 def _is_brought_down(event: Event, brief: SceneBrief) -> bool:
@@ -217,6 +211,27 @@ def _is_brought_down(event: Event, brief: SceneBrief) -> bool:
     down = any(way.names == ("down",) for way in event.pick(WayKind.TO))
     wielded = brief.object_kind == "tool" or any("handle" in part.roles[:1] for part in brief.parts)
     return down and wielded and not (event.parts or event.is_upwards)
+
+
+def _is_pressed(event: Event, brief: SceneBrief) -> bool:
+    """Return whether what stands on the ground is pushed onto it from above."""
+    told = {way.names for way in event.ways}
+    stands = brief.world == "ground" and brief.anchored is None and not event.parts and not event.is_in_wind
+    return stands and told == {("up",), ("down",)}
+
+
+def _reaches_out(event: Event, motion: Motion, brief: SceneBrief) -> bool:
+    """Return whether it brings its own limbs to where it stretches them: "it stretches both arms forward"."""
+    if (
+        motion.effect is not Effect.SCALE
+        or not event.parts
+        or not event.pick(WayKind.TO)
+        or event.clause.quantities
+    ):
+        return False
+    limb = find_roles(event.parts[0].phrase)[:1] in (["arm"], ["leg"], ["wing"])
+    own = motion.sign > 0 and event.words.lower().endswith(("s", "ing"))
+    return own and limb and bool(find_limbs(event.parts[0], brief))
 
 
 def _is_felled(event: Event, motion: Motion, brief: SceneBrief) -> bool:
@@ -275,7 +290,8 @@ def _means_same(event: Event, before: Event, brief: SceneBrief) -> bool:
     told = part.place.names or is_plural(part.text) or not _OTHERS.isdisjoint(event.text.lower().split())
     if told or not event.limbs or len(before.limbs) != 1:
         return False
-    return brief.parts[event.limbs[0]].roles[:1] == brief.parts[before.limbs[0]].roles[:1]
+    one, other = (brief.parts[each.limbs[0]] for each in (event, before))
+    return (one.roles[:1] or split_name(one.name)[-1:]) == (other.roles[:1] or split_name(other.name)[-1:])
 
 
 def _join_cause(event: Event) -> tuple[Motion, str]:
@@ -351,9 +367,8 @@ def _act_from_sides(event: Event, brief: SceneBrief) -> None:
     sides, told = event.pick(WayKind.SIDES), event.pick(*WAYS)
     limbs = event.parts and find_limbs(event.parts[0], brief)
     all_around = bool(sides) and sides[0].names == ("all",)
-    sized = any(
-        each.unit == "share" for each in event.clause.quantities
-    )  # "stretch its ears to twice their length"
+    # "Stretch its ears to twice their length".
+    sized = any(each.unit == "share" for each in event.clause.quantities)
     spread = len(limbs) > 1 and event.effect is Effect.SCALE and event.motion.sign > 0 and not (told or sized)
     if event.effect is Effect.BURST and told:
         event.motion = replace(event.motion, effect=Effect.STRIKE)
@@ -416,7 +431,8 @@ def _take_over_direction(event: Event, before: Event, brief: SceneBrief) -> None
     assumed = event.sources["vector"].why.endswith(BY_DEFAULT)
     if tumbles and assumed and before.direction and abs(before.direction[2]) < _STEEP:
         _turn(event, find_lean_axis(before.direction, brief), "it tumbles the way that it goes")
-    if before.direction is not None and event.is_back:
+    staggers = before.is_blow and event.clause.order == "and"  # "it is shoved and staggers back"
+    if before.direction is not None and event.is_back and not staggers:
         _turn(event, scale(before.direction, -1.0), "back where it came from")
 
 
@@ -482,9 +498,8 @@ def _find_unused(event: Event) -> list[str]:
     clause, effect = event.clause, event.effect
     unused = [way.text for way in event.ways if effect in _USELESS[way.kind]]
     if effect in _WHOLE:
-        lands = (
-            event.motion.lands or effect is Effect.TOPPLE
-        )  # "lands on its feet", "its pedestal topples over"
+        # "Lands on its feet", "its pedestal topples over".
+        lands = event.motion.lands or effect is Effect.TOPPLE
         parts = [*event.parts, *event.excluded]
         unused += [part.text for part in parts if not (lands and part.place.names == ("down",))]
     if (clause.turning or clause.seen_from) and effect is not Effect.TURN:
@@ -500,7 +515,7 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
     hinged = event.motion.manner == "hinge" and not (event.parts or event.excluded) and find_hinged(brief)
     if hinged:  # "close the laptop"
         event.parts = [KnownPart(NAMED, brief.parts[hinged[0]].name, event.words)]
-    own = _OWN_PARTS.get(event.phrase, "head" if "~ head" in event.phrase else "")
+    own = _OWN_PARTS.get(event.phrase) or next((each for each in _SAID if f"~ {each}" in event.phrase), "")
     if own and not (event.parts or event.excluded):
         part = KnownPart(read_lexicon().parts[own], own, own)
         event.parts = [part] if find_limbs(part, brief) else []
@@ -516,7 +531,7 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
     if not named or whole and named[0].place.names == ("down",) and event.parts:
         return  # "lands on its feet", as it stood
     place, event.excludes_part = named[0].place, not event.parts
-    if event.parts and not (event.effect is Effect.STRIKE and named[0].phrase in read_lexicon().fronts):
+    if event.parts and not (event.is_blow and named[0].phrase in read_lexicon().fronts):
         # A blow on the belly drives all of it away.
         event.limbs = hinged or _find_bearers(named[0], event, brief) or find_limbs(named[0], brief)
         if before is not None and _means_same(event, before, brief):
@@ -526,9 +541,8 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
     if event.limbs:
         text, roles = named[0].text, find_roles(named[0].phrase)
         doubt = explain_guess(text, brief.parts, event.limbs, plural=is_plural(text), roles=roles)
-        told = (
-            event.notes if event.effect is Effect.STILL else event.doubts
-        )  # it only has to stay where it is
+        # It only has to stay where it is.
+        told = event.notes if event.effect is Effect.STILL else event.doubts
         told += filter(None, [doubt])
         part = brief.parts[event.limbs[0]]
         event.region, event.part = part.moved, part.side
@@ -557,6 +571,7 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
             event.motion = replace(event.motion, effect=Effect.PUSH, sign=1, skill=None)
             down = brief.directions.down
             juts = part.origin == "place" and dot(part.side, down) < _STEEP  # a foot goes onto the ground
+            juts &= _TOPS.isdisjoint(split_name(part.name))
             event.direction = scale(limb.arm, -1.0) if juts else down
         return
     nowhere = place.role and (not place.names or place.names == ("up",) and stands_on_legs(brief.parts))

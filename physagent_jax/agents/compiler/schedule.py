@@ -207,6 +207,8 @@ def follows(before: Event, event: Event) -> bool:
     if later or event.clause.pace == "sudden" and before.clause.pace != "sudden":
         return True  # "rolls left and tips over at the end", "stands still and suddenly spins"
     rests = effect is Effect.STILL and (not event.motion.generic or event.is_timed)
+    # "Its wheels spin, but it".
+    rests &= not (before.limbs and event.phrase.startswith("stay") and not event.is_timed)
     thrown = effect is Effect.STRIKE and event.motion.gravity and before.motion.direction == "up"
     if before.effect is Effect.TOPPLE and event.motion.puts_back:
         return True  # "it falls over and gets up again"

@@ -77,11 +77,12 @@ def _open_and_close(event: Event, brief: SceneBrief) -> list[Event]:
     """The steps of what opens and closes on a hinge; what has none goes to and fro."""
     words, motions = event.phrase.split(" and "), read_lexicon().motions
     limbs = find_limbs(event.parts[0], brief) if event.parts else find_hinged(brief)
-    if len(words) != 2 or not any(find_hinge(brief.parts[limb], brief) for limb in limbs):
+    swings = event.effect is Effect.SWAY and len(words) == 2
+    if not swings or not any(find_hinge(brief.parts[limb], brief) for limb in limbs):
         return [event]
     count = next((each.times for each in event.clause.repetitions if each.times), 1)
     plain = event.clause.model_copy(update=dict(repetitions=[]))
-    steps = [word.split()[0] for word in words] * min(count, _MOST_SWINGS)
+    steps = [word if word in motions else word.split()[0] for word in words] * min(count, _MOST_SWINGS)
     return [
         replace(
             event,
@@ -146,6 +147,9 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     if events and events[-1].effect is event.effect is Effect.STILL and event.is_bare:
         events[-1].stays |= event.stays
         return  # "it stops, still standing"
+    fell = bool(events) and (events[-1].effect in (Effect.FALL, Effect.TOPPLE) or events[-1].motion.gravity)
+    if event.phrase == "smash" and event.is_bare and fell:  # "it falls and smashes"
+        event.motion, event.phrase, event.direction = read_lexicon().motions["break"], "break", None
     severed = bool(events) and events[-1].motion.manner == "detach"
     if severed and event.effect is Effect.LEAN and event.motion.direction == "beside" and not event.parts:
         builder.notes.append(f"'{event.words}' comes of the part that is gone: nothing is made of that.")
@@ -411,7 +415,8 @@ def _find_level_way(events: list[Event], builder: ForceFieldBuilder) -> Vector:
     table, brief = builder.brief.directions, builder.brief
     ways = [e.direction for e in events if e.direction and e.effect is not Effect.TURN]
     level = (way for way in reversed(ways) if abs(dot(way, table.up)) < _LEVEL)
-    return sum_directions(("beside",), brief) if lies(brief) else next(level, table.left)
+    leans = bool(events) and events[-1].effect is Effect.LEAN  # "it leans to the left and falls"
+    return sum_directions(("beside",), brief) if lies(brief) and not leans else next(level, table.left)
 
 
 def _is_only_posture(event: Event, events: list[Event]) -> bool:
@@ -562,7 +567,8 @@ def apply_holding(clauses: list[Event], held: Held | None) -> list[Event]:
             if after is not None and after.effect is Effect.FALL:
                 continue  # "thrown up, it hangs there and falls": so does all that turns back
             event = _wait(event)
-        if _is_bare_hold(event) and held is None:
+        holds = event.effect is Effect.HOLD and event.motion.holds == "base"
+        if holds and held is None and not (event.parts or event.clause.negated):
             result += _hold(event, last, after)
         else:
             result.append(event)
@@ -582,6 +588,8 @@ def _hold(event: Event, last: Event | None, after: Event | None) -> list[Event]:
         last.stays = after is None
     elif last is not None and event.phrase.split()[0] in _STAYS and event.clause.order != "together":
         return [_wait(event)]  # "it rolls over there and stays there": nobody holds it
+    elif last is not None and (last.effect is Effect.FALL or last.motion.gravity):
+        last.notes.append(f"'{event.text}': nothing holds it where it comes down.")
     elif after is None or after.effect not in (Effect.FALL, Effect.RELEASE):
         return [event]
     return []
@@ -619,15 +627,9 @@ def _find_held_end(event: Event, otherwise: str | None) -> str | None:
     return "base" if "down" in names else "top" if "up" in names else None
 
 
-def _is_bare_hold(event: Event) -> bool:
-    """Return whether a clause only holds the object."""
-    holds = event.effect is Effect.HOLD and event.motion.holds == "base"
-    return holds and not event.parts and not event.clause.negated
-
-
 def _hangs_in_the_air(event: Event, last: Event | None) -> bool:
     """Return whether what hangs has just been moved, and nothing is told that it hangs from."""
-    if event.phrase != "hang" or event.clause.negated or event.clause.order == "together":
+    if event.motion.holds != "top" or event.clause.negated or event.clause.order == "together":
         return False
     if last is None or last.clause.negated or event.pick(WayKind.FROM, WayKind.PLANE):
         return False

@@ -187,7 +187,8 @@ def _compile_scale(task: Task) -> None:
     event, builder, window = task.event, task.builder, task.window
     table = builder.brief.directions
     axes = [table.right, table.up, table.toward] if event.direction is None else [event.direction]
-    count = task.limit_count(event.repeat.count or (2 if event.repeat.alternate else 1))
+    usual = 2 if event.repeat.alternate else event.motion.strokes
+    count = task.limit_count(event.repeat.count or usual)
     windows = divide(window, [1.0] * (2 * count))[::2] if count > 1 else [window]
     strength = event.strength
     if event.amount is not None and event.amount.unit == "factor":
@@ -231,9 +232,8 @@ def _turn_steadily(task: Task) -> None:
     motion, builder = task.event.motion, task.builder
     if motion.leaps and builder.grounded and not builder.anchored and not builder.earlier:
         jump, told = read_lexicon().motions["jump"], task.event.pick(WayKind.TO)
-        names = (
-            told[0].names if told and told[0].names != ("away",) else ("up",)
-        )  # "backwards" is how it turns
+        # "Backwards" is how it turns.
+        names = told[0].names if told and told[0].names != ("away",) else ("up",)
         way = normalise(sum_directions(names, task.brief))
         leap(replace(task, event=replace(task.event, motion=jump, direction=way, amount=None)))
     if spin_aloft(task, task.direction):

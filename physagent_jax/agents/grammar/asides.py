@@ -27,7 +27,7 @@ from physagent_jax.agents.grammar.missiles import read_missiles
 from physagent_jax.agents.grammar.outcomes import read_aims, read_ends, read_outcomes, read_tumbles
 from physagent_jax.agents.grammar.poses import read_landings, read_poses
 from physagent_jax.agents.grammar.sequels import read_captions, read_debris, read_lulls, read_trends
-from physagent_jax.agents.grammar.subjects import read_subjects, sticks_out
+from physagent_jax.agents.grammar.subjects import read_lists, read_subjects, sticks_out
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.intent import Quantity, Solid
 from physagent_jax.agents.lexicon import Effect, Join, Motion, Place, Repeat
@@ -252,7 +252,11 @@ def read_corrections(mentions: list[Mention], _names: frozenset[str]) -> list[Me
         while stop < len(mentions) and mentions[stop].kind not in (MentionKind.JOIN, *MOTIONS):
             stop += 1
         said = mentions[begin + size : stop]
-        if stop < len(mentions) and mentions[stop].kind is MentionKind.VERB and not any(map(_tells, said)):
+        if (
+            stop < len(mentions)
+            and mentions[stop].kind is MentionKind.VERB
+            and {m.kind for m in said} <= {MentionKind.FUNCTION}
+        ):
             last = max((i for i in range(begin) if mentions[i].kind is MentionKind.VERB), default=None)
             if last is not None and begin - last <= _REACH:  # "lift it, sorry, I meant drop it"
                 result[last : begin + size] = [empty(m) for m in mentions[last : begin + size]]
@@ -270,10 +274,6 @@ def read_corrections(mentions: list[Mention], _names: frozenset[str]) -> list[Me
             first -= 1
         result[first : begin + size] = [empty(m) for m in result[first : begin + size]]
     return result
-
-
-def _tells(mention: Mention) -> bool:
-    return mention.kind is not MentionKind.FUNCTION
 
 
 def _match_correction(mentions: list[Mention], at: int) -> int:
@@ -305,7 +305,9 @@ def read_comparisons(mentions: list[Mention], _names: frozenset[str]) -> list[Me
             continue
         end = _find_end(mentions, index)
         telling = _is_telling(verb) or likens and _is_told(verb, mentions[at:end])
-        model = _find_model(mentions[index:end]) if likens else None
+        models, likened = read_sections()["models"], mentions[index:end] if likens else []
+        words = [word for each in likened for word in (each.words.lower(), each.form)]
+        model = next((models[word] for word in words if word in models), None)
         same = model is not None and LEXICON.motions[model].effect is verb.effect
         if model is not None and verb.generic and not same:
             result[at] = replace(result[at], value=LEXICON.motions[model], phrase=model)
@@ -325,18 +327,15 @@ def _drop_similes(mentions: list[Mention]) -> list[Mention]:
     for at in range(1, len(mentions) - 1):
         before, article = mentions[at - 1], mentions[at + 1].form in ("a", "an")
         likens = before.form in get_set("copulas") if before.kind is MentionKind.VERB else article
-        if mentions[at].form == "as" and likens:
+        # "As light as cloth".
+        twice = at > 1 and mentions[at - 2].form == "as" and mentions[at + 1].kind in LOOSE
+        if mentions[at].form == "as" and (likens or twice):
             first, end = at - 1 if before.kind is MentionKind.UNKNOWN else at, at + 2 + article
+            first = first if article else at - 2 if twice else first
             while end < len(mentions) and mentions[end].kind in LOOSE[:2]:
                 end += 1  # "as a rubber hose"
             result[first:end] = [empty(each, "comparison") for each in mentions[first:end]]
     return result
-
-
-def _find_model(mentions: list[Mention]) -> str | None:
-    models = read_sections()["models"]
-    words = [word for mention in mentions for word in (mention.words.lower(), mention.form)]
-    return next((models[word] for word in words if word in models), None)
 
 
 def _is_telling(verb: Motion) -> bool:
@@ -379,9 +378,8 @@ def read_returns(mentions: list[Mention], _names: frozenset[str]) -> list[Mentio
         result.append(mention)
         if mention.phrase not in ("and back", "and back again"):
             continue
-        if (
-            at + 1 < len(mentions) and mentions[at + 1].kind is MentionKind.DIRECTION
-        ):  # "up 10 cm and back down"
+        # "Up 10 cm and back down".
+        if at + 1 < len(mentions) and mentions[at + 1].kind is MentionKind.DIRECTION:
             result[-1] = replace(mention, kind=MentionKind.JOIN, value=Join.THEN, phrase="then")
             continue
         steps = any(m.value is Join.THEN and m.words.isalpha() for m in mentions[:at])
@@ -438,13 +436,9 @@ def read_results(mentions: list[Mention], names: frozenset[str]) -> list[Mention
             result[at], others[at] = empty(mention), word
     for at, word in list(others.items())[: not own]:
         result[at] = _read_as(mentions[at], read_sections()["made_by"][word])
-    shaped = own or bool(others) or any(map(_is_share, mentions))
+    sizes = [each.value for each in mentions if isinstance(each.value, Quantity)]
+    shaped = own or bool(others) or any(each.relation == "is" for each in sizes)  # "until it's half as tall"
     return _drop_uppermost(result) if scaled.sign < 0 and shaped else result
-
-
-def _is_share(mention: Mention) -> bool:
-    """Return whether it tells how large something becomes: "until it's half as tall"."""
-    return isinstance(mention.value, Quantity) and mention.value.relation == "is"
 
 
 def _drop_uppermost(mentions: list[Mention]) -> list[Mention]:
@@ -484,9 +478,8 @@ def read_locations(mentions: list[Mention], _names: frozenset[str]) -> list[Ment
                 if mentions[here].form == "head" and mention.form in ("over", "above"):
                     up = dict(kind=MentionKind.DIRECTION, value=("up",), words="overhead", phrase="overhead")
                     result[here] = replace(mentions[here], **up)
-            again = [each.kind for each in mentions[here : here + 2]] == [
-                MentionKind.PLACE
-            ] * 2  # "the cab roof"
+            # "The cab roof".
+            again = [each.kind for each in mentions[here : here + 2]] == [MentionKind.PLACE] * 2
             if kind not in (MentionKind.FUNCTION, *LOOSE) and not again:
                 break
     return result
@@ -571,9 +564,8 @@ def read_echoes(mentions: list[Mention], _names: frozenset[str]) -> list[Mention
     for at, mention in enumerate(mentions):
         last = result[-1] if result else None
         motion = mention.motion
-        lands = (
-            motion is not None and motion.effect is Effect.FALL and not motion.bounces
-        )  # "clatter clatter"
+        # "Clatter clatter".
+        lands = motion is not None and motion.effect is Effect.FALL and not motion.bounces
         if mention.kind is MentionKind.VERB and last is not None and not lands:
             count = last.value.count or 0 if isinstance(last.value, Repeat) and last.phrase == _ECHO else 1
             said = result[-2] if count > 1 and len(result) > 1 else last
@@ -686,4 +678,5 @@ PASSES = (
     read_stances,
     read_looks,
     read_subjects,
+    read_lists,
 )

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 
 from physagent_jax.agents.grammar.measures import make_moment
 from physagent_jax.agents.grammar.mentions import Mention, MentionKind, Reader, get_last_motion
-from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set
+from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set, read_sections
 from physagent_jax.agents.grammar.tokens import FORMS
-from physagent_jax.agents.lexicon import Effect, Join, Motion, Place
+from physagent_jax.agents.lexicon import Effect, Join, Motion, Place, Repeat
 
 GAP = "~"
 LONGEST_GAP = 4
@@ -89,37 +89,52 @@ def read_phrase(reader: Reader, at: int) -> Mention | None:
     if not matches:
         return None
     (words, kind, value), used = max(matches, key=lambda match: (len(match[0][0]), GAP not in match[0][0]))
-    if isinstance(value, Place) and is_standing(reader, at, value):
-        kind, value = MentionKind.FUNCTION, None  # "wobble it on its base"
-    elif kind is MentionKind.PLACE and words[0] != "one" and reader.is_gripped(at):
-        kind, value = MentionKind.FUNCTION, None  # "lift it by the end of its handle": all of it
+    crosses = kind is MentionKind.DIRECTION and _is_crossing(reader, at)
+    if _says_nothing(reader, (words, kind, value), used):
+        kind, value = MentionKind.FUNCTION, None
     elif kind is MentionKind.VERB and isinstance(value, Motion) and _is_means(reader, value, at):
         kind = MentionKind.CAUSE
-    elif kind is MentionKind.DIRECTION and words == ("up",) and _is_height(reader, at):
-        kind, value = MentionKind.FUNCTION, None
-    elif kind is MentionKind.DIRECTION and words == ("away",) and _is_way_told_behind(reader, at):
-        kind, value = MentionKind.FUNCTION, None  # "flies away to the right"
-    elif kind is MentionKind.DIRECTION and words[0] in ("off", "clear") and _is_part_told(reader):
-        kind, value = MentionKind.FUNCTION, None  # "two wheels off the ground"
-    elif kind is MentionKind.DIRECTION and words == ("right",) and _is_exactly(reader, at):
-        kind, value = MentionKind.FUNCTION, None
-    elif kind is MentionKind.DIRECTION and words == ("left",) and _is_remaining(reader, at):
-        kind, value = MentionKind.FUNCTION, None
-    elif kind is MentionKind.DIRECTION and (
-        reader.get_preposition(at) == "from" or _is_crossing(reader, at) or _is_locating_cause(reader, words)
-    ):
+    elif crosses and _is_repeated(reader, at + 3):
+        kind, value, used = MentionKind.REPEAT, Repeat(alternate=True, names=words), [at, at + 1, at + 2]
+    elif crosses or kind is MentionKind.DIRECTION and reader.get_preposition(at) == "from":
         kind = MentionKind.FROM
-    elif kind is MentionKind.JOIN and token.text == "make" and _is_asked(reader, at):
-        kind, value = MentionKind.FUNCTION, None  # "don't make it jump": a request, and no result
-    elif kind is MentionKind.INTENSITY and _is_describing_object(reader, at, len(used)):
-        kind, value = MentionKind.FUNCTION, None
+    elif kind is MentionKind.DIRECTION and words[0] in LEXICON.locations:
+        caused = [mention.kind for mention in reader.mentions[-1:]] == [MentionKind.CAUSE]
+        kind = MentionKind.FROM if caused else kind  # "an explosion beneath the robot" drives it up
     return reader.make_mention(kind, value, " ".join(words), used)
 
 
-def _is_part_told(reader: Reader) -> bool:
-    """Return whether a part stands before this in its segment."""
+def _says_nothing(reader: Reader, entry: Entry, used: list[int]) -> bool:
+    """Return whether a phrase of the lexicon means nothing where it stands."""
+    (words, kind, value), at, text = entry, used[0], reader.get_text
+    if kind is MentionKind.PLACE:  # "wobble it on its base", "lift it by the end of its handle": all of it
+        assert isinstance(value, Place)
+        return is_standing(reader, at, value) or words[0] != "one" and reader.is_gripped(at)
+    if kind is MentionKind.JOIN:  # "don't make it jump", "make it jump": a request, and no result
+        return text(at) == "make" and (not text(at - 1).isalnum() or text(at - 1) in get_set("asking"))
+    if kind is MentionKind.INTENSITY:
+        return _is_describing_object(reader, at, len(used))
+    if words == ("pinch",):  # "pinch the tip and bend it": a grip
+        ends = [
+            at + step
+            for step in range(1, _ADVERBS)
+            if text(at + step) == "and" and text(at + step + 2) == "it"
+        ]
+        return any(reader.tokens[end + 1].lemma in LEXICON.motions for end in ends)
+    if kind is not MentionKind.DIRECTION:
+        return False
+    if words == ("up",):  # "from ridiculously high up"
+        before = [text(at - step) for step in range(1, _ADVERBS)]
+        return before[0] in ("high", "far") and "from" in before
+    if words == ("away",):  # "flies away to the right"
+        return text(at + 1) == "to" and text(at + 3) in ("left", "right")
+    if words == ("right",):  # "hit it right on the head": just there
+        on = text(at + 1) in ("on", "in") and reader.is_after_determiner(at + 3)
+        return on and reader.is_striking()
+    if words == ("left",):  # "until only a puddle is left", "with nothing left of it"
+        return text(at - 1) in get_set("copulas") | get_set("remains") | {"nothing"}
     back = itertools.takewhile(lambda each: each.kind is not MentionKind.JOIN, reversed(reader.mentions))
-    return any(each.kind is MentionKind.PLACE for each in back)
+    return words[0] in ("off", "clear") and any(each.kind is MentionKind.PLACE for each in back)
 
 
 def match_phrases(reader: Reader, first: str, at: int) -> list[tuple[Entry, list[int]]]:
@@ -136,7 +151,8 @@ def _follow(
     """The phrases from a node on, whose next word is at ``position``, or behind a gap from there on."""
     for entry in node.entries:
         yield entry, used
-    steps = [(child, _skip_gap(reader, position, word)) for word, child in _list_behind_gap(node)]
+    gaps = node.following[GAP].following if GAP in node.following else {}
+    steps = [(child, _skip_gap(reader, position, word)) for word, child in gaps.items()]
     if position < len(reader.tokens):
         token = reader.tokens[position]
         words = dict.fromkeys((token.text, token.lemma))
@@ -144,10 +160,6 @@ def _follow(
     for child, there in steps:
         if there < len(reader.tokens) and there not in reader.used:
             yield from _follow(reader, child, [*used, there], there + 1)
-
-
-def _list_behind_gap(node: Node) -> list[tuple[str, Node]]:
-    return list(node.following[GAP].following.items()) if GAP in node.following else []
 
 
 def begins_longer_phrase(reader: Reader, at: int) -> bool:
@@ -221,7 +233,8 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
             behind in get_set("determiners") or behind in NUMBERS or behind.isdigit()
         )
         over |= words[-2:] == (GAP, "over") and {behind, reader.get_text(used[-1] - 1)} <= set(_ENDS)
-        return over or begins_longer_phrase(reader, used[-1])
+        away = words[-1] == "away" and words[0] not in LEXICON.motions  # "it backs away from us"
+        return over or not away and begins_longer_phrase(reader, used[-1])
     described = before in LEXICON.intensities and not before.endswith("ly")
     article = reader.get_text(at - 2) in ("the", "its", "a", "an")
     strange = any(m.first == at - 1 and m.kind is MentionKind.UNKNOWN for m in reader.mentions[-1:])
@@ -260,9 +273,8 @@ def _is_done(reader: Reader, at: int) -> bool:
     while article > at - LONGEST_GAP and reader.get_text(article) in LEXICON.intensities:
         article -= 1
     light = reader.get_text(article) in ("a", "an") and reader.get_text(article - 1) in get_set("light_verbs")
-    return (
-        light and reader.tokens[at].text in FORMS and reader.get_text(at + 1) not in FORMS
-    )  # "make a rock fall"
+    # "Make a rock fall".
+    return light and reader.tokens[at].text in FORMS and reader.get_text(at + 1) not in FORMS
 
 
 def _find_owner(reader: Reader, at: int) -> int:
@@ -313,37 +325,17 @@ def _is_means(reader: Reader, motion: Motion, at: int) -> bool:
     return means and motion.effect in (Effect.PUSH, Effect.STRIKE)
 
 
-def _is_height(reader: Reader, at: int) -> bool:
-    """Return whether "up" tells from where something falls: "from ridiculously high up"."""
-    before = [reader.get_text(at - step) for step in range(1, _ADVERBS)]
-    return before[0] in ("high", "far") and "from" in before
-
-
-def _is_way_told_behind(reader: Reader, at: int) -> bool:
-    return reader.get_text(at + 1) == "to" and reader.get_text(at + 3) in ("left", "right")
-
-
-def _is_exactly(reader: Reader, at: int) -> bool:
-    """Return whether "right" says no way but just where a blow lands: "hit it right on the head"."""
-    on = reader.get_text(at + 1) in ("on", "in") and reader.is_after_determiner(at + 3)
-    return on and reader.is_striking()
-
-
-def _is_remaining(reader: Reader, at: int) -> bool:
-    """Return whether "left" says no way but what remains: "until only a puddle is left", "with nothing left of it"."""
-    return reader.get_text(at - 1) in get_set("copulas") | get_set("remains") | {"nothing"}
-
-
 def _is_crossing(reader: Reader, at: int) -> bool:
     """Return whether it goes "left to right": from there to the other side."""
     pair = (reader.get_text(at), reader.get_text(at + 2))
     return reader.get_text(at + 1) == "to" and pair in (("left", "right"), ("right", "left"))
 
 
-def _is_locating_cause(reader: Reader, words: tuple[str, ...]) -> bool:
-    """Return whether a place tells where a cause is: "an explosion *beneath* the robot" drives it up."""
-    caused = [mention.kind for mention in reader.mentions[-1:]] == [MentionKind.CAUSE]
-    return words[0] in LEXICON.locations and caused
+def _is_repeated(reader: Reader, at: int) -> bool:
+    """Return whether it is told there how often: "left to right a few times" goes to and fro."""
+    return any(
+        reader.get_text(at + step) in (*read_sections()["times"], "twice", "thrice") for step in range(4)
+    )
 
 
 def _is_describing_object(reader: Reader, at: int, size: int) -> bool:
@@ -354,9 +346,3 @@ def _is_describing_object(reader: Reader, at: int, size: int) -> bool:
     owned = reader.get_text(owner) in get_set("determiners") or owner >= 0 and reader.tokens[owner].possessive
     part = noun.removesuffix("s") in LEXICON.part_nouns or (noun,) in reader.parts
     return owned and (noun in reader.names or part)
-
-
-def _is_asked(reader: Reader, at: int) -> bool:
-    """Return whether a verb stands in its plain form at the beginning of a clause, or behind "please"."""
-    before = reader.get_text(at - 1)
-    return not before.isalnum() or before in get_set("asking")

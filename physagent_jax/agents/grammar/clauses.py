@@ -17,7 +17,7 @@ from physagent_jax.agents.lexicon import Effect, Join, Motion, Repeat
 from physagent_jax.agents.lexicon.types import HOLDABLE, OPPOSITES
 
 _LINES = (*WAYS, MentionKind.AXIS, MentionKind.PLANE, MentionKind.SIDES)
-WHERE = (*_LINES, MentionKind.SENSE, MentionKind.PLACE, MentionKind.EXCLUDED)
+WHERE = (*_LINES, MentionKind.SENSE, MentionKind.PLACE, MentionKind.LISTED, MentionKind.EXCLUDED)
 WHERE += (MentionKind.REPEAT, MentionKind.REVERSAL)
 TURNING = (Effect.TURN, Effect.ROLL, Effect.LEAN, Effect.TOPPLE)
 DRIVING = (Effect.PUSH, Effect.STRIKE)
@@ -156,7 +156,7 @@ def _join_subjects(segments: list[tuple[Join, list[Mention]]]) -> list[tuple[Joi
 def _begins_with_subject(segment: list[Mention]) -> bool:
     """Return whether a part, or all else, does what the first verb says."""
     verb = next((at for at, each in enumerate(segment) if each.kind in MOTIONS), 0)
-    nouns = (MentionKind.PLACE, MentionKind.UNKNOWN)
+    nouns = (MentionKind.PLACE, MentionKind.LISTED, MentionKind.UNKNOWN)
     return any(m.kind in nouns or m.form in LEXICON.whole for m in segment[:verb])
 
 
@@ -284,7 +284,11 @@ def _add_segment(clauses: list[Clause], join: Join, mentions: list[Mention]) -> 
             bare = fresh and clause.has(Effect.HOLD) and get_verb(clause.verb).holds == "base"
             holds = not is_participle(mention.form) and (kept or bare)  # "keep it bent", "hold it bent"
             gone = negated and clause.head is None and len(clauses) > 1 and bool(clause.select(*WAYS))
-            replaced = clause.verb is None or holds or not negated and _is_announcing(clause.verb, mention)
+            first, second = get_verb(clause.verb) if clause.verb else None, get_verb(mention)
+            # "Goes spinning", "stands swaying", "grows taller": the first only announces the second.
+            replaced = (
+                first is None or holds or not negated and (first.generic or _is_becoming(first, second))
+            )
             if gone or not replaced:
                 clause = Clause(Join.AND)
                 clauses.append(clause)
@@ -324,9 +328,8 @@ def _is_continuing(clauses: list[Clause], join: Join, has_verb: bool, mentions: 
     last = clauses[-1]
     if any(mention.kind is MentionKind.ORDINAL for mention in mentions):
         return False
-    turns = any(is_turn(mention) for mention in mentions) and not last.has(
-        *TURNING
-    )  # "..., does a half turn"
+    # "..., does a half turn".
+    turns = any(is_turn(mention) for mention in mentions) and not last.has(*TURNING)
     if not has_verb and (_is_turning_back(clauses, join, mentions) or turns and last.head is not None):
         return False
     if not has_verb and join is Join.RESULT and last.has(*DRIVING) and any(map(_is_size, mentions)):
@@ -373,15 +376,9 @@ def _is_absorbed(clause: Clause, mention: Mention) -> bool:
     if clause.verb is None:
         return False
     first, second = get_verb(clause.verb), get_verb(mention)
-    stops = (
-        first.effect is Effect.STILL and not first.generic and not clause.negated
-    )  # "never stops spinning"
+    # "Never stops spinning".
+    stops = first.effect is Effect.STILL and not first.generic and not clause.negated
     return stops or second.generic and first.effect is not Effect.STILL and not _is_becoming(first, second)
-
-
-def _is_announcing(first: Mention, second: Mention) -> bool:
-    """Return whether a verb only announces the next one: "goes spinning", "stands swaying", "grows taller"."""
-    return get_verb(first).generic or _is_becoming(get_verb(first), get_verb(second))
 
 
 def _is_becoming(first: Motion, second: Motion) -> bool:

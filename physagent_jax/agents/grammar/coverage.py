@@ -89,6 +89,28 @@ class _Spot:
         """The word before the noun's phrase."""
         return get_phrase(self.mentions, self.first - 1)
 
+    def is_behind(self, kind: MentionKind) -> bool:
+        """Return whether such a mention stands before it in its segment."""
+        return any(each.kind is kind for each in self.mentions[self.begin : self.index])
+
+    @property
+    def is_parting(self) -> bool:
+        """Return whether the object breaks or bursts."""
+        return self.motion is not None and (self.motion.gives or self.motion.effect is Effect.BURST)
+
+    @property
+    def is_in_wind(self) -> bool:
+        """Return whether a wind acts."""
+        return self.motion is not None and self.motion.wind
+
+    @property
+    def is_met(self) -> bool:
+        """Return whether a blow, a pull or a press acts there: "tug at the collar", but not "press it on the anvil"."""
+        motion, before = self.motion, self.mentions[self.begin : self.first]
+        whole = any(each.phrase in self.names | get_set("objects") for each in before)
+        pressed = motion is not None and motion.effect is Effect.SCALE and motion.sign < 0 and not whole
+        return pressed or motion is not None and (motion.effect is Effect.STRIKE or motion.pulls)
+
     def skip(self, step: int, helps: frozenset[str] = frozenset()) -> Mention | None:
         """The nearest mention in a direction past adjectives, adverbs and ``helps``."""
         at = self.index + step
@@ -198,15 +220,6 @@ def _is_a_particle(spot: _Spot) -> bool:
     return spot.word in get_set("particles") and not (falls or lifted or told)
 
 
-def _is_a_known_word(spot: _Spot) -> bool:
-    return spot.mentions[spot.index].kind is MentionKind.FUNCTION
-
-
-def _is_heading(spot: _Spot) -> bool:
-    """A number that counts sentences: "3.2 Push it", "Run 3: push it"."""
-    return spot.word[0].isdigit() and (spot.index == 0 or spot.get(1) in (":", "."))
-
-
 def _is_interjection(spot: _Spot) -> bool:
     """A word by itself before or behind all else: "timber, it goes over", "it falls, duh"; no verb of a list."""
     ends = spot.begin == 0 or spot.end == len(spot.mentions)
@@ -216,30 +229,10 @@ def _is_interjection(spot: _Spot) -> bool:
     return ends and apart and alone
 
 
-def _is_drawn_out(spot: _Spot) -> bool:
-    """An exclamation, by a letter that is said on and on: "noooo"."""
-    return any(a == b == c for a, b, c in zip(spot.word, spot.word[1:], spot.word[2:]))
-
-
-def _is_style(spot: _Spot) -> bool:
-    """A comparison in a compound: "giraffe style", "accordion style"."""
-    return spot.word in get_set("styles") or spot.get(1) in get_set("styles")
-
-
 def _is_landing_on_its_own(spot: _Spot) -> bool:
     """A particle before what it stands on then: "back onto its front wheels"."""
     behind = [m.kind for m in spot.mentions[spot.index + 1 : spot.index + 6]]
     return spot.word == "onto" and spot.get(1) in get_set("owners_of_parts") and MentionKind.PLACE in behind
-
-
-def _is_number(spot: _Spot) -> bool:
-    """A number, or a sign that turns one around: "by -45 degrees"."""
-    return not spot.word.isalpha() or spot.word == "minus"
-
-
-def _is_measured(spot: _Spot) -> bool:
-    """A word behind a quantity that says it all: "a third of its length farther to the right"."""
-    return spot.index > 0 and spot.mentions[spot.index - 1].kind is MentionKind.QUANTITY
 
 
 def _is_asking(spot: _Spot) -> bool:
@@ -257,16 +250,22 @@ def _is_described(spot: _Spot) -> bool:
     return before is not None and before.form in get_set("copulas") and not spot.word.endswith(("ing", "ed"))
 
 
-def _is_reaching(spot: _Spot) -> bool:
-    """The verb of a wind that meets something: "a gust catches the sign"."""
-    heads = [m for m in spot.mentions[spot.begin : spot.index] if m.kind in MOTIONS]
-    return [m.kind for m in heads] == [MentionKind.CAUSE] and spot.motion is not None and spot.motion.wind
-
-
 def _is_a_part(spot: _Spot) -> bool:
     """A part of the object: "the corners", "the handle", "its lid"."""
     owned = spot.get(-1) in get_set("pronouns_of_owners") and spot.get(-2) not in get_set("prepositions")
-    return spot.word in LEXICON.unplaced or spot.word.removesuffix("s") in LEXICON.part_nouns or owned
+    return (
+        spot.word in LEXICON.unplaced
+        or spot.word.removesuffix("s") in LEXICON.part_nouns
+        or owned
+        or _is_listed(spot)
+    )
+
+
+def _is_listed(spot: _Spot) -> bool:
+    """A noun behind a part: "the cap and the band wobble"."""
+    before = spot.mentions[max(spot.first - 2, 0) : spot.first]
+    parts = [each.kind is MentionKind.PLACE for each in before[:1]] == [True] and before[-1].phrase == "and"
+    return parts and spot.get(-1) in get_set("determiners")
 
 
 def _is_moved_part(spot: _Spot) -> bool:
@@ -310,25 +309,23 @@ def _is_telling_a_part(spot: _Spot) -> bool:
     return after.kind is MentionKind.PLACE and several or after.phrase in LEXICON.part_nouns
 
 
-def _is_a_path(spot: _Spot) -> bool:
-    """A shape of the way, or another world: "in a spiral", "on the moon"."""
-    return spot.word in get_set("paths") or spot.word in get_set("worlds")
+def _is_its_own_path(spot: _Spot) -> bool:
+    """A circle in which something rolls or rocks, an arc in which it flies or swings: all do so by themselves."""
+    if spot.motion is None:
+        return False
+    rolls = spot.motion.effect is Effect.ROLL or spot.motion.manner == "rock"
+    flies = spot.motion.gravity or spot.motion.effect in (Effect.LEAN, Effect.SWAY, Effect.TOPPLE)
+    flies &= spot.preposition == "in"
+    word = spot.get(1) if spot.word == "half" else spot.word
+    return (
+        rolls and word in ("circle", "circles", "semicircle") or (rolls or flies) and word in ("arc", "arcs")
+    )
 
 
-def _is_rolled_along(spot: _Spot) -> bool:
-    """A circle in which something rolls or rocks, as what is no ball does by itself: "it rolls in a half circle"."""
-    rolls = spot.motion is not None and (spot.motion.effect is Effect.ROLL or spot.motion.manner == "rock")
-    circle = spot.get(1) if spot.word == "half" else spot.word
-    return rolls and circle in ("circle", "circles", "semicircle", "arc")
-
-
-def _is_struck(spot: _Spot) -> bool:
-    """The place where a blow or a pull acts: "tap it on the forehead", "tug at the collar", "press on the lid"."""
-    motion, before = spot.motion, spot.mentions[spot.begin : spot.first]
-    acts = motion is not None and (motion.effect is Effect.STRIKE or motion.pulls)
-    whole = any(each.phrase in spot.names | get_set("objects") for each in before)  # "press it on the anvil"
-    pressed = motion is not None and motion.effect is Effect.SCALE and motion.sign < 0 and not whole
-    return (acts or pressed) and spot.preposition in ("at", "on", "against")
+def _is_speech(spot: _Spot) -> bool:
+    """Speech with its verb: "it says boo and jumps"."""
+    said = spot.mentions[spot.begin : spot.index + 1]
+    return any(each.form in get_set("speaking") for each in said) and not has_motion(said)
 
 
 def _is_placed_part(spot: _Spot) -> bool:
@@ -351,28 +348,6 @@ def _is_a_grip(spot: _Spot) -> bool:
     whole = any(each.phrase in spot.names | get_set("objects") for each in spot.mentions[spot.begin : at])
     local = spot.motion is not None and spot.motion.effect in (Effect.LEAN, Effect.SCALE, Effect.SWELL)
     return get_phrase(spot.mentions, at) == "by" and whole and not local
-
-
-def _is_matter_of_a_part(spot: _Spot) -> bool:
-    """The material of a part, which is seen by how that moves: "her legs are rubber", "stretch its arm like rubber"."""
-    before = spot.mentions[max(spot.begin, spot.index - _REACH) : spot.index]
-    return spot.word in read_material_words().words and any(each.kind is MentionKind.PLACE for each in before)
-
-
-def _is_a_share(spot: _Spot) -> bool:
-    """The pieces that something breaks or bursts into, and how many: "into thousands of pieces"."""
-    parts = spot.motion is not None and (spot.motion.gives or spot.motion.effect is Effect.BURST)
-    return parts and spot.word in get_set("crowds") | get_set("paths")
-
-
-def _is_result(spot: _Spot) -> bool:
-    """A result: "bend it into a knot"; or a way: "toward the north"."""
-    return spot.preposition in ("into", "toward", "towards", "like")
-
-
-def _is_placed(spot: _Spot) -> bool:
-    """A noun behind a preposition: "in the garden", "by a crane", "with a spoon"."""
-    return spot.preposition in get_set("prepositions")
 
 
 def _is_in_a_fragment(spot: _Spot) -> bool:
@@ -420,30 +395,43 @@ def _is_acting(spot: _Spot) -> bool:
 _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
     (_is_landing_on_its_own, True),
     (_is_a_particle, False),
-    (_is_a_known_word, True),
+    (lambda s: s.mentions[s.index].kind is MentionKind.FUNCTION, True),
     (_is_interjection, True),
-    (_is_drawn_out, True),
-    (_is_style, True),
-    (_is_matter_of_a_part, True),
-    (lambda spot: spot.word in get_set("remains") and spot.motion is not None, True),
-    (_is_a_share, True),
+    (_is_speech, True),
+    # All of it: "the stack of pancakes"; a part of whoever acts: "with your palm".
+    (lambda s: s.word in get_set("measures") and s.get(1) == "of" and s.get(2) in s.names, True),
+    (lambda s: s.get(-1) in ("my", "your", "our") and s.preposition in ("with", "by", "between", "in"), True),
+    (lambda s: any(a == b == c for a, b, c in zip(s.word, s.word[1:], s.word[2:])), True),  # "noooo"
+    (lambda s: not get_set("styles").isdisjoint((s.word, s.get(1))), True),  # "accordion style"
+    # Of what a part is, is seen by how it moves: "her legs are rubber".
+    (lambda s: s.word in read_material_words().words and s.is_behind(MentionKind.PLACE), True),
+    (lambda s: s.word in get_set("remains") and s.motion is not None, True),
+    (
+        lambda s: s.is_parting and s.word in get_set("crowds") | get_set("paths"),
+        True,
+    ),  # "into thousands of pieces"
     (lambda s: s.word == "head" and s.mentions[s.index - 1].words in s.names and s.motion is None, True),
-    (_is_rolled_along, True),
-    (_is_a_path, False),
-    (_is_heading, True),
+    (_is_its_own_path, True),
+    (lambda s: s.word in get_set("paths") | get_set("worlds"), False),  # "in a spiral", "on the moon"
+    (
+        lambda s: s.word[0].isdigit() and (s.index == 0 or s.get(1) in (":", ".")),
+        True,
+    ),  # "3.2 Push it", "Run 3:"
     (_is_in_a_fragment, True),
-    (_is_number, False),
-    (_is_measured, True),
+    (lambda s: not s.word.isalpha() or s.word == "minus", False),  # "by -45 degrees"
+    # "A third of its length farther to the right".
+    (lambda s: s.index > 0 and s.mentions[s.index - 1].kind is MentionKind.QUANTITY, True),
     (_is_a_grip, True),
     (_is_asking, True),
     (_is_described, True),
-    (_is_reaching, True),
+    # "A gust catches the sign".
+    (lambda s: s.is_behind(MentionKind.CAUSE) and not s.is_behind(MentionKind.VERB) and s.is_in_wind, True),
     (_is_a_part, False),
     (_is_telling_a_part, False),
     (_is_placed_part, True),
-    (_is_struck, False),
-    (_is_result, False),
-    (_is_placed, True),
+    (lambda s: s.preposition in ("at", "on", "against") and s.is_met, False),  # "tap it on the forehead"
+    (lambda s: s.preposition in ("into", "toward", "towards", "like"), False),  # "bend it into a knot"
+    (lambda s: s.preposition in get_set("prepositions"), True),  # "in the garden", "with a spoon"
     (_is_describing, True),
     (_is_predicate, False),
     (_is_acting, True),

@@ -32,15 +32,12 @@ def _begins_displacement(rest: Sequence[str], before: str) -> bool:
     if first == "out":
         return second == "of" and len(rest) > 2 and rest[2] in get_set("determiners")
     if first in get_set("leading") and second in get_set("determiners"):
-        return _find_noun(rest[1:]) in get_set("destinations") or _is_bounded(rest[2:])
+        bounded = [word in get_set(name) for word, name in zip(rest[2:], ("other_sides", "bounds"))]
+        # "To the door", "to the other side".
+        return _find_noun(rest[1:]) in get_set("destinations") or bounded == [True, True]
     return False
 
 
 def _find_noun(words: Sequence[str]) -> str:
     """The first word past determiners; empty if there is none."""
     return next((word for word in words if word not in get_set("determiners")), "")
-
-
-def _is_bounded(words: Sequence[str]) -> bool:
-    """Return whether the words name another place by its relation: "other side", "next room"."""
-    return len(words) > 1 and words[0] in get_set("other_sides") and words[1] in get_set("bounds")

@@ -25,11 +25,9 @@ def read_landmarks(mentions: list[Mention], names: frozenset[str]) -> list[Menti
         if mention.kind not in _NOUNS:
             continue
         before = _find_preposition(mentions, at)
-        if (
-            mention.kind is MentionKind.PLACE
-            and _is_goal(mentions, before)
-            and not _is_of_another(mentions, at, names)
-        ):
+        words = [each.form for each in mentions[max(before - 1, 0) : before + 1]]
+        goal = words[-1:] in (["toward"], ["towards"]) or words == ["direction", "of"]
+        if mention.kind is MentionKind.PLACE and goal and not _is_of_another(mentions, at, names):
             result[at] = replace(mention, kind=MentionKind.DIRECTION, value=(mention.phrase,))
         elif any(tells(mentions, at, before) for tells in (_is_joint, _is_beginning, _is_giving_way)):
             result[at] = empty(mention)
@@ -42,12 +40,6 @@ def _find_preposition(mentions: list[Mention], at: int) -> int:
     while before >= max(at - _ADJECTIVES, 0) and mentions[before].kind in LOOSE:
         before -= 1
     return before - (before >= 0 and mentions[before].form in get_set("determiners"))
-
-
-def _is_goal(mentions: list[Mention], before: int) -> bool:
-    """Return whether what stands before a part makes it the way: "toward its tail", "in the direction of its tail"."""
-    words = [each.form for each in mentions[max(before - 1, 0) : before + 1]]
-    return words[-1:] in (["toward"], ["towards"]) or words == ["direction", "of"]
 
 
 def _is_of_another(mentions: list[Mention], at: int, names: frozenset[str]) -> bool:

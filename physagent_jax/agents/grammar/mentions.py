@@ -30,6 +30,7 @@ class MentionKind(enum.Enum):
     PACE = enum.auto()  # "even" or "sudden"
     REPEAT = enum.auto()  # Repeat
     PLACE = enum.auto()  # Place
+    LISTED = enum.auto()  # Place that stands in a list behind another
     EXCLUDED = enum.auto()  # Place that is not meant
     EXCEPT = enum.auto()  # None: what is not meant is not understood
     TIME = enum.auto()  # TimeSpan

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from physagent_jax.agents.grammar.mentions import LOOSE, Mention, MentionKind, empty, list_segments
 from physagent_jax.agents.grammar.tables import LEXICON, get_set
-from physagent_jax.agents.lexicon import Effect, Motion
+from physagent_jax.agents.lexicon import Effect
 
 _FLYING = (Effect.FALL, Effect.ROLL, Effect.STRIKE, Effect.JUMP)
 _ON, _AT = frozenset(("on", "onto", "upon")), frozenset(("at", "in", "into", "against"))
@@ -23,7 +23,10 @@ def read_missiles(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
         segment = result[begin:end]
         at = next((k for k, m in enumerate(segment) if m.kind is MentionKind.VERB), None)
         motion = None if at is None else segment[at].motion
-        if at is None or motion is None or not _flies(motion):
+        if at is None or motion is None:
+            continue
+        # A hand that pushes on it does not fly into it.
+        if motion.effect not in _FLYING and not (motion.effect is Effect.PUSH and motion.generic):
             continue
         hits = next((k for k, m in enumerate(segment) if k > at and m.form in _ON | _AT), None)
         owned = None if hits is None else _find_target(segment[hits + 1 :], names)
@@ -41,11 +44,6 @@ def read_missiles(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
             empty(m) if k == thing or k in free and m.kind in LOOSE[:2] else m for k, m in enumerate(segment)
         ]
     return result
-
-
-def _flies(motion: Motion) -> bool:
-    """Return whether a thing that does so may meet another; a hand that pushes on it does not fly into it."""
-    return motion.effect in _FLYING or motion.effect is Effect.PUSH and motion.generic
 
 
 def _is_object(mention: Mention, names: frozenset[str]) -> bool:

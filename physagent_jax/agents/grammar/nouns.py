@@ -136,9 +136,8 @@ def read_part(reader: Reader, at: int) -> Mention | None:
 def _read_side(reader: Reader, at: int, size: int, phrase: str, names: Names) -> Mention | None:
     """Reads a side with the noun behind it, or alone where it is an end as well."""
     noun = reader.get_text(at + size)
-    plural = (
-        noun not in ("sides", "faces", *LEXICON.part_nouns) and FORMS.get(noun) is None
-    )  # "from the left tips it over"
+    # "From the left tips it over".
+    plural = noun not in ("sides", "faces", *LEXICON.part_nouns) and FORMS.get(noun) is None
     part = noun.removesuffix("s") if plural else noun
     used = list(range(at, at + size + 1))
     towards = reader.get_preposition(at) in get_set("before_ways")

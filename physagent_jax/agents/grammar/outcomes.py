@@ -74,7 +74,8 @@ def read_aims(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
     """Makes a way of what a motion is to point at, unless one is told: "bend it until it points at the sky"."""
     result = list(mentions)
     for begin, end in list_segments(mentions):
-        aims = [at for at in range(begin, end) if _is_aim(mentions[at])]
+        ways = [at for at in range(begin, end) if mentions[at].kind is MentionKind.DIRECTION]
+        aims = [at for at in ways if mentions[at].phrase.startswith(_AIMING)]
         if not aims:
             continue
         last = max((at for at in range(begin) if mentions[at].motion is not None), default=begin)
@@ -94,10 +95,6 @@ def read_aims(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
             for at in aims:  # which end of it is to point there, is not said
                 result[at] = replace(mentions[at], kind=MentionKind.UNKNOWN, phrase=mentions[at].form)
     return result
-
-
-def _is_aim(mention: Mention) -> bool:
-    return mention.kind is MentionKind.DIRECTION and mention.phrase.startswith(_AIMING)
 
 
 def _begins_outcome(mentions: list[Mention], begin: int, at: int, end: int) -> bool:
@@ -158,9 +155,8 @@ def read_ends(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
                 result[lies] = replace(mentions[lies], value=LEXICON.motions["lie down"], phrase="lie down")
         elif mention.motion is not None:
             back = mention.phrase.startswith("settle back")
-            if (
-                back and motion is not None and motion.effect is Effect.LEAN
-            ):  # "tilt it, then it settles back level"
+            # "Tilt it, then it settles back level".
+            if back and motion is not None and motion.effect is Effect.LEAN:
                 result[at] = replace(mention, value=LEXICON.motions["return"], phrase="return")
             motion, lies = mention.motion, at if mention.phrase == "lie" else None
     return result

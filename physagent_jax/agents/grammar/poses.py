@@ -79,9 +79,8 @@ def _find_side(mentions: list[Mention], at: int) -> tuple[int, str | None]:
     ends = all(each.form != "of" for each in mentions[at + 1 : at + 2])
     if first > 0 and mentions[first].form == "the" and mention.phrase == "side" and ends:
         first -= 1  # "it falls on the side"
-    edge = mention.phrase.split()[-1].removesuffix("s") in get_set(
-        "edges"
-    )  # "on a corner", "on one of its edges"
+    # "On a corner", "on one of its edges".
+    edge = mention.phrase.split()[-1].removesuffix("s") in get_set("edges")
     owners = get_set("owners_of_feet") | (get_set("determiners") | {"one"} if edge else set())
     while first > 0 and mentions[first].form in owners:
         first -= 1  # "on all four of its feet"

@@ -116,12 +116,13 @@ def _read_load(reader: Reader, at: int) -> Mention | None:
 
 
 def _read_prevention(reader: Reader, at: int) -> Mention | None:
-    """Reads "keep it from falling": it does not fall."""
-    after = reader.tokens[at + 1] if at + 1 < len(reader.tokens) else None
-    prevented = reader.get_text(at) == "from" and any(m.form in get_set("prevents") for m in reader.mentions)
-    if not prevented or after is None or after.lemma not in LEXICON.motions or not after.text.endswith("ing"):
+    """Reads "keep it from falling", which does not fall, and "nobody pushes it"."""
+    after, text = reader.tokens[at + 1] if at + 1 < len(reader.tokens) else None, reader.get_text(at)
+    prevented = text == "from" and any(m.form in get_set("prevents") for m in reader.mentions)
+    prevented &= after is not None and after.text.endswith("ing")
+    if after is None or after.lemma not in LEXICON.motions or not (prevented or text == "nobody"):
         return None
-    return reader.make_mention(MentionKind.NOT, None, "from", [at])
+    return reader.make_mention(MentionKind.NOT, None, text, [at])
 
 
 def _read_state(reader: Reader, at: int) -> Mention | None:

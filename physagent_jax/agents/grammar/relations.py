@@ -42,11 +42,32 @@ def read_clauses(mentions: list[Mention]) -> list[Clause]:
         blown = clause.head is not None and get_verb(clause.head).wind and clause.select(MentionKind.FROM)
         if blown:  # "a wind from the right blows it away": off, wherever that is
             clause.modifiers = [m for m in clause.modifiers if m.phrase != "away"]
+    clauses = [each for clause in clauses for each in _part_places(clause)]
     untils = [m.first for m in mentions if m.kind is MentionKind.JOIN and m.phrase == "until"]
     whens = [m.first for m in mentions if m.kind is MentionKind.JOIN and m.phrase == "when"]
     thens = [m.first for m in mentions if m.value is Join.THEN and m.words[0].isalpha()]
     clauses = _withstand(clauses, thens)
     return _sort_clauses(_merge_results(_turn_whens(_turn_untils(clauses, untils), whens)))
+
+
+def _part_places(clause: Clause) -> list[Clause]:
+    """The same clause for each of several parts that are listed: "its ears and its tail wiggle"."""
+    if not clause.select(MentionKind.LISTED):
+        return [clause]
+    places = clause.select(MentionKind.PLACE, MentionKind.LISTED)
+    named = [replace(place, kind=MentionKind.PLACE) for place in places]
+    rest = [each for each in clause.modifiers if each not in places]
+    if clause.head is None or clause.has(Effect.STILL, Effect.HOLD) or get_verb(clause.head).wrings:
+        return [replace(clause, modifiers=[*rest, *named])]
+    return [
+        replace(
+            clause,
+            join=Join.WHILE if number else clause.join,
+            modifiers=[*rest, place],
+            mentions=[m for m in clause.mentions if m not in places or m.first == place.first],
+        )
+        for number, place in enumerate(named)
+    ]
 
 
 def _withstand(clauses: list[Clause], thens: list[int]) -> list[Clause]:
@@ -55,7 +76,8 @@ def _withstand(clauses: list[Clause], thens: list[int]) -> list[Clause]:
     yields = any(clause.join is Join.BUT for clause in told)
     rests = [clause for clause in told if _is_unmoved(clause) or yields and _is_staying(clause)]
     passive = all(c.cause or c.has(Effect.STILL) or _is_act(c) for c in told if not _is_unmoved(c))
-    if not rests or not passive:
+    sways = any(c.verb and c.has(Effect.SWAY) for c in told)  # "it sways, but it stays on its feet"
+    if not rests or not passive or sways and not any(map(_is_unmoved, rests)):
         return clauses
     first = min(m.first for m in rests[0].mentions)
     if any(0 < then < first for then in thens):  # "push it, then it does not move"
@@ -171,7 +193,8 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
     """Makes one clause of cause and effect ("pushes it so that it bends"): the effect's verb, all modifiers."""
     merged: list[Clause] = []
     for index, clause in enumerate(clauses):
-        if merged and clause.join in (Join.RESULT, Join.AND) and _is_braking(merged[-1]):
+        brakes = bool(merged) and merged[-1].has(Effect.STILL) and get_verb(merged[-1].head).brief
+        if brakes and clause.join in (Join.RESULT, Join.AND):
             first = merged.pop()  # "it drives forward and brakes, so that it rocks": along its way
             clause.join = clause.join if merged else first.join
         before = merged[-1] if merged else None
@@ -181,8 +204,9 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
             continue
         if clause.join is Join.COMMA:
             clause.join = _find_comma(merged, clause)
-        if clause.join is Join.COMMA and _is_tumbling_aloft(before, clause):
-            clause.join = Join.AND
+        aloft = before.has(Effect.STRIKE, Effect.JUMP) and get_verb(before.head).gravity
+        if clause.join is Join.COMMA and aloft and clause.has(Effect.TURN) and get_verb(clause.verb).tumbles:
+            clause.join = Join.AND  # "toss it up, let it do a somersault"
         if clause.verb and clause.join in (Join.AND, Join.COMMA) and _is_dented(before, clause):
             clause.join, clause.verb = Join.RESULT, replace(clause.verb, value=_DENT, phrase="dent")
             clause.modifiers = [m for m in clause.modifiers if m.kind is not MentionKind.PLACE]
@@ -191,8 +215,9 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
         bows = LEXICON.motions["bow"] in (get_verb(before.head), get_verb(clause.verb))
         if clause.join is Join.AND and bows and not (clause.has(Effect.TOPPLE) or get_verb(before.head).wind):
             clause.join = Join.THEN  # "it twirls and takes a bow", "it bows and exits"
-        if clause.join is Join.RESULT and _is_first_of_steps(clause, clauses[index + 1 :]):
-            clause.join = Join.THEN
+        repeated = any(each.inherited and each.verb is clause.verb for each in clauses[index + 1 : index + 2])
+        if clause.join is Join.RESULT and repeated and get_verb(clause.verb).generic:
+            clause.join = Join.THEN  # "it sways: its top goes left, then right, and back"
         if clause.stays and not clause.modifiers and before.has(get_verb(clause.verb).effect):
             before.stays = True  # "compress it and keep it compressed"
         elif _is_saying_size_again(before, clause):
@@ -204,17 +229,16 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
         ):
             merged += _relate(before, clause)
         else:
-            if clause.join is Join.AND and before.has(Effect.STRIKE) and clause.has(Effect.TOPPLE):
-                told = before.select(*WHERE)  # "a kick topples it to the right"
+            flies = clause.has(Effect.TURN) and get_verb(before.head).gravity
+            if clause.join is Join.AND and before.has(Effect.STRIKE) and (flies or clause.has(Effect.TOPPLE)):
+                # "A kick topples it to the right", "it is thrown spinning to the right".
+                told = before.select(*WHERE)
                 before.modifiers += [] if told else clause.select(*WAYS)
+                clause.modifiers = [m for m in clause.modifiers if told or not flies or m.kind not in WAYS]
             if clause.join is Join.AND and before.has(Effect.STRIKE) and clause.has(Effect.PUSH):
                 clause.join = Join.THEN  # "it is thrown to the left and slides down"
             merged.append(clause)
     return merged
-
-
-def _is_braking(clause: Clause) -> bool:
-    return clause.has(Effect.STILL) and get_verb(clause.head).brief
 
 
 def _is_saying_size_again(before: Clause, clause: Clause) -> bool:
@@ -225,24 +249,12 @@ def _is_saying_size_again(before: Clause, clause: Clause) -> bool:
     return alike and measured and clause.join is Join.AND and before.verb is not clause.verb
 
 
-def _is_tumbling_aloft(leap: Clause, clause: Clause) -> bool:
-    """Return whether it goes head over heels while it is in the air: "toss it up, let it do a somersault"."""
-    turns = clause.has(Effect.TURN) and get_verb(clause.verb).tumbles
-    return turns and leap.has(Effect.STRIKE, Effect.JUMP) and get_verb(leap.head).gravity
-
-
 def _is_dented(blow: Clause, clause: Clause) -> bool:
     """Return whether a blow leaves a dent: "it is struck on its left side and keeps the dent, or crumples there"."""
     verb, struck = get_verb(clause.verb), [m.phrase for m in blow.select(MentionKind.PLACE)]
     dents = verb.sign < 0 and (verb.quick or bool(struck) and verb.effect in (Effect.SCALE, Effect.SWELL))
     placed = all(m.phrase in struck for m in clause.select(*WHERE))
     return blow.has(Effect.STRIKE) and dents and placed and not get_verb(blow.head).gravity
-
-
-def _is_first_of_steps(clause: Clause, behind: list[Clause]) -> bool:
-    """Return whether what follows repeats its verb: "it sways: its top goes left, then right, and back"."""
-    repeated = bool(behind) and behind[0].inherited and behind[0].verb is clause.verb
-    return repeated and get_verb(clause.verb).generic
 
 
 def _find_comma(merged: list[Clause], clause: Clause) -> Join:
@@ -287,6 +299,10 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
     # "Toss it so that it flips", "drop it so that it rolls", "twist it until it tears".
     shapes = {first.effect, second.effect} <= {Effect.TURN, Effect.SCALE, Effect.SWAY}
     another = drops or second.effect is Effect.TURN and first.gravity
+    another |= (
+        second.effect is Effect.STRIKE and not effect.modifiers and cause.has(Effect.FALL, Effect.TOPPLE)
+    )
+    severs = second.manner == "detach" and first.effect in _FORMS and not cause.select(MentionKind.PLACE)
     another |= shapes and second.effect is not first.effect
     lengths = [m for m in cause.select(MentionKind.QUANTITY) if getattr(m.value, "unit", "") in _LENGTHS]
     own = first.effect in (Effect.PUSH, Effect.ROLL) and second.effect is Effect.SWAY and bool(lengths)
@@ -323,8 +339,9 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
         cause.modifiers = [m for m in cause.modifiers if m.kind is not MentionKind.PLACE or m in grips]
     if second.effect is Effect.TOPPLE and cause.has(*DRIVING) and not cause.select(*WAYS):
         cause.modifiers += effect.select(*WAYS)  # "push it until it tips over to the right"
-    if second.effect in _SEPARATE or another or is_end(first, second):
-        ends = second.effect in (Effect.STILL, Effect.RELEASE) or is_end(first, second)
+    # "Twist it until it snaps in two".
+    if second.effect in _SEPARATE or another or severs or is_end(first, second):
+        ends = second.effect in (Effect.STILL, Effect.RELEASE) or is_end(first, second) or severs
         effect.join = Join.THEN if ends or drops else Join.WHILE
         return [effect]
     if first.effect is Effect.STRIKE and second.effect is Effect.LEAN:  # "hit its belly so that it folds"
@@ -360,7 +377,8 @@ def _is_carried_off(before: Clause, clause: Clause) -> bool:
     pushed = first.effect is Effect.PUSH and not first.generic and first.direction is None
     driven = pushed and not before.select(*WHERE) and bool(clause.select(*WAYS))
     elsewhere = before.select(MentionKind.DIRECTION) and clause.select(MentionKind.DIRECTION)
-    elsewhere = elsewhere or _is_sinking_at_wall(before, clause)
+    if before.select(MentionKind.SOLID) and clause.select(*WAYS):  # "thrown against a wall and slides down"
+        elsewhere = elsewhere or all(way.value == ("down",) for way in clause.select(*WAYS))
     return before.has(Effect.STRIKE) and not elsewhere or driven
 
 
@@ -370,12 +388,6 @@ def _is_pushed_over(before: Clause, clause: Clause) -> bool:
     pushed = before.has(Effect.PUSH) and not (first.generic or first.wind or first.direction)
     goes = before.select(MentionKind.QUANTITY, MentionKind.DIRECTION, MentionKind.TIME)
     return pushed and not goes and clause.has(Effect.TOPPLE) and clause.join in (Join.COMMA, Join.AND)
-
-
-def _is_sinking_at_wall(before: Clause, clause: Clause) -> bool:
-    """Return whether it goes down a wall that it met: "thrown against a wall and slides down"."""
-    ways = clause.select(*WAYS)
-    return bool(before.select(MentionKind.SOLID) and ways) and all(way.value == ("down",) for way in ways)
 
 
 def _is_moved_by_wind(wind: Clause, clause: Clause) -> bool:
@@ -389,9 +401,8 @@ def _is_falling_over(topple: Clause, clause: Clause) -> bool:
     """Return whether a fall ends a toppling: "it tips over to the right and falls"."""
     ways = [m for m in clause.select(*WAYS) if m.value != ("down",)]
     told = bool(topple.select(*WHERE))
-    onto = clause.join is Join.RESULT and clause.has(
-        Effect.TOPPLE
-    )  # "knock it over so that it falls on its side"
+    # "Knock it over so that it falls on its side".
+    onto = clause.join is Join.RESULT and clause.has(Effect.TOPPLE)
     return topple.has(Effect.TOPPLE) and (onto or clause.has(Effect.FALL)) and not (ways and told)
 
 

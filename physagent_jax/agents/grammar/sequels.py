@@ -18,7 +18,7 @@ from physagent_jax.agents.grammar.mentions import (
     list_segments,
 )
 from physagent_jax.agents.grammar.tables import LEXICON, get_set
-from physagent_jax.agents.lexicon import Effect, Join, Motion
+from physagent_jax.agents.lexicon import Effect, Join
 
 _BESIDE = (MentionKind.FUNCTION, *LOOSE)
 _ADVERBS = (MentionKind.INTENSITY, MentionKind.DEGREE)
@@ -26,6 +26,7 @@ _NEAR = 4  # words from "each" to what it is less by
 _RUNNING_OUT = (Effect.PUSH, Effect.ROLL, Effect.TURN)
 _WHENS = ("when", "once", "as soon as", "after")
 _ENDING = frozenset(("stop", "cease", "halt", "subside", "die down", "calm down"))
+_ENDING |= {f"come to {end}" for end in ("rest", "a stop", "a halt", "a standstill")}
 
 
 def read_trends(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
@@ -45,7 +46,8 @@ def read_trends(mentions: list[Mention], _names: frozenset[str]) -> list[Mention
         ):
             begin -= 1
         known = motion.bounces or motion.effect is Effect.SWAY
-        known |= motion.effect in _RUNNING_OUT and _comes_to_rest(mentions[end:])
+        later = next((each.motion for each in mentions[end:] if each.motion is not None), motion)
+        known |= motion.effect in _RUNNING_OUT and later.effect is Effect.STILL
         less = next(k for k in range(at, end) if mentions[k].form in get_set("fading"))
         if not known and mentions[less].motion is None:
             continue  # "each time less" of a push is doubted as it stands
@@ -79,11 +81,6 @@ def _find_trend(mentions: list[Mention], at: int) -> int:
     return min(end, len(mentions))
 
 
-def _comes_to_rest(behind: list[Mention]) -> bool:
-    motion = next((mention.motion for mention in behind if mention.motion is not None), None)
-    return motion is not None and motion.effect is Effect.STILL
-
-
 def read_debris(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
     """Empties what the pieces do of what bursts or falls apart: "it explodes into pieces that scatter everywhere"."""
     result, parted = list(mentions), False
@@ -104,12 +101,8 @@ def read_debris(mentions: list[Mention], _names: frozenset[str]) -> list[Mention
             if motion is not None and motion.gives and noun.kind is MentionKind.UNKNOWN:
                 strewn = mention.phrase.endswith("directions")  # "its three balls roll off in all directions"
                 result[at - 1] = replace(noun, kind=MentionKind.IGNORED) if strewn else noun
-            parted |= motion is not None and _parts(motion)
+            parted |= motion is not None and (motion.gives or motion.effect is Effect.BURST)
     return result
-
-
-def _parts(motion: Motion) -> bool:
-    return motion.gives or motion.effect is Effect.BURST
 
 
 def read_captions(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
@@ -148,9 +141,14 @@ def read_lulls(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]
         end = next((k for k, each in enumerate(behind) if each.phrase in _ENDING), 0)
         ends = mention.kind is MentionKind.JOIN and mention.phrase in _WHENS and has_motion(mentions[:at])
         acts = end > 0 and (behind[end - 1].form == "it" or behind[end - 1].motion is not None)
-        if ends and acts and has_motion(behind[end + 1 :] + mentions[at + 1 + _NEAR :]):
-            result[at] = replace(mention, value=Join.THEN, phrase="then")
-            result[at + 1 : at + end + 2] = map(empty, behind[: end + 1])
+        if ends and acts:
+            later = has_motion(behind[end + 1 :] + mentions[at + 1 + _NEAR :])
+            links = [
+                k for k in range(at) if mentions[k].kind is MentionKind.JOIN and has_motion(mentions[:k])
+            ]
+            for link in [at] if later else links[-1:]:  # "it slides and wobbles when it stops"
+                result[link] = replace(mentions[link], value=Join.THEN, phrase="then")
+                result[at + later : at + end + 2] = map(empty, mentions[at + later : at + end + 2])
         if mention.phrase == "stop" and behind and behind[0].form in get_set("objects"):
             for k in range(max(at - _NEAR, 0), at):
                 result[k] = empty(mentions[k]) if mentions[k].kind is MentionKind.PLACE else result[k]

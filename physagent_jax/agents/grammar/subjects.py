@@ -3,8 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
-from physagent_jax.agents.grammar.mentions import LOOSE, Mention, MentionKind, empty, get_last_motion
+from physagent_jax.agents.grammar.mentions import (
+    LOOSE,
+    Mention,
+    MentionKind,
+    empty,
+    get_last_motion,
+    has_motion,
+)
 from physagent_jax.agents.grammar.tables import LEXICON, get_set
 from physagent_jax.agents.lexicon import NAMED, Effect, Motion, Place
 from physagent_jax.forces.part import is_plural
@@ -44,7 +52,8 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
     for begin, end in zip(begins, [*begins[1:], len(mentions)]):
         segment = mentions[begin:end]
         if part is not None:
-            if part.several and _chooses_one(segment):  # "its ears twitch, first the left one"
+            chosen = any(map(_is_one, segment)) and _find(segment, MentionKind.VERB) is None
+            if part.several and chosen:  # "its ears twitch, first the left one"
                 result = [empty(each) if each == part.mention else each for each in result]
             segment = _name_again(_name_one(segment, part.mention), part, names)
         verb, place = _find(segment, MentionKind.VERB), _find(segment, MentionKind.PLACE)
@@ -70,6 +79,25 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
     return result
 
 
+def read_lists(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+    """Marks the parts of a list behind the first: "its ears and its tail wiggle"."""
+    result = list(mentions)
+    ends = [0, *(at for at, each in enumerate(mentions) if each.kind is MentionKind.JOIN), len(mentions)]
+    for before, at in pairwise(at for at, each in enumerate(mentions) if each.kind is MentionKind.PLACE):
+        between = mentions[before + 1 : at]
+        links = {each.phrase for each in between if each.kind is MentionKind.JOIN}
+        idle = get_set("determiners") | {"both"}
+        beside = all(
+            each.kind in (*LOOSE, MentionKind.JOIN) or each.kind is MentionKind.FUNCTION and each.form in idle
+            for each in between
+        )
+        first, last = max(k for k in ends if k <= before), min(k for k in ends if k > at)
+        acts = has_motion(mentions[first:before]) and has_motion(mentions[at:last])
+        if beside and "and" in links and links <= {"and", ","} and not acts:
+            result[at] = replace(mentions[at], kind=MentionKind.LISTED)
+    return result
+
+
 def _find(segment: list[Mention], kind: MentionKind) -> int | None:
     return next((at for at, each in enumerate(segment) if each.kind is kind), None)
 
@@ -87,10 +115,6 @@ def _get_noun(mention: Mention) -> str:
 
 def _is_one(mention: Mention) -> bool:
     return mention.kind is MentionKind.PLACE and mention.words.lower().endswith(" one")
-
-
-def _chooses_one(segment: list[Mention]) -> bool:
-    return any(map(_is_one, segment)) and _find(segment, MentionKind.VERB) is None
 
 
 def _name_one(segment: list[Mention], part: Mention) -> list[Mention]:

@@ -45,9 +45,8 @@ class Token:
         return self.text[0].isalnum()
 
 
-@functools.lru_cache(
-    maxsize=1024
-)  # a sentence is taken apart four times, and a refusal looks through all patterns
+# A sentence is taken apart four times, and a refusal looks through all patterns.
+@functools.lru_cache(maxsize=1024)
 def tokenise(sentence: str) -> tuple[Token, ...]:
     """Tokens of ``sentence``; hyphens separate words, "doesn't" becomes "does", "not", "it's" becomes "it"."""
     # One character may have several in lower case; those are kept, so that places stay valid.
@@ -138,9 +137,8 @@ def _find_meant(text: str, names: frozenset[str]) -> str | None:
     near = [text[:i] + text[i + 1] + text[i] + text[i + 2 :] for i in range(len(text) - 1)]
     near += [text[:i] + text[i + 1 :] for i in range(1, len(text)) if text[i] == text[i - 1]]
     near += [text[:i] + text[i] + text[i:] for i in range(1, len(text) - 1)]  # "midle"
-    near += [
-        word for kept in (r"\1", r"\1\1") if (word := _RUN.sub(kept, text)) not in LEXICON.negations
-    ]  # "sooo"
+    # "Sooo".
+    near += [word for kept in (r"\1", r"\1\1") if (word := _RUN.sub(kept, text)) not in LEXICON.negations]
     near += [text + "g"] if text.endswith("in") else []  # "landin"
     found = {word for word in near if word != text and (word in KNOWN or word in names)}
     if len(found) == 1:

@@ -32,7 +32,7 @@ def inflect(verb: str) -> set[str]:
 
 @functools.cache
 def read_forms() -> dict[str, str]:
-    """Every inflected form of every verb in the lexicon, to its lemma; lemmas themselves win."""
+    """Every inflected form of every verb in the lexicon, to its lemma; "jumping" of "jumping jacks" is of "jump"."""
     lexicon = read_lexicon()
     verbs = (phrase for phrase, each in lexicon.motions.items() if not (each.generic and " " in phrase))
     lemmas = {phrase.split()[0] for phrase in verbs} | set(lexicon.irregular)  # "head over heels" is no verb
@@ -40,4 +40,4 @@ def read_forms() -> dict[str, str]:
     for lemma in sorted(lemmas):
         for form in inflect(lemma):
             forms.setdefault(form, lemma)
-    return forms | {lemma: lemma for lemma in lemmas}
+    return forms
