@@ -18,6 +18,8 @@ from tests.agents.test_named_parts import make_part
         ("the cat is dropped and lands on its feet", "feet"),
         ("throw it so that it lands head-first", "head"),
         ("it tumbles head over heels", "head"),
+        ("a big hand pushes down on the truck and lets go", "hand"),
+        ("it stands there, then a giant boxing fist hits it", "fist"),
         ("the dog rolls over onto its back", "back"),
         ("the statue falls over, face down", "face"),
         ("the horse rears up on its hind legs", "legs"),
@@ -37,6 +39,7 @@ def test_a_posture_acts_on_no_part(sentence, word):
     ("sentence", "word"),
     [
         ("press on its nose", "nose"),
+        ("he waves a big hand", "hand"),
         ("tap the statue on its head", "head"),
         ("push the nose down first", "nose"),
         ("bend its head down", "head"),
