@@ -41,7 +41,16 @@ _PAIRS += ("frames",)
 _UNSHOWN = frozenset(
     ("force_field", "errors", "oddities", "substeps", "particle_count", "assumptions", "frame_dt")
 )
-_UNSHOWN |= {"job", "run", "failed_checks", "true_failed_checks", "not_understood", "unsure"}
+_UNSHOWN |= {
+    "preset",
+    "options",
+    "job",
+    "run",
+    "failed_checks",
+    "true_failed_checks",
+    "not_understood",
+    "unsure",
+}
 _UNSHOWN |= {
     f"{source}_{what}"
     for source in ("perceived", "true")

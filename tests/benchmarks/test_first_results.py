@@ -148,6 +148,7 @@ def test_the_sentences_are_many_different_and_of_every_kind():
         ("nineteenth", 20, 5, "acba7f8cff5fa4bd"),
         ("twentieth", 20, 5, "2d636910404c39fa"),
         ("twentyfirst", 20, 5, "9687b5eb1def3ee3"),
+        ("twentysecond", 20, 5, "379e99ee998ea9de"),
     ],
 )
 def test_pairs_that_were_held_back_are_as_they_were_written(group, pairs, things, digest):

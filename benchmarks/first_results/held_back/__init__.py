@@ -30,6 +30,7 @@ from benchmarks.first_results.held_back import (
     twelfth,
     twentieth,
     twentyfirst,
+    twentysecond,
 )
 from benchmarks.first_results.pins import PinnedFile
 
@@ -55,6 +56,7 @@ _LOTS = (
     nineteenth,
     twentieth,
     twentyfirst,
+    twentysecond,
 )
 
 FILES: Mapping[str, PinnedFile] = {name: file for lot in _LOTS for name, file in lot.FILES.items()}
