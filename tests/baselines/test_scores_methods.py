@@ -22,8 +22,6 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
 from tests.baselines.tiny import act
 
-pytestmark = pytest.mark.usefixtures("module_least_optimised")  # to compile takes longest
-
 WISHES = {"left": (-1.0, 0.0), "right": (1.0, 0.0), "up": (0.0, -1.0)}
 
 

@@ -20,8 +20,6 @@ from benchmarks.inverse.problems import JELLY, Problem
 from benchmarks.inverse.scenes import DX, FRAMES, TRACKS, Block
 from benchmarks.inverse.unknowns import UNKNOWNS
 
-pytestmark = pytest.mark.usefixtures("module_least_optimised")  # to compile takes longest
-
 SMALL = Block(JELLY, substeps=8, cells=(3, 3, 3), low=(9.0, 9.0, 12.0), floor=None)
 TRUTH = np.array([0.8, -0.4, 1.2])
 
