@@ -232,7 +232,7 @@ def test_a_word_longer_than_any_is_not_looked_up_by_its_slips():
 
 def test_long_prompts_stay_small_and_quick():
     """Thousands of clauses neither crash nor flood the simulator."""
-    reply = read("push it to the left, then kick it up, then " * 2000 + "stop")
+    reply = read("push it to the left, then kick it up, then " * 1000 + "stop")
     assert len(reply.force_field.actions) <= MAX_ACTIONS
     check_windows(reply, 49)
 

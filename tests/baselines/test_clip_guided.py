@@ -23,6 +23,8 @@ from tests.metrics.make_tiny_clip import FOLDER, LENGTH, SIZE
 for package in ("flax", "safetensors", "tokenizers"):
     pytest.importorskip(package, reason="needs the extra `clip`")
 
+pytestmark = pytest.mark.usefixtures("module_least_optimised")  # to compile takes longest
+
 
 @pytest.fixture(scope="module")
 def encoder():

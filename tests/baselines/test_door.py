@@ -18,6 +18,8 @@ from baselines.methods import make_method
 from baselines.protocol import Budget, MethodFailedError
 from physagent_jax.core.errors import UserError
 
+pytestmark = pytest.mark.usefixtures("module_least_optimised")  # to compile takes longest
+
 ALL = """
 import dataclasses
 import jax.numpy as jnp

@@ -26,6 +26,8 @@ from physagent_jax.forces.schema import Action, ActionType, ForceField, HalfSpac
 from physagent_jax.metrics.targets import Distance, Stretch, Target, Turn
 from physagent_jax.metrics.task_judge import compute_residuals, judge
 
+pytestmark = pytest.mark.usefixtures("module_least_optimised")  # a program for each target, of 30 particles
+
 FRAMES = 13
 WHOLE = 1 + 3 * len(SKILLS)  # simulations: a fall, and each skill along each axis
 REST = np.random.default_rng(0).uniform(0.0, 1.0, (30, 3)).astype(np.float32)

@@ -13,6 +13,8 @@ from baselines.scores.toy.objects import OBJECTS, write_object
 from baselines.scores.toy.validation import classify, summarise
 from physagent_jax.core.errors import UserError
 
+pytestmark = pytest.mark.usefixtures("module_least_optimised")  # to compile takes longest
+
 
 def mean_of_words(*words):
     return np.array([word in words for word in WORDS], np.float32)
@@ -151,6 +153,12 @@ def make_model(nnx, **sizes):
     return model
 
 
+@pytest.fixture(scope="module")
+def model(nnx):
+    """A small model that no test changes."""
+    return make_model(nnx)
+
+
 def make_validation(accuracy=1.0):
     share = int(100 * accuracy)
     found = np.array([0] * share + [1] * (100 - share))
@@ -174,16 +182,16 @@ def test_a_token_s_patch_comes_from_where_it_goes_to(nnx):
     assert np.array_equal(changed, wanted)
 
 
-def test_the_velocity_is_that_of_the_guess(nnx):
+def test_the_velocity_is_that_of_the_guess(model):
     """x_s = (1 - s) x_0 + s e and v = e - x_0 give x_0 = x_s - s v."""
-    model, clip = make_model(nnx), draw_video()[None]
+    clip = draw_video()[None]
     share, words = np.full(1, 0.4, np.float32), read_prompt("move left")[None]
     velocity = np.asarray(model(clip, share, words))
     assert np.allclose(clip - 0.4 * velocity, model.guess_clean(clip, share, words), atol=1e-5)
 
 
 @pytest.mark.parametrize("motion", [False, True])
-def test_gradient_is_that_of_the_published_loss(nnx, motion):
+def test_gradient_is_that_of_the_published_loss(nnx, model, motion):
     """JAX's derivative of 0.5 |x0 - (x0 - g).detach()|^2, through the same resampling."""
     import dataclasses
 
@@ -193,7 +201,6 @@ def test_gradient_is_that_of_the_published_loss(nnx, motion):
     from baselines.scores import ScorePrior, sds
     from baselines.scores.toy.prior import SETTINGS, ToyPrior
 
-    model = make_model(nnx)
     settings = dataclasses.replace(SETTINGS, motion=motion)
     prior = ToyPrior(model, make_validation(), settings)
     assert isinstance(prior, ScorePrior) and prior.toy and prior.name == "toy prior"
@@ -207,19 +214,23 @@ def test_gradient_is_that_of_the_published_loss(nnx, motion):
         square = jnp.concatenate([frames[:, :1]] * 4 + [frames] + [frames[:, -1:]] * 4, 1)
         return 2 * jax.image.resize(square, (FRAMES, SIZE, SIZE, 3), "linear") - 1
 
+    predict = nnx.jit(lambda model, *given: model(*given))  # operation by operation it takes far longer
+
     def find_slope(x0):
         total = 0
         draws = sds.draw(settings, jax.random.key(3), x0.shape)
         for drawn in draws:
             noisy, s = (1 - drawn.time) * x0 + drawn.time * drawn.noise, np.full(1, drawn.time, np.float32)
-            bare, told = (model(noisy[None], s, words[each])[0] for each in (0, 1))
+            bare, told = (predict(model, noisy[None], s, words[each])[0] for each in (0, 1))
             total += (bare + settings.guidance * (told - bare) - (drawn.noise - x0)) / len(draws)
         return total
 
+    x0 = encode(picked)
+    slope = find_slope(x0) - (find_slope(encode(np.repeat(video[:1], FRAMES, 0))) if motion else 0)
+    detached = x0 - slope  # nothing goes back through it
+
     def loss(frames):
-        x0 = encode(frames)
-        slope = find_slope(x0) - (find_slope(encode(np.repeat(video[:1], FRAMES, 0))) if motion else 0)
-        return 0.5 * ((x0 - jax.lax.stop_gradient(x0 - slope)) ** 2).sum()
+        return 0.5 * ((encode(frames) - detached) ** 2).sum()
 
     by_picked = np.asarray(jax.grad(loss)(picked))
     wanted = np.zeros_like(video)
@@ -228,11 +239,11 @@ def test_gradient_is_that_of_the_published_loss(nnx, motion):
     assert prior.cost.calls == 2 * settings.draws * (1 + motion)
 
 
-def test_a_prior_is_kept_and_one_that_learnt_nothing_is_refused(nnx, tmp_path):
+def test_a_prior_is_kept_and_one_that_learnt_nothing_is_refused(model, tmp_path):
     from baselines.scores import open_prior
     from baselines.scores.toy.prior import ToyPrior, save
 
-    model, video = make_model(nnx), draw_video()
+    video = draw_video()
     save(tmp_path / "good", model, make_validation(0.9), dict(steps=1))
     again = open_prior("toy", str(tmp_path / "good"))
     wanted = ToyPrior(model, make_validation()).gradient(video, "move up", 0)
@@ -254,8 +265,9 @@ def test_loss_of_a_model_that_knows_only_mean_and_spread(nnx):
     model = ToyVideoModel(ModelConfig(width=16, depth=1, heads=2), rngs=nnx.Rngs(0))
     words = np.zeros((4, len(WORDS)), np.float32)
     clean = np.ones((4, FRAMES, SIZE, SIZE, 3), np.float32)
+    loss = nnx.jit(compute_loss)
     losses = [
-        float(compute_loss(model, (MEAN + scale * SPREAD) * clean, words, jax.random.key(key)))
+        float(loss(model, (MEAN + scale * SPREAD) * clean, words, jax.random.key(key)))
         for scale in (-1, 1)
         for key in range(3)
     ]

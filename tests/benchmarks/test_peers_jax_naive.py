@@ -59,8 +59,10 @@ def after(peer, scene, steps):
     ],
     ids=["neo-hookean", "corotated", "pic", "rpic", "slip", "friction"],
 )
-def test_a_drop_is_ours_to_round_off(changes):
+def test_a_drop_is_ours_to_round_off(changes, request):
     """Same weights, same stress form, same order: only round-off and the decomposition differ."""
+    if "material" in changes:  # its decomposition takes far longer to compile than to run
+        request.getfixturevalue("least_optimised")
     scene = dropped(**changes)
     theirs, ours = after(JaxNaive(), scene, 120), after(Ours(), scene, 120)
     assert np.abs(ours.F() - np.eye(3)).max() > 0.01
@@ -86,7 +88,7 @@ def test_the_benchmark_scene_is_that_of_the_classical_form_up_to_the_grid(materi
 
 def test_momentum_in_free_flight_is_constant():
     rng = np.random.default_rng(0)
-    scene = block(v=0.2 * rng.normal(size=(512, 3)) + 0.1)
+    scene = block(v=0.2 * rng.normal(size=(512, 3)) + 0.1, domain_box=None)  # the program of the next test
     peer = after(JaxNaive(), scene, 200)
     before, now = ((scene.mass[:, None].astype(float) * v).sum(0) for v in (scene.v, peer.v()))
     np.testing.assert_allclose(now, before, rtol=2e-5)

@@ -12,6 +12,8 @@ from benchmarks.skipping.catalogue import GROUPS, SKIPS
 from benchmarks.skipping.markdown import write_tables
 from benchmarks.skipping.measure import FEWEST, NOT_MEASURABLE, answers, judge, row, verdict
 
+pytestmark = pytest.mark.usefixtures("module_least_optimised")  # each runs once or twice
+
 TINY = Sizes(
     particles=500,
     cells=20,

@@ -25,6 +25,8 @@ from physagent_jax.gaussians import (
 from physagent_jax.gaussians.binding import bind_pieces
 from physagent_jax.scene.compile.buckets import pad_gaussians
 
+pytestmark = pytest.mark.usefixtures("module_least_optimised")  # to compile takes longest
+
 
 @pytest.fixture
 def cloud():

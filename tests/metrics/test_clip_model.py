@@ -24,6 +24,8 @@ from physagent_jax.metrics.clip_encoder import ClipEncoder  # noqa: E402
 from physagent_jax.metrics.clip_pictures import Preparation  # noqa: E402
 from physagent_jax.metrics.clip_words import Words  # noqa: E402
 
+pytestmark = pytest.mark.usefixtures("module_least_optimised")  # to compile takes longest
+
 EXPECTED = json.loads((FOLDER / "expected.json").read_text())
 
 
