@@ -144,7 +144,7 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         builder.notes.append(f"'{event.text}': where that is, is not known, and nothing is done to it.")
         event.unknown_parts.clear()
         return  # "while the trunk stays put"
-    if events and events[-1].effect is event.effect is Effect.STILL and event.is_bare:
+    if len(events) > 1 and events[-1].effect is event.effect is Effect.STILL and event.is_bare:
         events[-1].stays |= event.stays
         return  # "it stops, still standing"
     fell = bool(events) and (events[-1].effect in (Effect.FALL, Effect.TOPPLE) or events[-1].motion.gravity)
