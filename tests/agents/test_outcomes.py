@@ -27,6 +27,8 @@ LEAST = 0.1  # of a length: the least change of shape that is seen without compa
         ("the robot rises, spins and falls to the ground", "move up; rotate up; fall"),
         ("the robot rises, hovers, then drops", "move up; still; fall"),
         ("squash the robot and let it pop back up", "squeeze up"),
+        ("the robot is made of jelly, squash it and let go so it wobbles back into shape", "squeeze up"),
+        ("squash the jelly robot, let go and it jiggles", "squeeze up"),
         ("knock the robot over so that it lies on its back", "rotate left & fall"),
         ("push the robot until it tips over to the right", "rotate away & fall"),
         ("shove the robot so that it falls on its back", "rotate left & fall"),

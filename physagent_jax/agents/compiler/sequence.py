@@ -179,10 +179,15 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         events[-1].doubts += event.doubts
         events[-1].trembles |= builder.soft and not event.motion.gives
         return  # "it falls and shatters", "it falls and flattens"
-    if builder.soft and events and events[-1].effect is Effect.FALL and _trembles(event):
-        builder.notes.append(f"'{event.words}': what is soft does so by itself as it lands.")
-        events[-1].trembles = True
-        return  # led to and fro, it would hang where it has bounced to
+    acted = next((each for each in reversed(events) if each.effect is not Effect.RELEASE), None)
+    if builder.soft and acted and _trembles(event):
+        acted.trembles = acted is events[-1] and acted.effect is Effect.FALL
+        pressed = acted.effect is Effect.SCALE and acted.motion.sign < 0 and event.effect is Effect.SWAY
+        if acted.trembles or pressed:
+            builder.notes.append(f"'{event.words}': what is soft does so by itself.")
+        if acted.trembles or pressed and acted is not events[-1]:
+            return  # led to and fro, it would hang where it has bounced to
+        event = _make_another(event, "spring back") if pressed else event
     if event.verb is not None and event.verb.bounces and event.effect in (Effect.FALL, Effect.JUMP):
         bouncing = events[-1] if events and events[-1].effect is Effect.FALL else event
         bouncing.rebounds = event.repeat.count or _REBOUNDS
