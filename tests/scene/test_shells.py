@@ -11,6 +11,7 @@ from physagent_jax.scene.parts import Frame, find_shells, guess_parts
 from physagent_jax.scene.parts.cells import fit_part
 from physagent_jax.scene.parts.guesses import read_guesses
 from physagent_jax.scene.parts.looks import Looks
+from physagent_jax.scene.parts.shells import Shells
 
 VIEWER = Frame(toward=np.array([0.0, -1.0, 0.0]), right=np.array([1.0, 0.0, 0.0]))
 WHEELS = [(x, y, 0.15) for x in (-0.5, 0.5) for y in (-0.35, 0.35)]
@@ -174,3 +175,13 @@ def test_a_shell_that_has_a_name_is_nothing_else(car):
         abs(part.share - named.share) > 0.005
         for part in guess_parts(points, (named,), ["sign"], VIEWER, shells)
     )
+
+
+def test_parts_of_what_has_one_surface_stay_as_they_are(car):
+    """The rest of a part may have no particle at all where there are sixty."""
+    points, _ = car
+    part = fit_part(points, points[:, 2] > 0.5, joined=True)
+    nowhere = part.model_copy(
+        update=dict(rest=part.rest.model_copy(update=dict(inside=((9.0, 9.0, 9.0),) * 3)))
+    )
+    assert Shells(points, np.zeros(len(points), int)).snap_parts([nowhere]) == [nowhere]

@@ -68,7 +68,7 @@ class Shells:
 
     def snap_part(self, part: Part) -> Part:
         """A part that the shape shows, with the borders of the shells that it is about."""
-        mask = self.snap(~make_region_mask(part.rest, self.points)) if self.labels.any() else None
+        mask = self.snap(~make_region_mask(part.rest, self.points))
         if mask is None:
             return part
         made = fit_part(self.points, mask, joined=False)
@@ -80,6 +80,8 @@ class Shells:
 
         Of antlers that branch, the shape shows two tips alone.
         """
+        if not self.labels.any():
+            return [*parts]
         hosts, found = [self._find_host(part) for part in parts], [self.snap_part(part) for part in parts]
         for role in {part.roles[0] for part in parts if part.roles}:
             pair = [k for k, part in enumerate(parts) if part.roles[:1] == (role,)]
