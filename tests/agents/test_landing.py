@@ -118,3 +118,12 @@ def test_what_is_soft_stands_and_wobbles_where_it_lands(sentence):
 )
 def test_what_is_hard_or_is_not_to_stand_is_left_to_itself(sentence):
     assert not list_landings(sentence)[1]
+
+
+def test_hops_in_a_row_go_as_far_as_a_thrown_body_that_lands_before_the_next():
+    """Four hops over a floor went four tenths of a length in all: 4 M cos sin is the range of each [body lengths]."""
+    blows, _ = list_landings("the robot hops across the floor")
+    ranges = [
+        4 * each.magnitude * each.gain * each.vector[2] * (1 - each.vector[2] ** 2) ** 0.5 for each in blows
+    ]
+    assert len(blows) == 4 and min(ranges) > 0.2 and sum(ranges) < 2.0
