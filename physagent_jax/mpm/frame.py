@@ -17,7 +17,7 @@ from physagent_jax.mpm import reductions
 from physagent_jax.mpm.diagnosis import MAX_SUBSTEPS, Breach, Fault, explain_failure, find_breach, is_hopeless
 from physagent_jax.mpm.health import Health
 from physagent_jax.mpm.ledger import Exchange, balance, measure_exchange
-from physagent_jax.mpm.plan import Timetable
+from physagent_jax.mpm.plan import Acting, Timetable
 from physagent_jax.mpm.sorting import permute_particles, unpermute_particles, update_order
 from physagent_jax.mpm.state import Grid, Model, State
 from physagent_jax.mpm.step import kirchhoff_stress, makes_stress, substep
@@ -48,6 +48,7 @@ class Frame:
         order: In which the particles lay in memory meanwhile, shape (n,); None = as they are in ``state``.
         attempted: Substeps that this frame took, all attempts together.
         trend: Stable step at the end of the frame over that at its beginning.
+        acting: Which of the model's parts were computed; None = none yet.
     """
 
     index: int
@@ -63,6 +64,7 @@ class Frame:
     order: np.ndarray | None = None
     attempted: int = 0
     trend: float = 1.0
+    acting: Acting | None = None
 
     @property
     def grid_shape(self) -> tuple[int, int, int]:
@@ -74,6 +76,7 @@ class Frame:
 class Pace:
     """The lengths of frames and substeps, as in `simulate`; ``fixed`` = the substep is forced."""
 
+    frame_count: int
     frame_dt: float
     substep_dt: float | None
     safety: float
@@ -112,11 +115,20 @@ def next_frame(
     plan = plan_frame(model, before, pace, bound)
     breaches: list[Breach] = []
     attempted, begun_at = 0, bound
+    now = float(before.state.time)
+    frames_left = pace.frame_count - 1 - before.index
+    acting = timetable.choose_acting(
+        now,
+        now + pace.frame_dt,
+        now + frames_left * pace.frame_dt,
+        frames_left * plan.substeps * before.state.x.shape[0],
+        before.acting,
+    )
     while True:
         attempted += plan.substeps
         if attempted > most_substeps:
             raise _explain_cost(before.index + 1, attempted, most_substeps, breaches)
-        after, seen, total = attempt_frame(plan, timetable, before.state, ledger)
+        after, seen, total = attempt_frame(plan, acting, before.state, ledger)
         health = jax.device_get(seen)  # at once: each number by itself would be a wait
         bound = math.inf if pace.fixed else float(stable_dt(plan.model, after))
         breach = find_breach(plan.model, health, bound)
@@ -140,6 +152,7 @@ def next_frame(
         plan.order,
         attempted,
         bound / begun_at if begun_at and math.isfinite(bound) else 1.0,
+        acting,
     )
     return frame, None if pace.fixed else bound
 
@@ -261,12 +274,10 @@ def measure_extent(x: jax.Array, v: jax.Array) -> tuple[jax.Array, jax.Array, ja
 
 
 def attempt_frame(
-    plan: FramePlan, timetable: Timetable, state: State, ledger: bool
+    plan: FramePlan, acting: Acting, state: State, ledger: bool
 ) -> tuple[State, Health, Exchange | None]:
-    """`advance` from ``state`` with what acts during the frame, the particles sorted meanwhile."""
-    begin = float(state.time)
-    present = timetable.find_acting(begin, begin + plan.frame_dt).select(plan.model)
-    moved = permute_particles(plan.order, present, state)
+    """`advance` from ``state`` with the parts ``acting``, the particles sorted meanwhile."""
+    moved = permute_particles(plan.order, acting.select(plan.model), state)
     after, health, total = advance(*moved, np.asarray(plan.substeps, np.int32), ledger)
     return unpermute_particles(plan.order, plan.model, after), health, total
 

@@ -49,7 +49,8 @@ def simulate(
             that fails its check ends the run.
         ledger: Whether frames carry an `Exchange`.
         begin: A frame of an earlier call whose frames up to there are these too. Nothing but its state, grid window,
-            order and its step's trend passes from frame to frame, so what follows is the same as if all were simulated.
+            order, its step's trend and the parts that were computed passes from frame to frame, so what follows is the
+            same as if all were simulated.
         most_substeps: Substeps that all frames after ``begin`` may take, attempts that are redone included.
         tell_limits: Whether to warn of what the method does badly in this model (`limits.find_limits`).
 
@@ -68,7 +69,7 @@ def simulate(
         warn_of_limits(model, state, (frame_count - 1) * frame_dt, stacklevel=2)
     if substep_dt is not None and not force_substep:
         check_explicit_dt(substep_dt, float(stable_dt(model, state)))
-    pace = Pace(frame_dt, substep_dt, safety, fixed=substep_dt is not None and force_substep)
+    pace = Pace(frame_count, frame_dt, substep_dt, safety, fixed=substep_dt is not None and force_substep)
     timetable, frame = Timetable.of(model), begin
     if frame is None:
         nothing = Exchange.zeros(state.x.dtype) if ledger else None
