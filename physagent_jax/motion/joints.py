@@ -90,7 +90,7 @@ _LIMP, _CREASES = (
     75.0,
 )  # begins of words; [degrees] for them, though the skin creases
 _FLOPPED = 75.0  # [degrees] that such a word turns a limb by aside
-_HIGH = frozenset(("overhead", "sky", "ceiling"))  # words for where a limb is raised high
+_FAR = ("overhead", "sky", "ceiling", "straight", "hang", "point")  # begins of words for a limb that goes all the way up or down
 _SLOW = ("slow", "gradual", "lazi", "limp")  # begins of words for the pace alone
 _OWN_WAYS = dict(
     forward=1.0, forwards=1.0, backward=-1.0, backwards=-1.0, back=-1.0
@@ -214,6 +214,9 @@ class Turning:
             course = motion.direction and self.find_course(way, angle, sudden=motion.sudden)
             turns = not (self.slides or self.is_borne(way)) and self.find_axis(way) is not None
             bring = functools.partial(self.bring, way, motion)
+            far = turns and not self.supple and any(each.startswith(_FAR) for each in split_name(motion.words))
+            if far and motion.amount is None:  # half of the way is too little
+                motion = motion.model_copy(update=dict(amount=Amount(value=angle, unit="degrees")))
         returns = turns and motion.released and not motion.sudden and back[1] - back[0] >= 2.0
         stop = kept if returns and kept > window[1] else stop
         made = [bring(angle, window, stop)]
@@ -306,8 +309,8 @@ class Turning:
         if motion.amount is not None and motion.amount.unit == "degrees":
             return motion.amount.value
         words = split_name(motion.words)
-        slow, limp = (any(each.startswith(begins) for each in words) for begins in (_SLOW, _LIMP))
-        high = not _HIGH.isdisjoint(words)
+        slow, limp, far = (any(each.startswith(begins) for each in words) for begins in (_SLOW, _LIMP, _FAR))
+        far |= limp
         strength = max(motion.strength, 1.0) if slow else motion.strength  # as far as else, in more time
         plain, most = (_CURLED, _CURLED) if self.curls else (_FLOPPED if limp else _PLAIN, _MOST)
         angle = clamp(plain * strength, _LEAST, most)
@@ -315,13 +318,13 @@ class Turning:
         if axis is None:
             return angle
         if abs(rise) > _ALONG and not motion.sudden and "leg" not in self.part.roles[:1]:
-            low = _HANGING if limp else _LOWERED
-            wanted = (_OVERHEAD if high else _RAISED) - self.height if rise > 0 else self.height - low
+            low, high = (_HANGING, _OVERHEAD) if far else (_LOWERED, _RAISED)
+            wanted = high - self.height if rise > 0 else self.height - low
             angle = clamp(wanted * min(strength, 1.0), angle, _FARTHEST)
         if motion.to_ground and rise < -_ALONG:
             return min(self._find_way_down(axis), self._find_zone(axis)[1])
         curls = _CURLS if self.supple and not self.curls else 1.0
-        return min(angle * curls, max(self._find_zone(axis)[1], _CREASES * (limp or high)))
+        return min(angle * curls, max(self._find_zone(axis)[1], _CREASES * far))
 
     def _find_way_down(self, axis: Vector) -> float:
         """The angle about an axis at which it meets the ground, or is nearly as low as it can be [degrees]."""
