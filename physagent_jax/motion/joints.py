@@ -81,6 +81,7 @@ _STEEPEST = 1.5  # slope of u^2 (3 - 2 u) in its middle
 _BORDER = 3.0  # standard deviations of the neck, within which the rest borders on the part
 _SPUN = 180.0  # [degrees] that a plain word turns what stands on the rest about the upright
 _WHEELED, _FAST = 360.0, 2.0  # [degrees] that it turns a wheel; times that, of a strong word
+_GEARS = 4  # steps in which it gets faster and faster
 _NECKED = frozenset(("head", "face", "neck"))  # words for what does not turn so far
 _CURLING = frozenset(("curl", "coil"))  # begins of words for what bends over all of its length
 _JAWS = frozenset(("jaw", "mouth"))  # words for what opens downwards
@@ -90,7 +91,14 @@ _LIMP, _CREASES = (
     75.0,
 )  # begins of words; [degrees] for them, though the skin creases
 _FLOPPED = 75.0  # [degrees] that such a word turns a limb by aside
-_FAR = ("overhead", "sky", "ceiling", "straight", "hang", "point")  # begins of words for a limb that goes all the way up or down
+_FAR = (
+    "overhead",
+    "sky",
+    "ceiling",
+    "straight",
+    "hang",
+    "point",
+)  # begins of words for a limb that goes all the way up or down
 _SLOW = ("slow", "gradual", "lazi", "limp")  # begins of words for the pace alone
 _OWN_WAYS = dict(
     forward=1.0, forwards=1.0, backward=-1.0, backwards=-1.0, back=-1.0
@@ -197,7 +205,14 @@ class Turning:
             if spun < _WHEELED:  # pictures do not tell one turn of alike blades from a part of it
                 motion = motion.model_copy(update=dict(amount=Amount(value=spun, unit="degrees")))
             if spun >= _WHEELED or not motion.released:
-                return [self.turn(axis, spun, (motion.window[0], min(motion.window[1], until)), None)], motion
+                first, end = motion.window[0], min(motion.window[1], until)
+                parts = _GEARS if split_name(motion.words).count("faster") > 1 else 1
+                times = [first + (end - first) * k / parts for k in range(parts + 1)]
+                gears = [(2 * k + 1) * spun / parts**2 for k in range(parts)]  # as much faster each time
+                stop = until if until > end else None  # what is let go would hang from its hub
+                stops = [None] * (parts - 1) + [stop]
+                made = [self.turn(axis, *each) for each in zip(gears, itertools.pairwise(times), stops)]
+                return made, motion
         window = self._find_window(motion, until)
         let_go = motion.released or motion.sudden and not motion.stays
         stop = None if let_go or until <= window[1] else until
@@ -214,7 +229,9 @@ class Turning:
             course = motion.direction and self.find_course(way, angle, sudden=motion.sudden)
             turns = not (self.slides or self.is_borne(way)) and self.find_axis(way) is not None
             bring = functools.partial(self.bring, way, motion)
-            far = turns and not self.supple and any(each.startswith(_FAR) for each in split_name(motion.words))
+            far = (
+                turns and not self.supple and any(each.startswith(_FAR) for each in split_name(motion.words))
+            )
             if far and motion.amount is None:  # half of the way is too little
                 motion = motion.model_copy(update=dict(amount=Amount(value=angle, unit="degrees")))
         returns = turns and motion.released and not motion.sudden and back[1] - back[0] >= 2.0
