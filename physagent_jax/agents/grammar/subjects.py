@@ -106,12 +106,8 @@ def _find(segment: list[Mention], kind: MentionKind) -> int | None:
 def sticks_out(mention: Mention) -> bool:
     """Return whether a mention names a part that sticks out of the object, and no end of it."""
     own = mention.value if mention.kind is MentionKind.PLACE else None
-    place = own if own == NAMED else LEXICON.parts.get(_get_noun(mention), own)
+    place = own if own == NAMED else LEXICON.parts.get(mention.phrase.split()[-1], own)
     return isinstance(place, Place) and bool(place.role) and place.names != ("down",)
-
-
-def _get_noun(mention: Mention) -> str:
-    return mention.phrase.split()[-1]
 
 
 def _is_one(mention: Mention) -> bool:
@@ -120,7 +116,7 @@ def _is_one(mention: Mention) -> bool:
 
 def _name_one(segment: list[Mention], part: Mention) -> list[Mention]:
     """The segment with the part that "the right one" is, of those that a part before names."""
-    noun = _get_noun(part)
+    noun = part.phrase.split()[-1]
     noun = noun if noun in LEXICON.part_nouns else noun.removesuffix("s")
 
     def name(one: Mention) -> Mention:
