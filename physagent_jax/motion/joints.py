@@ -81,6 +81,7 @@ _STEEPEST = 1.5  # slope of u^2 (3 - 2 u) in its middle
 _BORDER = 3.0  # standard deviations of the neck, within which the rest borders on the part
 _SPUN = 180.0  # [degrees] that a plain word turns what stands on the rest about the upright
 _WHEELED, _FAST = 360.0, 2.0  # [degrees] that it turns a wheel; times that, of a strong word
+_GEARS = 4  # steps in which it gets faster and faster
 _NECKED = frozenset(("head", "face", "neck"))  # words for what does not turn so far
 _CURLING = frozenset(("curl", "coil"))  # begins of words for what bends over all of its length
 _JAWS = frozenset(("jaw", "mouth"))  # words for what opens downwards
@@ -90,7 +91,14 @@ _LIMP, _CREASES = (
     75.0,
 )  # begins of words; [degrees] for them, though the skin creases
 _FLOPPED = 75.0  # [degrees] that such a word turns a limb by aside
-_HIGH = frozenset(("overhead", "sky", "ceiling"))  # words for where a limb is raised high
+_FAR = (
+    "overhead",
+    "sky",
+    "ceiling",
+    "straight",
+    "hang",
+    "point",
+)  # begins of words for a limb that goes all the way up or down
 _SLOW = ("slow", "gradual", "lazi", "limp")  # begins of words for the pace alone
 _OWN_WAYS = dict(
     forward=1.0, forwards=1.0, backward=-1.0, backwards=-1.0, back=-1.0
@@ -197,7 +205,14 @@ class Turning:
             if spun < _WHEELED:  # pictures do not tell one turn of alike blades from a part of it
                 motion = motion.model_copy(update=dict(amount=Amount(value=spun, unit="degrees")))
             if spun >= _WHEELED or not motion.released:
-                return [self.turn(axis, spun, (motion.window[0], min(motion.window[1], until)), None)], motion
+                first, end = motion.window[0], min(motion.window[1], until)
+                parts = _GEARS if split_name(motion.words).count("faster") > 1 else 1
+                times = [first + (end - first) * k / parts for k in range(parts + 1)]
+                gears = [(2 * k + 1) * spun / parts**2 for k in range(parts)]  # as much faster each time
+                stop = until if until > end else None  # what is let go would hang from its hub
+                stops = [None] * (parts - 1) + [stop]
+                made = [self.turn(axis, *each) for each in zip(gears, itertools.pairwise(times), stops)]
+                return made, motion
         window = self._find_window(motion, until)
         let_go = motion.released or motion.sudden and not motion.stays
         stop = None if let_go or until <= window[1] else until
@@ -214,6 +229,11 @@ class Turning:
             course = motion.direction and self.find_course(way, angle, sudden=motion.sudden)
             turns = not (self.slides or self.is_borne(way)) and self.find_axis(way) is not None
             bring = functools.partial(self.bring, way, motion)
+            far = (
+                turns and not self.supple and any(each.startswith(_FAR) for each in split_name(motion.words))
+            )
+            if far and motion.amount is None:  # half of the way is too little
+                motion = motion.model_copy(update=dict(amount=Amount(value=angle, unit="degrees")))
         returns = turns and motion.released and not motion.sudden and back[1] - back[0] >= 2.0
         stop = kept if returns and kept > window[1] else stop
         made = [bring(angle, window, stop)]
@@ -306,8 +326,8 @@ class Turning:
         if motion.amount is not None and motion.amount.unit == "degrees":
             return motion.amount.value
         words = split_name(motion.words)
-        slow, limp = (any(each.startswith(begins) for each in words) for begins in (_SLOW, _LIMP))
-        high = not _HIGH.isdisjoint(words)
+        slow, limp, far = (any(each.startswith(begins) for each in words) for begins in (_SLOW, _LIMP, _FAR))
+        far |= limp
         strength = max(motion.strength, 1.0) if slow else motion.strength  # as far as else, in more time
         plain, most = (_CURLED, _CURLED) if self.curls else (_FLOPPED if limp else _PLAIN, _MOST)
         angle = clamp(plain * strength, _LEAST, most)
@@ -315,13 +335,13 @@ class Turning:
         if axis is None:
             return angle
         if abs(rise) > _ALONG and not motion.sudden and "leg" not in self.part.roles[:1]:
-            low = _HANGING if limp else _LOWERED
-            wanted = (_OVERHEAD if high else _RAISED) - self.height if rise > 0 else self.height - low
+            low, high = (_HANGING, _OVERHEAD) if far else (_LOWERED, _RAISED)
+            wanted = high - self.height if rise > 0 else self.height - low
             angle = clamp(wanted * min(strength, 1.0), angle, _FARTHEST)
         if motion.to_ground and rise < -_ALONG:
             return min(self._find_way_down(axis), self._find_zone(axis)[1])
         curls = _CURLS if self.supple and not self.curls else 1.0
-        return min(angle * curls, max(self._find_zone(axis)[1], _CREASES * (limp or high)))
+        return min(angle * curls, max(self._find_zone(axis)[1], _CREASES * far))
 
     def _find_way_down(self, axis: Vector) -> float:
         """The angle about an axis at which it meets the ground, or is nearly as low as it can be [degrees]."""

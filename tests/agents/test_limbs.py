@@ -658,6 +658,42 @@ def test_arms_are_raised_as_high_as_is_told(where):
 
 
 @pytest.mark.parametrize(
+    "sentence",
+    [
+        "bend its right arm down until it hangs by its side",
+        "lower its right arm straight down",
+        "raise its right arm until it points at the sky",
+        "it raises its right arm straight up",
+    ],
+)
+def test_a_pose_tells_how_far_an_arm_goes(sentence):
+    """They went half of the way, and the verdict did not mind."""
+    reply = read(sentence)
+    ((motion,), (constraint,)) = reply.expectations, reply.force_field.constraints
+    assert motion.limb == 1 and reply.anchor.kind == "rest"
+    assert motion.amount is not None and motion.amount.unit == "degrees"
+    assert 70 < np.linalg.norm(find_turn(constraint)) == pytest.approx(motion.amount.value, rel=0.02)
+    (plain,) = read("lower its right arm").expectations
+    assert plain.amount is None
+
+
+@pytest.mark.parametrize(
+    "sentence", ["the wheel spins faster and faster", "the wheel rotates faster and faster"]
+)
+def test_a_wheel_gets_faster_and_faster(sentence):
+    wheel = make_part("side", (0, 0.1, 0), (0, -1, 0)).model_copy(update=dict(name="wheel", axle=(0, 1, 0)))
+    made = read(sentence, wheel).force_field.constraints
+    turns = [np.linalg.norm(find_turn(each)) for each in made]
+    assert len(made) > 2 and all(b > 1.2 * a for a, b in zip(turns, turns[1:])) and sum(turns) > 300
+
+
+def test_the_handle_of_what_lies_is_bent_alone():
+    handle = make_part("handle", (-0.3, 0, 0), (-1, 0, -1))
+    reply = read("bend the handle up", handle, HEAD, long_axis=(1, 0, 0), object_kind="tool")
+    assert [each.limb for each in reply.expectations] == [0]
+
+
+@pytest.mark.parametrize(
     "sentence", ["pull the robot arm to the left", "pull its grey robot arm to the left"]
 )
 def test_a_part_may_stand_behind_the_name_of_its_object(sentence):

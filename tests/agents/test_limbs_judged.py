@@ -16,7 +16,7 @@ ARM = make_part("arm", (0.15, 0, 0), (1, 0, 0))
 SHOULDER = np.array([0.2, 0.0, 0.1])
 
 
-def judge(degrees, *, whole=0.0, seen_until=49, shown=1.0, still=None):
+def judge(degrees, *, whole=0.0, seen_until=49, shown=1.0, still=None, sentence=SENTENCE):
     """The verdict on an arm of 0.15 lengths that turns up evenly within a second, on a body that rises by ``whole``.
 
     Of the way of its middle a share is ``shown``, as of what turns a hidden side. The part ``still`` is called an arm
@@ -31,11 +31,11 @@ def judge(degrees, *, whole=0.0, seen_until=49, shown=1.0, still=None):
         c, s = np.cos(np.radians(degrees) * share), np.sin(np.radians(degrees) * share)
         turned = SHOULDER + (arm - SHOULDER) @ np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
         frames.append(np.concatenate([body, turned]) + (0, 0, whole * share))
-    reply, parts = read(SENTENCE, ARM, HEAD), (ARM, still or HEAD)
+    reply, parts = read(sentence, ARM, HEAD), (ARM, still or HEAD)
     if still:
         asked = (*reply.expectations, reply.expectations[0].model_copy(update=dict(limb=1)))
         reply = reply.model_copy(update=dict(expectations=asked))
-    context = AgentContext(SENTENCE, brief(parts=parts, anchored="all but the part"), (), reply)
+    context = AgentContext(sentence, brief(parts=parts, anchored="all but the part"), (), reply)
     windows = RulePlanner().windows(context)
     report = report_true_motion(
         np.stack(frames),
@@ -64,6 +64,37 @@ def judge(degrees, *, whole=0.0, seen_until=49, shown=1.0, still=None):
 def test_an_arm_that_is_raised_is_judged_by_itself(degrees, verdict):
     """45 degrees move the middle of so short an arm by 0.06 body lengths: little of the object, much of the arm."""
     assert judge(degrees).verdict is Verdict(verdict)
+
+
+@pytest.mark.parametrize(("degrees", "verdict"), [(75, "SUCCESS"), (40, "FAIL")])
+@pytest.mark.parametrize("until", ["until it points at the sky", "straight up"])
+def test_half_of_the_way_to_a_pose_is_too_little(until, degrees, verdict):
+    assert judge(degrees, sentence=f"raise the right arm {until}").verdict is Verdict(verdict)
+
+
+@pytest.mark.parametrize(("rigid", "verdict"), [(True, "SUCCESS"), (False, "FAIL")])
+def test_a_piece_that_turns_about_its_axle_keeps_its_shape(rigid, verdict):
+    """Blades that are alike are followed wrongly, which looks as if they stretched."""
+    moved = HEAD.moved.model_copy(update=dict(rigid=rigid))
+    rotor = HEAD.model_copy(update=dict(name="rotor", origin="file", moved=moved, axle=(0, 1, 0)))
+    body = np.random.default_rng(0).uniform((-0.2, -0.1, -0.5), (0.2, 0.1, 0.5), (800, 3))
+    turning = np.random.default_rng(1).uniform((-0.2, -0.1, -0.2), (0.2, 0.1, 0.2), (200, 3))
+    turns = [Rotation.from_rotvec((0, np.radians(7.5) * k, 0)) for k in range(49)]
+    reply = read(sentence := "the rotor spins", rotor)
+    context = AgentContext(sentence, brief(parts=(rotor,), anchored="all but the part"), (), reply)
+    way = np.sign(reply.expectations[0].direction[1])
+    report = report_true_motion(
+        np.stack(
+            [np.concatenate([body, (turn if way > 0 else turn.inv()).apply(turning)]) for turn in turns]
+        ),
+        frame_dt=0.04,
+        windows=RulePlanner().windows(context),
+        parts={0: np.arange(1000) >= 800},
+    )
+    stretched = ((6.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    report = report.model_copy(update=dict(stretch=(stretched,) * 49, extents=()))
+    judged = RulePlanner().judge(context, Observation(reply.force_field, report, Unseen())).value
+    assert judged.verdict is Verdict(verdict), judged.checks
 
 
 @pytest.mark.parametrize(("shown", "verdict"), [(0.33, "SUCCESS"), (0.15, "FAIL")])

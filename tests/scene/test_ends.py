@@ -73,6 +73,24 @@ def make_sword():
     return fill((-0.6, -0.2, -0.1), (0.6, 0.2, 0.1), is_inside)
 
 
+def make_spade(*, twin=False):
+    """A broad plate at high x, and a bar across the other end of a long shaft, or a plate there as well."""
+
+    def is_inside(points):
+        plate = (np.abs(points - [0.4, 0, 0]) <= [0.1, 0.16, 0.02]).all(1)
+        plate |= twin & (np.abs(points + [0.4, 0, 0]) <= [0.1, 0.16, 0.02]).all(1)
+        shaft, bar = ((-0.5, 0, 0), (0.4, 0, 0), 0.03), ((-0.48, -0.1, 0), (-0.48, 0.1, 0), 0.03)
+        return plate | is_in_rods(points, [shaft, bar])
+
+    return fill((-0.6, -0.25, -0.1), (0.6, 0.25, 0.1), is_inside)
+
+
+def make_maraca():
+    """A thin handle along x, and at its high end a ball with a nub."""
+    rods = [((-0.5, 0, 0), (0.4, 0, 0), 0.03), ((0.29, 0, 0), (0.3, 0, 0), 0.11)]
+    return fill((-0.6, -0.25, -0.25), (0.6, 0.25, 0.25), lambda points: is_in_rods(points, rods))
+
+
 def make_mushroom():
     def is_inside(points):
         radius, z = np.hypot(points[:, 0], points[:, 1]), points[:, 2]
@@ -154,6 +172,8 @@ def test_no_thumb_is_named_where_no_finger_stands_apart():
         (make_shoe, dict(toe=(0, 0.85), heel=(0, 0.1))),
         (make_mallet, dict(handle=(0, 0.55), head=(0, 0.08), grip=(0, 0.9))),
         (make_sword, dict(blade=(0, 0.35), handle=(0, 0.92), tip=(0, 0.1))),
+        (make_spade, dict(handle=(0, 0.4), head=(0, 0.9), blade=(0, 0.9), grip=(0, 0.1))),
+        (make_maraca, dict(handle=(0, 0.3), head=(0, 0.8), grip=(0, 0.1))),
         (make_mushroom, dict(crown=(2, 0.8))),
         (make_ship, dict(tip=(0, 0.85), stern=(0, 0.1))),
         (make_fish, dict(nose=(0, 0.88), stern=(0, 0.08))),
@@ -171,6 +191,10 @@ def test_what_a_stem_bears_goes_along_and_its_foot_stays():
     moved, rest = (make_region_mask(region, points) for region in (stem.moved, stem.rest))
     assert points[moved, 2].min() > 0.5 and points[rest, 2].max() < 0.2
     assert 0.2 < stem.joint[2] < 0.4 and stem.arm[2] > 0.5
+
+
+def test_of_two_ends_that_are_alike_none_is_the_head():
+    assert not {"head", "blade", "handle"} & find(make_spade(twin=True)).keys()
 
 
 def test_a_plain_shape_has_no_ends():

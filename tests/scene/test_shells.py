@@ -87,6 +87,17 @@ def test_a_part_that_is_about_a_shell_has_its_border(car):
     assert shells.snap(points[:, 1] > 0) is None and find_shells(points).snap(sign) is None
 
 
+def test_a_blade_with_a_socket_bends_at_its_neck_and_a_head_on_a_handle_is_all_of_its_shell():
+    """It was the shell that turned, about the neck: its socket came off the handle."""
+    shaft, plate = make_box((1.0, 0.06, 0.06), (0, 0, 0)), make_box((0.25, 0.3, 0.04), (0.62, 0, 0))
+    points = np.concatenate([each.sample(2500, seed=0) for each in (shaft, plate)])
+    neck = dict(roles=("head", "blade"), joint=(0.8, 0.5, 0.5))
+    blade = fit_part(points, points[:, 0] > 0.5, joined=True).model_copy(update=neck)
+    for border, kept in ((0.2, True), (0.49, False)):
+        shells = Shells(points, (points[:, 0] > border).astype(int))
+        assert (shells.snap_part(blade) == blade) is kept
+
+
 def test_of_a_pair_of_antlers_the_tips_tell_all_that_sticks_out():
     """Not what of them is sunk in the head."""
     boxes = [

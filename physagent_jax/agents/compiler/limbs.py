@@ -88,8 +88,8 @@ def find_support(clauses: Sequence[Event], brief: SceneBrief, soft: bool = False
 def bears_all(event: Event, brief: SceneBrief) -> bool:
     """Return whether a part that bends, sways or twists is the stem that all the rest stands on."""
     noun = event.parts[0].text.split()[-1] if event.parts else ""
-    if noun not in STEMS or event.effect not in _BENDING or brief.object_kind == "plant":
-        return noun in STEMS and event.effect in _BENDING
+    if noun not in STEMS or event.effect not in _BENDING or brief.object_kind == "plant" or lies(brief):
+        return noun in STEMS and event.effect in _BENDING and not lies(brief)
     limbs = [brief.parts[index] for index in find_limbs(event.parts[0], brief)]
     low = [min(place[2] for place in each.moved.inside) < LOW for each in limbs if "nose" not in each.roles]
     return low == [True] and noun not in ("stem", "stalk")  # a mushroom's bends alone

@@ -30,7 +30,7 @@ class _Part:
         mention: Its mention.
         leads: Whether it moved by itself: "the horns bend".
         own: Whether the object itself moved it: "the horse lifts its leg".
-        raised: Whether it is to be raised, or lowered.
+        raised: Whether it is to be raised, lowered or bent.
     """
 
     mention: Mention
@@ -58,7 +58,8 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
             segment = _name_again(_name_one(segment, part.mention), part, names)
         verb, place = _find(segment, MentionKind.VERB), _find(segment, MentionKind.PLACE)
         if place is not None or part is not None:  # "it raises one arm and points up"
-            segment = [empty(each) if each.form in ("point", "points") else each for each in segment]
+            points = [m.form in ("point", "points") and m.kind is not MentionKind.DIRECTION for m in segment]
+            segment = [empty(each) if idle else each for each, idle in zip(segment, points)]
         flops = verb is not None and segment[verb].phrase.startswith("flop")  # leaves do as well
         flops |= part is not None and place is not None and segment[place].phrase == part.mention.phrase
         if place is not None and (flops or sticks_out(segment[place])):
@@ -71,7 +72,7 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
             before = {each.phrase for each in segment[:verb]} if verb is not None else set()
             itself = not before.isdisjoint(names | get_set("pronouns"))
             first = None if verb is None or leads else segment[verb].motion
-            raised = first is not None and first.bound and first.effect is Effect.PUSH
+            raised = bool(first and (first.bound and first.effect is Effect.PUSH or first.manner == "bend"))
             again = part is not None and segment[place].value == part.mention.value
             again &= _find(mentions[begin:end], MentionKind.PLACE) is None
             part = part if again else _Part(segment[place], leads, itself and not leads, raised)
@@ -105,12 +106,8 @@ def _find(segment: list[Mention], kind: MentionKind) -> int | None:
 def sticks_out(mention: Mention) -> bool:
     """Return whether a mention names a part that sticks out of the object, and no end of it."""
     own = mention.value if mention.kind is MentionKind.PLACE else None
-    place = own if own == NAMED else LEXICON.parts.get(_get_noun(mention), own)
+    place = own if own == NAMED else LEXICON.parts.get(mention.phrase.split()[-1], own)
     return isinstance(place, Place) and bool(place.role) and place.names != ("down",)
-
-
-def _get_noun(mention: Mention) -> str:
-    return mention.phrase.split()[-1]
 
 
 def _is_one(mention: Mention) -> bool:
@@ -119,7 +116,7 @@ def _is_one(mention: Mention) -> bool:
 
 def _name_one(segment: list[Mention], part: Mention) -> list[Mention]:
     """The segment with the part that "the right one" is, of those that a part before names."""
-    noun = _get_noun(part)
+    noun = part.phrase.split()[-1]
     noun = noun if noun in LEXICON.part_nouns else noun.removesuffix("s")
 
     def name(one: Mention) -> Mention:
@@ -149,7 +146,7 @@ def _name_again(segment: list[Mention], part: _Part, names: frozenset[str]) -> l
         if each.form in ("it", "they", "them"):
             alike = (each.form != "it") is part.several
             goes_on = part.several or part.own and (_hangs(motion) or begins and at > verb)
-            goes_on |= part.raised and begins and at > verb  # "raise its arm, tilt it, then lower it"
+            goes_on |= part.raised and (_hangs(motion) or begins and at > verb)  # "raise its arm, lower it"
             if not (alike and goes_on):
                 return segment  # "its head is hit, and it falls"
             return [*segment[:at], replace(part.mention, first=each.first), *segment[at + 1 :]]

@@ -232,6 +232,7 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         not tensors
         or any(e.direction is None for e in axial)
         or any(e.manner in ("fold", "hinge") or _is_bent_double(e) for e in asked)
+        or all(_is_wheel(view, e) for e in asked)
     ):
         return []
     sigma = view.sigma("stretch")
@@ -274,6 +275,12 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         else _STRAIN
     )
     return _check_lasting(view, "shape", strains, limit, sigma)
+
+
+def _is_wheel(view: View, motion: ExpectedMotion) -> bool:
+    """Return whether it turns a piece of its own about its axle, in which nothing bends; alike blades look bent."""
+    part = None if motion.limb is None else view.brief.parts[motion.limb]
+    return motion.kind is MotionKind.ROTATE and part is not None and bool(part.axle and part.moved.rigid)
 
 
 def _is_bent_double(motion: ExpectedMotion) -> bool:

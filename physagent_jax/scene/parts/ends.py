@@ -23,6 +23,7 @@ _CONTRAST = 1.6  # breadth of the broad over the slim, at least
 _LEVEL = 0.35  # of the way from slim to broad, from which on a slice is broad
 _THIN = 0.4  # breadth of the slim over the length along the axis, at most
 _SLIM = 0.25  # of the length, of the longest slim section, at least
+_ROUND = 2  # slices at an end that may be slim where it is broad
 _GUARD = 0.12  # of the length: a broad section that is shorter parts two slim ones
 _END = 0.25  # of the length: an end
 _FLARED = 1.3  # breadth of an end over the least behind it, from which on it has fins
@@ -102,6 +103,8 @@ def _find_sections(profile: _Profile, *, upright: bool) -> list[Found]:
     if broad < _CONTRAST * slim or slim > _THIN * profile.length:
         return []
     is_broad = profile.breadth > slim + _LEVEL * (broad - slim)
+    for end in (is_broad, is_broad[::-1]):  # a broad end is rounded
+        end[:_ROUND] |= end[_ROUND]
     starts = [0, *(np.flatnonzero(np.diff(is_broad.astype(int))) + 1), _BINS]
     kinds = "".join("B" if is_broad[a] else "s" for a in starts[:-1])
     lengths = np.diff(starts) / _BINS
@@ -112,15 +115,19 @@ def _find_sections(profile: _Profile, *, upright: bool) -> list[Found]:
     below, above, between = profile.pick(0.0, a), profile.pick(b, 1.0), profile.pick(a, b)
     match kinds:
         case "sB" if upright:
-            return [(below, ("stem", "handle")), (above, ("top", "crown", "head"))]
+            return [(below, ("stem", "handle")), (above, ("top", "crown", "head", "blade"))]
         case "Bs" if upright:
             return [(above, ("neck",))]
         case "BsB" if upright:
             return [(between, ("stem",)), (above, ("top", "crown"))]
-        case "sB":
-            return [(below, ("handle",)), (above, ("head",)), (profile.pick(0.0, _END), ("grip",))]
-        case "Bs":
-            return [(above, ("handle",)), (below, ("head",)), (profile.pick(1 - _END, 1.0), ("grip",))]
+        case "sB" | "Bs" | "BsB":
+            sizes = [profile.breadth[: starts[1]].sum(), profile.breadth[starts[-2] :].sum()]
+            first = kinds == "Bs" or kinds == "BsB" and sizes[0] > sizes[1]
+            if kinds == "BsB" and max(sizes) < _CONTRAST * min(sizes):  # a bone, a dumbbell
+                return []
+            head, handle = (below, profile.pick(a, 1.0)) if first else (above, profile.pick(0.0, b))
+            grip = profile.pick(1 - _END, 1.0) if first else profile.pick(0.0, _END)
+            return [(handle, ("handle",)), (head, ("head", "blade")), (grip, ("grip",))]
         case "sBs" if upright and lengths[1] > _GUARD and lengths[0] > lengths[2]:
             return [
                 (below, ("stem",)),

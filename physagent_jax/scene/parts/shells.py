@@ -37,6 +37,7 @@ _AROUND, _OCTANTS = (
     0.12,
     5,
 )  # of its length, about a point; octants there with other shells, of what lies outside
+_DEEP = 0.05  # of its length, that a joint lies in a shell which bends there
 _MOST_OTHERS, _LINKED = 8000, 1.5  # points of those; spacings within which free points hang together
 
 
@@ -69,7 +70,7 @@ class Shells:
     def snap_part(self, part: Part) -> Part:
         """A part that the shape shows, with the borders of the shells that it is about."""
         mask = self.snap(~make_region_mask(part.rest, self.points))
-        if mask is None:
+        if mask is None or "blade" in part.roles and self._is_inside(part, mask):
             return part
         made = fit_part(self.points, mask, joined=False)
         told = dict(moved=made.moved, rest=made.rest, share=made.share, side=made.side, neck=made.neck)
@@ -95,6 +96,12 @@ class Shells:
                     told = dict(roles=parts[k].roles, confidence=parts[k].confidence, origin=parts[k].origin)
                     found[k] = made.model_copy(update=told)
         return found
+
+    def _is_inside(self, part: Part, mask: np.ndarray) -> bool:
+        """Return whether a part bends in the midst of its shells, which reach down the shaft; mask of shape (n,)."""
+        box = np.ptp(self.points, axis=0)
+        tree: Any = KDTree(self.points[~mask])
+        return bool(tree.query(self.points.min(0) + np.asarray(part.joint) * box)[0] > _DEEP * box.max())
 
     def _find_host(self, part: Part) -> int | None:
         """The small shell that a part is the tip of; None if there is none."""
