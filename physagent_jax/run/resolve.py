@@ -188,7 +188,7 @@ class ResolvedRun:
             struck=None if reply is None else find_blow(reply.plan, UP),
             rigid=hard and (reply is None or keeps_shape(reply)),
             lands=reply is not None
-            and any(e.kind is MotionKind.FALL and (e.jiggles or e.repeats > 1) for e in reply.plan),
+            and any(e.kind is MotionKind.FALL and (e.jiggles or e.rebounds) for e in reply.plan),
         )
 
     def _look_at_parts(self, template: SceneTemplate, body: Body, reply: SemanticReply) -> SceneTemplate:

@@ -68,8 +68,7 @@ def _is_whole(motion: ExpectedMotion, falls: bool) -> bool:
     named = motion.partial or motion.part is not None or motion.limb is not None
     shaken = motion.kind is MotionKind.SWAY and motion.manner in ("rock", "shake")
     struck = motion.kind is MotionKind.MOVE and motion.sudden  # or leaps
-    bounces = motion.kind is MotionKind.FALL
-    once = motion.kind in _AS_A_WHOLE and (motion.repeats == 1 or struck or bounces)
+    once = motion.kind in _AS_A_WHOLE and (motion.repeats == 1 or struck)
     return (once or shaken) and not (named or leans)
 
 

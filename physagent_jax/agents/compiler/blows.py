@@ -193,18 +193,17 @@ def leap(task: Task) -> None:
 
 def compile_fall(task: Task) -> None:
     """Gravity from the first frame; where there is none, a fall after other motion is a push downwards instead."""
-    event, up = task.event, task.brief.directions.up
-    if task.builder.gravity == "up":
+    event, builder, up = task.event, task.builder, task.brief.directions.up
+    if builder.gravity == "up":
         task.expect(MotionKind.FALL, up, task.window)
         return
     _let_fall(task)
     _rebound(task)
     level = event.direction is not None and abs(dot(event.direction, up)) < _UPRIGHT
-    thrown = level and task.builder.default_drop
-    effort = find_effort(event.amount, Effect.PUSH, task.brief) if thrown else None
+    effort = find_effort(event.amount, Effect.PUSH, task.brief) if level and builder.default_drop else None
     aside = dict(amount=None) if effort else {}  # the quantity is that of the way aside
-    counted = event.repeat.count is not None and not event.repeat.vague
-    task.expect(MotionKind.FALL, None, task.window, repeats=1 + event.rebounds, counted=counted, **aside)
+    told = dict(rebounds=event.rebounds, counted=bool(event.repeat.count) and not event.repeat.vague)
+    task.expect(MotionKind.FALL, None, task.window, **told, **aside)
     if effort:
         _throw_aside(task, effort)
     elif level:

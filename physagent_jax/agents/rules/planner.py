@@ -26,8 +26,8 @@ class RulePlanner(PlannerAgent):
         obstacles, unsure = (reading.world.obstacles, reading.unsure) if reading else ((), ())
         field, world = seen.force_field, reading.world.gravity if reading else None
         gravity = has_gravity(world, context.brief, expectations, field)
-        told = [find_meaning(each.word) for each in find_materials(context.prompt, context.brief)]
-        of = {each.preset for each in told if each is not None}
+        told = find_materials(context.prompt, context.brief)
+        of = {meaning.preset for each in told if (meaning := find_meaning(each.word))}
         dented, soft = not of.isdisjoint(DENTED), not of.isdisjoint(GIVING)
         asked = context.brief, expectations, field, gravity, obstacles, context.prompt, dented
         return Reply(judge(View(seen.report, *asked, seen.ending, soft), unsure))

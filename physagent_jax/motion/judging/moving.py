@@ -237,7 +237,7 @@ def check_fall(asked: Asked) -> list[Check]:
     words = f"{fallen:.2g} body lengths downwards"
     if motion.amount is None or motion.amount.unit == "seconds":
         checks.append(compare_amount(asked, "how far does it fall?", tolerance, fallen, words))
-    if motion.repeats > 1:
+    if motion.rebounds:
         checks.append(_count_bounces(asked, first, top))
     if fallen >= tolerance.low or view.force_field.default_drop or motion.window[0] >= 1:
         return checks
@@ -254,7 +254,7 @@ def _count_bounces(asked: Asked, first: int, top: int) -> Check:
     course = view.course(first, view.last)
     rest = dot(course[-1][1], up)
     heights = [max(dot(p, up), rest) for t, p in course if t <= max(asked.until, course[top][0])][top:]
-    told = asked.motion.repeats - 1
+    told = asked.motion.rebounds
     least = told if asked.motion.counted else 1
     return check_count(
         asked,
