@@ -233,7 +233,8 @@ class ExpectedMotion(Strict):
         put_back: True if a move brings it back to where it was, or down to what it stood on.
         may_stop_short: True if a turn over may as well end on its back, and a door half open: no number tells how far.
         to_ground: True if the way ends at the ground ("bend its head down to the ground").
-        counted: False if no word tells how often: ``repeats`` is then one number among many.
+        rebounds: How often it comes up again from what it falls onto.
+        counted: False if no word tells how often: ``repeats`` or ``rebounds`` is then one number among many.
         jiggles: True if any change of place, tilt or shape that comes and goes is one ("wobble").
         means: True if it only makes possible what is asked, as a lift before a drop.
         manner: How it goes on.
@@ -245,6 +246,7 @@ class ExpectedMotion(Strict):
     strength: float = Field(default=1.0, ge=MAGNITUDE_MIN, le=MAGNITUDE_MAX)
     window: tuple[_Frame, _Frame]
     repeats: int = Field(default=1, ge=1, le=10_000)
+    rebounds: int = Field(default=0, ge=0, le=10_000)
     released: bool = False
     sudden: bool = False
     partial: bool = False

@@ -166,7 +166,7 @@ class ResolvedRun:
         held = () if hold is None else check_hold(hold, template.anchor, body, reply, self.base_dir)
         said = self.find_material(reply).preset
         keeps = hold is None and keeps_shape(reply)
-        if keeps and is_hard(self.spec.material, self.template.matter, said):
+        if keeps and is_hard(self.spec.material, self.template.matter, said, reply):
             template = make_rigid(template, reply.world.restitution)  # a softer stand-in's looks are not seen
             told = (RIGID_NOTE,)
         standing, notes = make_stand(template, body, options)
@@ -180,14 +180,15 @@ class ResolvedRun:
     def _choose_support(self, reply: SemanticReply | None) -> Support:
         """The freedom that the user and the sentence leave to `make_stand`."""
         said = None if reply is None else self.find_material(reply).preset
-        hard = is_hard(self.spec.material, self.template.matter, said)
+        hard = is_hard(self.spec.material, self.template.matter, said, reply)
         return Support(
             keep_material=self.spec.material.says_stiffness,
             keep_weight=reply is not None and reply.world.gravity is not None,
             let_go="none" in (self.spec.anchor.kind, reply and reply.anchor.kind),
             struck=None if reply is None else find_blow(reply.plan, UP),
             rigid=hard and (reply is None or keeps_shape(reply)),
-            lands=reply is not None and any(e.kind is MotionKind.FALL and e.jiggles for e in reply.plan),
+            lands=reply is not None
+            and any(e.kind is MotionKind.FALL and (e.jiggles or e.rebounds) for e in reply.plan),
         )
 
     def _look_at_parts(self, template: SceneTemplate, body: Body, reply: SemanticReply) -> SceneTemplate:

@@ -16,7 +16,7 @@ from physagent_jax.motion.schema import ExpectedMotion, MotionKind
 from physagent_jax.run.spec import MaterialChoice
 from physagent_jax.scene import materials, priors
 from physagent_jax.scene.config import Bearing, MaterialModel
-from physagent_jax.scene.priors import PRIORS
+from physagent_jax.scene.priors import PRIORS, UNKNOWN
 from physagent_jax.scene.template import SceneTemplate
 
 STIFFENED = 10.0
@@ -72,16 +72,21 @@ def _is_whole(motion: ExpectedMotion, falls: bool) -> bool:
     return (once or shaken) and not (named or leans)
 
 
-def is_hard(choice: MaterialChoice, kind: str, said: str | None) -> bool:
+def is_hard(choice: MaterialChoice, kind: str, said: str | None, reply: SemanticReply | None = None) -> bool:
     """Return whether the object's matter is hard, and nobody has chosen how stiff it is.
+
+    What nobody knows anything of keeps its shape where it falls: soft, its thin parts go limp as they land.
 
     Args:
         choice: The user's choice.
         kind: The object's kind.
         said: Kind or library entry that the sentence chooses; None = none.
+        reply: What the sentence says; None = it is not read yet.
     """
     if _is_chosen(choice):
         return False
+    if said is None and kind == UNKNOWN and reply is not None:
+        return any(each.kind is MotionKind.FALL and not each.jiggles for each in reply.expectations)
     if said is None or said in PRIORS:
         return priors.is_hard(said or kind)
     return materials.is_hard(materials.find_material(said).material)

@@ -159,14 +159,17 @@ def find_opposition(
         return None
     g = -find_gravity(world)[2]
     values = dict(weight=g)
+    x, volume = np.asarray(body.particles.x, float), np.asarray(body.particles.volume, float)
+    rolling = world.ground and rolls(body)
+    if world.ground:  # what is dropped is kept upright too, once it is thrown up again
+        height = np.average(x[:, 2], weights=volume) - find_foot(body)
+        values["lever"] = 0.0 if rolling else max(height, 0.0)
     if world.ground and not drop:
-        x, volume = np.asarray(body.particles.x, float), np.asarray(body.particles.volume, float)
         arm = x - np.average(x, axis=0, weights=volume)
         about_vertical = np.average((arm[:, :2] ** 2).sum(1), weights=volume)
         about_side = np.average((arm**2).sum(1) - 0.5 * (arm[:, :2] ** 2).sum(1), weights=volume)
         feet = find_footprint(body) - np.average(x[:, :2], axis=0, weights=volume)
         slowing = friction * g
-        rolling = rolls(body)
         overhang = find_overhang(body)
         inside = 0.0 if rolling else -overhang * body.extent
         if (
@@ -177,7 +180,6 @@ def find_opposition(
             friction=slowing,
             turning=slowing * np.linalg.norm(feet, axis=1).mean() / max(about_vertical, 1e-12),
             tipping=g * inside / max(about_side, 1e-12),
-            lever=0.0 if rolling else max(np.average(x[:, 2], weights=volume) - find_foot(body), 0.0),
         )
     travel = calibration.TRAVEL * body.extent
     return Opposition(**values, damping_rate=damping_rate, travel=travel, time=time)

@@ -91,6 +91,22 @@ def test_what_is_not_to_bounce_is_not_thrown_up_again(prompt):
     assert not reply.force_field.actions and reply.force_field.default_drop
 
 
+@pytest.mark.parametrize(
+    ("prompt", "count", "counted"),
+    [
+        ("the robot is made of rubber, it gets dropped, squashes on the floor and bounces back up", 2, False),
+        ("drop the robot so that it bounces right back up", 2, False),
+        ("drop the robot and let it bounce a couple of times", 2, False),
+        ("drop the robot and let it bounce three times", 3, True),
+    ],
+)
+def test_what_bounces_back_up_is_thrown_up_again_and_that_is_looked_for(prompt, count, counted):
+    reply = read(prompt, brief(world="ground"))
+    (fall,) = reply.expectations
+    assert (fall.kind, fall.rebounds, fall.counted) == (MotionKind.FALL, count, counted)
+    assert len(reply.force_field.actions) == count and not reply.force_field.constraints
+
+
 def test_what_is_soft_wobbles_by_itself_as_it_lands():
     """Led to and fro, it hung where it had bounced to."""
     scene = brief(object_name="jelly", object_kind="jelly", world="ground")

@@ -232,6 +232,44 @@ def test_rebounds_are_counted_as_leaps_only_where_leaps_lack(heights, right):
     assert verdict("it hops twice", leaps, arcs(*heights)) is right
 
 
+@pytest.mark.parametrize(
+    ("rises", "counted", "right"),
+    [
+        ((0.4, 0.2), True, True),
+        ((0.4, 0.02), True, False),
+        ((0.4, 0.02), False, True),
+        ((), False, False),
+        ((-0.2,), False, False),  # it is pressed together and springs back
+    ],
+)
+def test_bounces_are_counted_above_where_it_comes_to_rest(rises, counted, right):
+    fall = expected(KINDS.FALL, None, rebounds=2, counted=counted)
+
+    def place(t):
+        if t < 12:
+            return 0, 0, -((t / 12) ** 2)
+        k, phase = divmod((t - 12) / 9, 1.0)
+        return 0, 0, -1.0 + (4 * rises[int(k)] * phase * (1 - phase) if k < len(rises) else 0.0)
+
+    assert verdict("it is dropped and bounces", [fall], show(place)) is right
+
+
+@pytest.mark.parametrize(
+    ("sentence", "right"),
+    [
+        ("the robot is dropped", False),
+        ("the rubber robot is dropped", True),
+        ("the robot is dropped and flops onto the ground", True),
+    ],
+)
+def test_what_is_soft_or_flops_may_change_its_shape_as_it_lands(sentence, right):
+    def squash(t):
+        return np.multiply((1.4, 0.2, -0.5), 1.0 if 14 < t < 24 else 0.0)
+
+    seen = show(lambda t: (0, 0, -min((t / 14) ** 2, 1.0)), strain=squash)
+    assert verdict(sentence, [expected(KINDS.FALL, None)], seen) is right
+
+
 def test_leaps_to_one_side_are_counted_by_their_heights():
     """Along the way that they go nothing comes back."""
     way = (math.sqrt(0.5), 0.0, math.sqrt(0.5))

@@ -6,10 +6,15 @@ import numpy as np
 import pytest
 import trimesh
 
+from physagent_jax.agents.schema import SemanticReply
+from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind
 from physagent_jax.mpm import simulate
+from physagent_jax.run import rigidity
 from physagent_jax.run.reading import place_for_field, read_for_scene
 from physagent_jax.run.resolve import resolve
 from physagent_jax.run.rigidity import RIGID_NOTE, STEP
+from physagent_jax.run.spec import MaterialChoice
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.compile import compile_scene
 from physagent_jax.scene.config import MaterialModel
@@ -210,3 +215,20 @@ def test_what_is_called_a_hard_thing_is_rigid(tmp_path):
         body = make_body(run.template.source, run.template.preset.filling, run.template.preset.domain, ".")
         reply = read_for_scene(run, body, with_rules().semantic.compile).value
         assert (run.place(body, reply)[0].material.model is RIGID) is (kind == "statue")
+
+
+@pytest.mark.parametrize(
+    ("kind", "said", "motion", "hard"),
+    [
+        ("object", None, MotionKind.FALL, True),
+        ("object", None, MotionKind.MOVE, False),
+        ("object", "natural_rubber", MotionKind.FALL, False),
+        ("toy", None, MotionKind.FALL, False),
+        ("cloth", None, MotionKind.FALL, False),
+    ],
+)
+def test_what_nobody_knows_anything_of_keeps_its_shape_where_it_falls(kind, said, motion, hard):
+    """The thin band of a pair of headphones went limp where it landed."""
+    fall = ExpectedMotion(kind=motion, window=(0, 20))
+    reply = SemanticReply(force_field=ForceField(default_drop=True), expectations=(fall,))
+    assert rigidity.is_hard(MaterialChoice(), kind, said, reply) is hard

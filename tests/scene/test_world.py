@@ -67,6 +67,14 @@ def test_what_drops_is_lifted_and_what_hangs_is_clear_of_the_ground(robot_path, 
     assert hung == dropped
 
 
+def test_what_is_dropped_can_be_kept_upright_once_it_is_thrown_up_again(robot_path, body):
+    levers = [
+        fused(robot_path, body, ForceField(default_drop=drop), world="ground").scaling.opposition
+        for drop in (False, True)
+    ]
+    assert levers[0].lever == levers[1].lever > 0 and levers[1].friction == 0
+
+
 def test_a_sentence_tells_how_high_it_falls_from():
     told = resolve_world(GROUND, WorldRequest(drop_height=1.2))
     assert (resolve_world(GROUND, WorldRequest()).drop_height, told.drop_height) == (DROP_HEIGHT, 1.2)

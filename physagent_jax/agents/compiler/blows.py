@@ -46,7 +46,7 @@ _THROWN, _LED = 0.45, 0.77
 _HOPS = 1.0  # the same of each of several leaps: they are as high as there is time for
 _FLUNG = 1.5  # power of a strength by which what is flung hard goes farther: it flies, and does not hop
 _AGAINST = 1.6  # strength as which it is taken where a wall is to be reached
-_RESTITUTION = 0.65  # speed after a rebound over that before it
+_RESTITUTION = 0.75  # speed after a rebound over that before it
 _PRESSED, _MOST_REBOUNDS = 1.0, 4  # frames for which it touches the ground; rebounds at most
 _SPUN_UP = 4.0  # frames in which what is thrown up is set spinning, and stopped
 _SPINS = 0.8  # of its flight, in which it turns: it comes down as it is to stand
@@ -193,21 +193,22 @@ def leap(task: Task) -> None:
 
 def compile_fall(task: Task) -> None:
     """Gravity from the first frame; where there is none, a fall after other motion is a push downwards instead."""
-    event, up = task.event, task.brief.directions.up
-    if task.builder.gravity == "up":
+    event, builder, up = task.event, task.builder, task.brief.directions.up
+    if builder.gravity == "up":
         task.expect(MotionKind.FALL, up, task.window)
         return
     _let_fall(task)
     _rebound(task)
-    if event.direction is None or abs(dot(event.direction, up)) >= _UPRIGHT:
-        task.expect(MotionKind.FALL, None, task.window)
-    elif task.builder.default_drop and (effort := find_effort(event.amount, Effect.PUSH, task.brief)):
-        task.expect(MotionKind.FALL, None, task.window, amount=None)  # the quantity is that of the way aside
+    level = event.direction is not None and abs(dot(event.direction, up)) < _UPRIGHT
+    effort = find_effort(event.amount, Effect.PUSH, task.brief) if level and builder.default_drop else None
+    aside = dict(amount=None) if effort else {}  # the quantity is that of the way aside
+    told = dict(rebounds=event.rebounds, counted=bool(event.repeat.count) and not event.repeat.vague)
+    task.expect(MotionKind.FALL, None, task.window, **told, **aside)
+    if effort:
         _throw_aside(task, effort)
-    else:
-        task.expect(MotionKind.FALL, None, task.window)
-        task.act(ActionType.TRANSLATION, event.direction, event.strength, task.window)
-        task.expect(MotionKind.MOVE, event.direction, task.window)
+    elif level:
+        task.act(ActionType.TRANSLATION, task.direction, event.strength, task.window)
+        task.expect(MotionKind.MOVE, task.direction, task.window)
 
 
 def _rebound(task: Task) -> None:
@@ -227,11 +228,7 @@ def _rebound(task: Task) -> None:
         made, rise = made + 1, rise * _RESTITUTION**2
         task.act(ActionType.IMPULSE, task.brief.directions.up, rise, make_impulse_window(begin), gains=True)
         begin += 2.0 * math.sqrt(2.0 * rise * size / GRAVITY) / task.brief.frame_dt + _PRESSED
-    told = (
-        ""
-        if made == event.rebounds
-        else f", {made} times of {event.rebounds}: more do not fit or are not seen"
-    )
+    told = "" if made == event.rebounds else f", {made} times of {event.rebounds}: more do not fit"
     builder.notes.append(f"'{event.text}': it is thrown up again where it lands{told}.")
 
 
@@ -269,7 +266,7 @@ def _let_fall(task: Task) -> None:
             builder.enable_gravity(task.event.words, "a falling object needs gravity")
             if pose and not earlier:
                 builder.attitude = find_attitude(pose, builder.brief)
-            elif task.event.trembles and builder.default_drop and not earlier:
+            elif task.event.trembles and builder.default_drop and not (earlier or task.event.rebounds):
                 until = task.window[1] if task.after else float(task.brief.last)
                 landing = stand_after_drop(height or DROP_HEIGHT, until, task.brief)
                 builder.constraints += [] if landing is None else [landing]

@@ -179,6 +179,13 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         events[-1].doubts += event.doubts
         events[-1].trembles |= builder.soft and not event.motion.gives
         return  # "it falls and shatters", "it falls and flattens"
+    fall = events[-1] if events and events[-1].effect is Effect.FALL else None
+    bounces = event.verb is not None and event.verb.bounces and event.effect in (Effect.FALL, Effect.JUMP)
+    if bounces or fall and event.effect is Effect.RELEASE and event.phrase.startswith("bounce"):
+        bouncing = fall or event
+        bouncing.rebounds, bouncing.repeat = event.repeat.count or _REBOUNDS, event.repeat
+        if fall:
+            return  # "it drops and bounces twice", "it falls and bounces back up"
     acted = next((each for each in reversed(events) if each.effect is not Effect.RELEASE), None)
     if builder.soft and acted and _trembles(event):
         acted.trembles = acted is events[-1] and acted.effect is Effect.FALL
@@ -188,11 +195,6 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         if acted.trembles or pressed and acted is not events[-1]:
             return  # led to and fro, it would hang where it has bounced to
         event = _make_another(event, "spring back") if pressed else event
-    if event.verb is not None and event.verb.bounces and event.effect in (Effect.FALL, Effect.JUMP):
-        bouncing = events[-1] if events and events[-1].effect is Effect.FALL else event
-        bouncing.rebounds = event.repeat.count or _REBOUNDS
-        if bouncing is not event:
-            return  # "it drops and bounces twice"
     lowered = all(each.effect in _LOWERING for each in events) and event.motion.lands
     buckles = bool(events) and events[-1].motion.gives and events[-1].phrase.startswith(_BUCKLING)
     if buckles and event.effect is Effect.TOPPLE:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from physagent_jax.agents.context import AgentContext, Observation
-from physagent_jax.agents.materials import DENTED, find_materials, find_meaning
+from physagent_jax.agents.materials import DENTED, GIVING, find_materials, find_meaning
 from physagent_jax.agents.protocols import PlannerAgent
 from physagent_jax.agents.trace import Reply
 from physagent_jax.motion.judging.posing import tells_pose
@@ -26,10 +26,11 @@ class RulePlanner(PlannerAgent):
         obstacles, unsure = (reading.world.obstacles, reading.unsure) if reading else ((), ())
         field, world = seen.force_field, reading.world.gravity if reading else None
         gravity = has_gravity(world, context.brief, expectations, field)
-        told = (find_meaning(each.word) for each in find_materials(context.prompt, context.brief))
-        dented = any(each is not None and each.preset in DENTED for each in told)
+        told = find_materials(context.prompt, context.brief)
+        of = {meaning.preset for each in told if (meaning := find_meaning(each.word))}
+        dented, soft = not of.isdisjoint(DENTED), not of.isdisjoint(GIVING)
         asked = context.brief, expectations, field, gravity, obstacles, context.prompt, dented
-        return Reply(judge(View(seen.report, *asked, seen.ending), unsure))
+        return Reply(judge(View(seen.report, *asked, seen.ending, soft), unsure))
 
     def watches_ending(self, context: AgentContext) -> bool:
         """Return whether the sentence is about how it is left."""

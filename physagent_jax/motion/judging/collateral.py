@@ -33,6 +33,8 @@ _SHATTERS = re.compile(
     r"explod|\w+ pieces|(fall|come)(s|ing)? apart|smash(es|ed|ing)? on\b)"
 )
 """Words of who asks that its matter gives way, in whichever clause."""
+_FLOPS = re.compile(r"\b(flop|splat|splodge|slump|crumple|floppy|limp|flatten)")
+"""Words of who asks that it lands limp, and lies as it comes."""
 _TRAVELS = (MotionKind.MOVE, MotionKind.FALL, MotionKind.SWAY)
 _VIOLENT = 1.3  # strength from which leaving the picture at the end is part of it
 _LATE, _END = 0.75, 0.95  # share of the clip
@@ -66,6 +68,7 @@ _SHEARED, _PER_OUTLINE = 0.3, 4.0
 is seen aslant, no point tells how thick it is."""
 _STRAIN_TUMBLING = 1.0
 """[1] of what tumbles, whose far side nobody sees from the start."""
+_STRAIN_PRESSED = 3.0  # [1] of what is soft and lands: it is pressed to a quarter, and comes back
 _STRAIN_TWISTED = (
     0.75  # [1] of what turns one way at one end and the other way at the other, which no one map fits
 )
@@ -242,10 +245,10 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         factor = math.exp(_find_lasting(v for _, v in volumes))
         figures = {"least": math.exp(-limit), "most": math.exp(limit), "factor": factor}
         return _check_lasting(view, "volume", volumes, limit, 2.0 * sigma, gentler=False, **figures)
-    if _gives_way(view):
+    tumbles = _is_rough(view, asked) and not view.anchored
+    if _gives_way(view) or tumbles and _FLOPS.search(view.sentence.lower()):
         return []
     swings = any(e.kind in (MotionKind.ROTATE, MotionKind.SWAY) for e in asked)
-    tumbles = _is_rough(view, asked) and not view.anchored
     yielding = view.anchored or swings or _is_rough(view, asked) or _is_partial(asked)
     toward = view.brief.directions.toward
     hidden = None if any(w.stretch_view_axis_observable for w in view.report.windows) else toward
@@ -266,7 +269,9 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     twists = sum(e.kind is MotionKind.ROTATE and e.part is not None for e in asked) > 1
     turned_limb = any(e.limb is not None for e in asked)  # no one map fits what is led beside what is held
     limit = (
-        _STRAIN_TUMBLING
+        _STRAIN_PRESSED
+        if tumbles and view.soft
+        else _STRAIN_TUMBLING
         if tumbles or turned_limb
         else _STRAIN_TWISTED
         if twists

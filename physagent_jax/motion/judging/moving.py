@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from physagent_jax.core.strict import Vector
+from physagent_jax.core.turning import find_turning_points
 from physagent_jax.motion import tolerances
 from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.comparing import (
@@ -18,7 +19,7 @@ from physagent_jax.motion.judging.comparing import (
     find_spread,
     make_unseen_check,
 )
-from physagent_jax.motion.judging.counting import count_turns
+from physagent_jax.motion.judging.counting import check_count, count_turns, estimate_jitter
 from physagent_jax.motion.judging.seen import (
     Course,
     View,
@@ -41,6 +42,10 @@ _SINKS = 0.4  # share of what its middle sinks by as it tips over that is seen a
 _ALL_BACK = 1.25  # of the way that it had come: something that is put back where it was may go so far
 _ASIDE = 0.22  # [body lengths] that it may wander to either side as it tips over
 _TOPPLED = 60.0  # [degrees] off the way down that its middle may go as it tips over
+_BOUNCE, _MORE_BOUNCES = (
+    0.04,
+    2,
+)  # [body lengths] that a bounce rises by at least, and more that follow untold
 _LANDED = 0.8  # of its way down, from where on what topples lies
 _TURNED = 0.6  # of its way that is enough of a limb which is seen to turn
 _MIDDLE = 0.5  # of the way down of its top that its middle goes as it tips over
@@ -232,10 +237,38 @@ def check_fall(asked: Asked) -> list[Check]:
     words = f"{fallen:.2g} body lengths downwards"
     if motion.amount is None or motion.amount.unit == "seconds":
         checks.append(compare_amount(asked, "how far does it fall?", tolerance, fallen, words))
+    if motion.rebounds:
+        checks.append(_count_bounces(asked, first, top))
     if fallen >= tolerance.low or view.force_field.default_drop or motion.window[0] >= 1:
         return checks
     fix = {"remedy": "set default_drop to true: nothing makes it fall"}
     return [check if check.passed else check.model_copy(update=fix) for check in checks]
+
+
+def _count_bounces(asked: Asked, first: int, top: int) -> Check:
+    """The number of times that it comes up from what it falls onto, above where it comes to rest.
+
+    What is soft is pressed together below that and springs back, and has not left the ground.
+    """
+    view, up = asked.view, asked.view.brief.directions.up
+    course = view.course(first, view.last)
+    rest = dot(course[-1][1], up)
+    heights = [max(dot(p, up), rest) for t, p in course if t <= max(asked.until, course[top][0])][top:]
+    told = asked.motion.rebounds
+    least = told if asked.motion.counted else 1
+    return check_count(
+        asked,
+        "how often does it bounce?",
+        lambda limit: (len(find_turning_points(heights, limit)) + 1) // 2,
+        least=least,
+        most=told + _MORE_BOUNCES,
+        aim=told,
+        threshold=_BOUNCE,
+        span=max(heights) - rest,
+        noise=math.sqrt(2.0) * estimate_jitter(heights),
+        noun="times",
+        fix=f"let it be thrown up where it lands {told} times",
+    )
 
 
 def check_sway(asked: Asked) -> list[Check]:

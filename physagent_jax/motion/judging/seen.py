@@ -62,6 +62,7 @@ class View:
         sentence: The sentence itself, for what it rules out.
         keeps_dents: Whether it is said to be of matter that keeps the shape which a blow gives it.
         ending: What was seen of the frames after the planned ones, from the last of those on; None = nothing.
+        soft: Whether it is said to be of soft matter, which is pressed together where it lands.
     """
 
     report: MotionReport
@@ -73,6 +74,7 @@ class View:
     sentence: str = ""
     keeps_dents: bool = False
     ending: MotionReport | None = None
+    soft: bool = False
 
     @property
     def anchored(self) -> bool:
