@@ -64,7 +64,7 @@ _BEARERS = dict(hand="arm", hands="arms", fist="arm", fists="arms", head="neck")
 _SEVERING = ("break", "snap", "crack", "cut", "chop", "saw", "hack", "shear", "tear", "rip")
 _BITING = frozenset("jaw jaws claw claws pincer pincers beak mouth bill teeth gripper grabber".split())
 _HOPS = 20.0  # [degrees] by which an end is raised that hops up
-_GOING = (Effect.PUSH, Effect.STRIKE, Effect.ROLL)  # what comes to a stop
+GOING = (Effect.PUSH, Effect.STRIKE, Effect.ROLL)  # what comes to a stop
 _CHOP = 60.0  # [degrees] by which a tool leans that is swung down
 _BEARING = ("wheels", "tyres", "tires")  # by which an end is lifted
 _SLAM = 1.3  # strength with which a wall is met that it comes off
@@ -162,7 +162,7 @@ def _choose_motion(event: Event, brief: SceneBrief, before: Event | None) -> tup
     head, part = phrase.partition(" ")[0], event.parts[0].text.lower().split() if event.parts else [""]
     snaps = head == "snap" and not phrase.endswith("off") and (phrase != head or before is not None)
     sent = phrase == "swing" and not repeats and event.pick(WayKind.TO) and (event.parts or event.is_upwards)
-    stops = effect is Effect.STILL and not (before and before.effect in _GOING)
+    stops = effect is Effect.STILL and not (before and before.effect in GOING)
     limp = motion.by == "limp" and brief.object_kind != "cloth" and not event.parts
     rules = (
         # "Is tossed to and fro", "the boat rolls from side to side", "it waddles left and right".
@@ -308,7 +308,8 @@ def _join_cause(event: Event) -> tuple[Motion, str]:
         return cause, event.cause_phrase
     skill = cause.skill if verb.effect is cause.effect else verb.skill  # "a vortex spins it"
     cycles = max(verb.cycles, cause.cycles)  # "it shakes in an earthquake"
-    return replace(verb, brief=verb.brief or cause.brief, skill=skill, cycles=cycles), event.phrase
+    brief = verb.brief or cause.brief and verb.effect is not Effect.ROLL  # what is set rolling rolls on
+    return replace(verb, brief=brief, skill=skill, cycles=cycles), event.phrase
 
 
 def _is_on_its_back(event: Event, brief: SceneBrief) -> bool:
@@ -420,7 +421,13 @@ def _take_over_direction(event: Event, before: Event, brief: SceneBrief) -> None
     slides = before.effect is Effect.TOPPLE and event.effect is Effect.PUSH and event.motion.generic
     if slides and event.clause.order == "and":
         event.clause = event.clause.model_copy(update=dict(order="then"))
-    if event.notes and (likewise or driven or slides):  # "push it to the right, then push it harder"
+    # "A gust hits it from the left, and it slides across the floor."
+    carried = event.motion.generic and event.effect is Effect.PUSH or event.effect is Effect.ROLL
+    carried &= before.effect in (Effect.PUSH, Effect.STRIKE) and before.direction is not None
+    carried = carried and abs(before.direction[2]) < _STEEP
+    if event.notes and (
+        likewise or driven or slides or carried
+    ):  # "push it to the right, then push it harder"
         _turn(event, before.direction, "no direction given: as before")
     width, height, depth = brief.extents
     if before.effect is Effect.TOPPLE and event.effect is Effect.ROLL and height > _TALL * max(width, depth):

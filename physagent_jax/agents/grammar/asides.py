@@ -555,6 +555,33 @@ def read_stances(mentions: list[Mention], _names: frozenset[str]) -> list[Mentio
     return result
 
 
+def read_grips(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
+    """Empties what all of it is taken by: "grab its handle and lift the cup", "take hold of the rope, lift the boat"."""
+    result, own = list(mentions), LEXICON.part_adjectives.keys() | get_set("determiners") | {"straight", "up"}
+    for at, mention in enumerate(mentions):
+        end = next(
+            (k for k in range(at, len(mentions)) if mentions[k].kind is MentionKind.JOIN), len(mentions)
+        )
+        verb = next((k for k in range(end, len(mentions)) if mentions[k].motion is not None), at)
+        motion, done_to = (
+            mentions[verb].motion,
+            (m.phrase for m in mentions[verb + 1 :] if m.phrase not in own),
+        )
+        if (
+            mention.form not in get_set("gripping")
+            and not mention.phrase.endswith("hold of")
+            or motion is None
+        ):
+            continue
+        denied = any(each.kind in (MentionKind.NOT, *MOTIONS) for each in mentions[at + 1 : verb])
+        local = motion.effect in (Effect.LEAN, Effect.SCALE, Effect.SWELL, Effect.RELEASE)
+        if not (denied or local) and next(done_to, "") in names:
+            for k in range(at + 1, end):
+                strange = mentions[k].kind is MentionKind.UNKNOWN
+                result[k] = replace(mentions[k], kind=MentionKind.IGNORED) if strange else empty(mentions[k])
+    return result
+
+
 def read_echoes(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
     """Makes a count of a verb that is said again and again, and empties doubled comparatives.
 
@@ -676,6 +703,7 @@ PASSES = (
     read_locations,
     read_stands,
     read_stances,
+    read_grips,
     read_looks,
     read_subjects,
     read_lists,

@@ -192,9 +192,9 @@ def _is_in_noun_phrase(reader: Reader, at: int) -> bool:
     """Return whether a word can stand between a verb and its particle: in "push it until it tips over" one cannot."""
     token = reader.tokens[at]
     joins = LEXICON.joins.get(token.text, Join.AND) is not Join.AND
-    if not token.is_word or joins or token.text in get_set("finite"):
-        return False
     named = token.text in reader.names or reader.is_after_determiner(at)
+    if not token.is_word or joins or not named and token.text in get_set("finite"):
+        return False
     return named or token.lemma not in LEXICON.motions
 
 

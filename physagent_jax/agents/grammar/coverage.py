@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from physagent_jax.agents.compiler.events import KnownPart
+from physagent_jax.agents.compiler.limbs import find_limbs
 from physagent_jax.agents.grammar.mentions import (
     LOOSE,
     MOTIONS,
@@ -21,7 +23,7 @@ from physagent_jax.agents.grammar.mentions import (
 )
 from physagent_jax.agents.grammar.nouns import is_telling
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
-from physagent_jax.agents.lexicon import Effect, Motion
+from physagent_jax.agents.lexicon import Effect, Motion, Place
 from physagent_jax.agents.materials import UNKNOWN_KIND, read_material_words
 from physagent_jax.motion.schema import SceneBrief
 
@@ -57,6 +59,7 @@ class _Spot:
         begin, end: What stands between the connectives around it.
         motion: The last motion before it.
         captions: Whether it is a caption: a motion among words of looks.
+        brief: The object.
     """
 
     mentions: list[Mention]
@@ -66,6 +69,7 @@ class _Spot:
     end: int
     motion: Motion | None
     captions: bool
+    brief: SceneBrief
 
     @property
     def word(self) -> str:
@@ -128,7 +132,7 @@ def sort_words(mentions: list[Mention], names: frozenset[str], brief: SceneBrief
     own = bool(brief.object_nouns) and brief.object_kind == UNKNOWN_KIND  # it may be called anything
     found: dict[str, list[str]] = {"ignored": [], "doubtful": [], "parts": [], "taken": []}
     seen: set[str] = set()
-    for spot in _list_spots(mentions, names):
+    for spot in _list_spots(mentions, names, brief):
         look = is_look(spot.word) and not (_is_telling_a_part(spot) or _is_moved_part(spot))
         unnamed = nameless or own and not (look or _is_a_part(spot))
         if unnamed and spot.word.isalpha() and _is_named_here(spot, named, found["taken"]):
@@ -147,7 +151,7 @@ def sort_words(mentions: list[Mention], names: frozenset[str], brief: SceneBrief
     return Coverage(**{kind: tuple(words) for kind, words in found.items()})
 
 
-def _list_spots(mentions: list[Mention], names: frozenset[str]) -> Iterator[_Spot]:
+def _list_spots(mentions: list[Mention], names: frozenset[str], brief: SceneBrief) -> Iterator[_Spot]:
     """The places of words that are not understood."""
     motion: Motion | None = None
     captions = _is_caption(mentions)
@@ -160,7 +164,7 @@ def _list_spots(mentions: list[Mention], names: frozenset[str]) -> Iterator[_Spo
             )
             if strange or mention.kind is MentionKind.FUNCTION and mention.phrase in get_set("particles"):
                 reach = max(begin, index - _REACH), min(end, index + _REACH)
-                yield _Spot(mentions, names, index, *reach, motion, captions)
+                yield _Spot(mentions, names, index, *reach, motion, captions, brief)
 
 
 def _is_caption(mentions: list[Mention]) -> bool:
@@ -253,12 +257,10 @@ def _is_described(spot: _Spot) -> bool:
 def _is_a_part(spot: _Spot) -> bool:
     """A part of the object: "the corners", "the handle", "its lid"."""
     owned = spot.get(-1) in get_set("pronouns_of_owners") and spot.get(-2) not in get_set("prepositions")
-    return (
-        spot.word in LEXICON.unplaced
-        or spot.word.removesuffix("s") in LEXICON.part_nouns
-        or owned
-        or _is_listed(spot)
-    )
+    noun = spot.skip(1)
+    owned &= noun is None or noun.kind is not MentionKind.PLACE  # "its stubby tail"
+    known = spot.word in LEXICON.unplaced or spot.word.removesuffix("s") in LEXICON.part_nouns
+    return known or owned or _is_listed(spot)
 
 
 def _is_listed(spot: _Spot) -> bool:
@@ -301,12 +303,16 @@ def _names_a_part(spot: _Spot) -> bool:
 
 
 def _is_telling_a_part(spot: _Spot) -> bool:
-    """The adjective of a part: "the red part", "the blue corner"; an object has one head."""
+    """The adjective of a part that tells it from others: "the red part", "the blue corner"; an object has one head."""
     after = spot.mentions[spot.index + 1] if spot.index + 1 < len(spot.mentions) else None
     if after is None or spot.get(-1) not in get_set("owners_of_parts"):
         return False
-    several = after.phrase in LEXICON.ends or " " in after.phrase or after.phrase in LEXICON.one_of_many
-    return after.kind is MentionKind.PLACE and several or after.phrase in LEXICON.part_nouns
+    if not isinstance(after.value, Place):
+        return after.phrase in LEXICON.part_nouns
+    alike = find_limbs(KnownPart(after.value, after.phrase, f"{after.words}s"), spot.brief)
+    placed = len(alike) == 1 or not alike and after.value.names  # "the pointed front end" is but one
+    several = LEXICON.part_nouns.keys() | LEXICON.one_of_many
+    return not placed and (" " in after.phrase or after.phrase in several)
 
 
 def _is_its_own_path(spot: _Spot) -> bool:
