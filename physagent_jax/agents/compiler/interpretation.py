@@ -130,9 +130,7 @@ def _choose_motion(event: Event, brief: SceneBrief, before: Event | None) -> tup
     motions, effect = read_lexicon().motions, motion.effect
     told, repeats = event.pick(*WAYS), event.clause.repetitions
     counted = any((each.times or 1) > 1 for each in repeats)
-    hops = (effect is Effect.JUMP or motion.bounces) and all(
-        each.first in (None, "up", "down") for each in repeats
-    )
+    hops = (effect is Effect.JUMP or motion.bounces) and all(e.first in (None, "up", "down") for e in repeats)
     if effect is Effect.ROLL and (event.clause.turning or event.clause.seen_from) and not told:
         return replace(motion, effect=Effect.TURN, direction="toward"), phrase  # rolls on the spot
     turned = any(each.unit == "degrees" for each in event.clause.quantities)

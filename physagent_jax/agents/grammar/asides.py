@@ -556,29 +556,20 @@ def read_stances(mentions: list[Mention], _names: frozenset[str]) -> list[Mentio
 
 
 def read_grips(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
-    """Empties what all of it is taken by: "grab its handle and lift the cup", "take hold of the rope, lift the boat"."""
-    result, own = list(mentions), LEXICON.part_adjectives.keys() | get_set("determiners") | {"straight", "up"}
-    for at, mention in enumerate(mentions):
-        end = next(
-            (k for k in range(at, len(mentions)) if mentions[k].kind is MentionKind.JOIN), len(mentions)
-        )
-        verb = next((k for k in range(end, len(mentions)) if mentions[k].motion is not None), at)
-        motion, done_to = (
-            mentions[verb].motion,
-            (m.phrase for m in mentions[verb + 1 :] if m.phrase not in own),
-        )
-        if (
-            mention.form not in get_set("gripping")
-            and not mention.phrase.endswith("hold of")
-            or motion is None
-        ):
+    """Empties what all is taken by: "grab a handle and lift the cup", "take hold of the rope, lift the boat"."""
+    result, skipped = list(mentions), LEXICON.part_adjectives.keys() | get_set("determiners")
+    for (begin, end), (_, later) in pairwise(list_segments(mentions)):
+        at = next((k for k in range(begin, end) if mentions[k].phrase in get_set("gripping")), end)
+        verb = next((k for k in range(end, later) if mentions[k].motion is not None), end)
+        done_to = (each.phrase for each in mentions[verb + 1 : later] if each.phrase not in skipped)
+        motion = mentions[verb].motion
+        local = motion is None or motion.effect in (Effect.LEAN, Effect.SCALE, Effect.SWELL, Effect.RELEASE)
+        denied = any(each.kind is MentionKind.NOT for each in mentions[begin:verb])
+        if local or denied or has_motion(mentions[begin:end]) or next(done_to, "") not in names:
             continue
-        denied = any(each.kind in (MentionKind.NOT, *MOTIONS) for each in mentions[at + 1 : verb])
-        local = motion.effect in (Effect.LEAN, Effect.SCALE, Effect.SWELL, Effect.RELEASE)
-        if not (denied or local) and next(done_to, "") in names:
-            for k in range(at + 1, end):
-                strange = mentions[k].kind is MentionKind.UNKNOWN
-                result[k] = replace(mentions[k], kind=MentionKind.IGNORED) if strange else empty(mentions[k])
+        for k in range(at, end):
+            strange = mentions[k].kind is MentionKind.UNKNOWN
+            result[k] = replace(mentions[k], kind=MentionKind.IGNORED) if strange else empty(mentions[k])
     return result
 
 

@@ -310,9 +310,9 @@ def _is_telling_a_part(spot: _Spot) -> bool:
     if not isinstance(after.value, Place):
         return after.phrase in LEXICON.part_nouns
     alike = find_limbs(KnownPart(after.value, after.phrase, f"{after.words}s"), spot.brief)
-    placed = len(alike) == 1 or not alike and after.value.names  # "the pointed front end" is but one
+    one = after.value.names if not alike else len(alike) == 1 and after.phrase not in LEXICON.one_of_many
     several = LEXICON.part_nouns.keys() | LEXICON.one_of_many
-    return not placed and (" " in after.phrase or after.phrase in several)
+    return not one and (" " in after.phrase or after.phrase in several)  # "the pointed front end" is but one
 
 
 def _is_its_own_path(spot: _Spot) -> bool:
@@ -412,17 +412,13 @@ _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
     # Of what a part is, is seen by how it moves: "her legs are rubber".
     (lambda s: s.word in read_material_words().words and s.is_behind(MentionKind.PLACE), True),
     (lambda s: s.word in get_set("remains") and s.motion is not None, True),
-    (
-        lambda s: s.is_parting and s.word in get_set("crowds") | get_set("paths"),
-        True,
-    ),  # "into thousands of pieces"
+    # "Into thousands of pieces".
+    (lambda s: s.is_parting and s.word in get_set("crowds") | get_set("paths"), True),
     (lambda s: s.word == "head" and s.mentions[s.index - 1].words in s.names and s.motion is None, True),
     (_is_its_own_path, True),
     (lambda s: s.word in get_set("paths") | get_set("worlds"), False),  # "in a spiral", "on the moon"
-    (
-        lambda s: s.word[0].isdigit() and (s.index == 0 or s.get(1) in (":", ".")),
-        True,
-    ),  # "3.2 Push it", "Run 3:"
+    # "3.2 Push it", "Run 3:".
+    (lambda s: s.word[0].isdigit() and (s.index == 0 or s.get(1) in (":", ".")), True),
     (_is_in_a_fragment, True),
     (lambda s: not s.word.isalpha() or s.word == "minus", False),  # "by -45 degrees"
     # "A third of its length farther to the right".
