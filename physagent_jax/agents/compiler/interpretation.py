@@ -275,11 +275,8 @@ def _droops(event: Event, brief: SceneBrief) -> bool:
 
 def _drops_limb(event: Event, motion: Motion, brief: SceneBrief) -> bool:
     """Return whether it is a limb that falls, on its joint."""
-    falls = motion.effect is Effect.FALL and not (
-        motion.topples or motion.lands or motion.gives or motion.bounces
-    )
     limb = event.parts and event.parts[0].place.names != ("down",) and find_limbs(event.parts[0], brief)
-    return falls and motion.by != "whole" and bool(limb)
+    return motion.drops and motion.by != "whole" and bool(limb)
 
 
 def _means_same(event: Event, before: Event, brief: SceneBrief) -> bool:
@@ -410,29 +407,22 @@ def _roll_sideways(event: Event, before: Event, brief: SceneBrief) -> None:
 
 def _take_over_direction(event: Event, before: Event, brief: SceneBrief) -> None:
     """The direction of the event before, where none is told; and "back" from there. What lies tips over aside."""
-    driven = (
-        event.effect is Effect.TOPPLE and before.effect in (Effect.PUSH, Effect.STRIKE) and not lies(brief)
-    )
+    pushed = before.effect in (Effect.PUSH, Effect.STRIKE)
+    driven = event.effect is Effect.TOPPLE and pushed and not lies(brief)
     likewise = before.effect is event.effect and (
         event.effect is not Effect.SWAY or before.phrase == event.phrase
     )
     slides = before.effect is Effect.TOPPLE and event.effect is Effect.PUSH and event.motion.generic
     if slides and event.clause.order == "and":
         event.clause = event.clause.model_copy(update=dict(order="then"))
-    # "A gust hits it from the left, and it slides across the floor."
     carried = event.motion.generic and event.effect is Effect.PUSH or event.effect is Effect.ROLL
-    carried &= before.effect in (Effect.PUSH, Effect.STRIKE) and before.direction is not None
-    carried = carried and abs(before.direction[2]) < _STEEP
-    if event.notes and (
-        likewise or driven or slides or carried
-    ):  # "push it to the right, then push it harder"
+    carried &= pushed and before.direction is not None and abs(before.direction[2]) < _STEEP
+    if event.notes and (likewise or driven or slides or carried):  # "it is hit from the left and slides"
         _turn(event, before.direction, "no direction given: as before")
     width, height, depth = brief.extents
     if before.effect is Effect.TOPPLE and event.effect is Effect.ROLL and height > _TALL * max(width, depth):
         _roll_sideways(event, before, brief)
-    tumbles = (
-        event.effect is Effect.TURN and event.motion.tumbles and before.effect in (Effect.PUSH, Effect.STRIKE)
-    )
+    tumbles = event.effect is Effect.TURN and event.motion.tumbles and pushed
     assumed = event.sources["vector"].why.endswith(BY_DEFAULT)
     if tumbles and assumed and before.direction and abs(before.direction[2]) < _STEEP:
         _turn(event, find_lean_axis(before.direction, brief), "it tumbles the way that it goes")

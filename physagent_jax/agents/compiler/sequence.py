@@ -236,9 +236,7 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     if before and _goes_over(before, event):
         event = _join_fall(events.pop(), event)
     elif before and _sets_rocking(before, event) and builder.grounded and not (builder.anchored or poked):
-        builder.notes.append(
-            f"'{before.words}' is what sets it rocking: pushed as well, it would slide or fall."
-        )
+        builder.notes.append(f"'{before.words}' sets it rocking: pushed as well, it would slide or fall.")
         event = _join_push(events.pop(), event)
     if event.motion.lands and [each.effect for each in events[-2:]] == [Effect.JUMP, Effect.TURN]:
         last = events[-1]  # "jumps up, spins around and lands"
@@ -312,11 +310,7 @@ def _make_lift(event: Event, builder: ForceFieldBuilder) -> Event:
 
 def _is_dropped(event: Event, builder: ForceFieldBuilder) -> bool:
     """Return whether all of what stands is dropped."""
-    motion = event.motion
-    drops = event.effect is Effect.FALL and not (
-        motion.topples or motion.lands or motion.gives or motion.bounces
-    )
-    return drops and not (event.parts or event.limbs) and builder.grounded and not builder.anchored
+    return event.motion.drops and not (event.parts or event.limbs or builder.anchored) and builder.grounded
 
 
 def _rises_again(before: Event, event: Event) -> bool:

@@ -159,9 +159,7 @@ def _list_spots(mentions: list[Mention], names: frozenset[str], brief: SceneBrie
         for index in range(begin, end):
             mention = mentions[index]
             motion = mention.motion or motion
-            strange = (
-                mention.kind in (MentionKind.UNKNOWN, MentionKind.IGNORED) and mention.phrase not in names
-            )
+            strange = mention.kind in LOOSE[:2] and mention.phrase not in names
             if strange or mention.kind is MentionKind.FUNCTION and mention.phrase in get_set("particles"):
                 reach = max(begin, index - _REACH), min(end, index + _REACH)
                 yield _Spot(mentions, names, index, *reach, motion, captions, brief)
@@ -310,7 +308,7 @@ def _is_telling_a_part(spot: _Spot) -> bool:
     if not isinstance(after.value, Place):
         return after.phrase in LEXICON.part_nouns
     alike = find_limbs(KnownPart(after.value, after.phrase, f"{after.words}s"), spot.brief)
-    one = after.value.names if not alike else len(alike) == 1 and after.phrase not in LEXICON.one_of_many
+    one = after.phrase not in LEXICON.one_of_many and (len(alike) == 1 or not alike and after.value.names)
     several = LEXICON.part_nouns.keys() | LEXICON.one_of_many
     return not one and (" " in after.phrase or after.phrase in several)  # "the pointed front end" is but one
 
@@ -323,9 +321,7 @@ def _is_its_own_path(spot: _Spot) -> bool:
     flies = spot.motion.gravity or spot.motion.effect in (Effect.LEAN, Effect.SWAY, Effect.TOPPLE)
     flies &= spot.preposition == "in"
     word = spot.get(1) if spot.word == "half" else spot.word
-    return (
-        rolls and word in ("circle", "circles", "semicircle") or (rolls or flies) and word in ("arc", "arcs")
-    )
+    return rolls and "circle" in word or (rolls or flies) and word in ("arc", "arcs")
 
 
 def _is_speech(spot: _Spot) -> bool:
@@ -337,23 +333,9 @@ def _is_speech(spot: _Spot) -> bool:
 def _is_placed_part(spot: _Spot) -> bool:
     """A thing whose place is told, which is moved then: "the bird nest at the top shakes"."""
     behind = [m for m in spot.mentions[spot.index + 1 : spot.end] if m.kind not in LOOSE]
-    place = next(
-        (m for m in behind if m.phrase not in get_set("determiners") | {"on", "at"}), spot.mentions[0]
-    )
-    told = (
-        place.kind is MentionKind.PLACE and place.phrase in LEXICON.ends and behind[0].phrase in ("on", "at")
-    )
+    end = next((m for m in behind if m.phrase not in get_set("determiners") | {"on", "at"}), spot.mentions[0])
+    told = end.kind is MentionKind.PLACE and end.phrase in LEXICON.ends and behind[0].phrase in ("on", "at")
     return told and has_motion(behind) and not has_motion(spot.mentions[spot.begin : spot.index])
-
-
-def _is_a_grip(spot: _Spot) -> bool:
-    """The part by which all of it is taken: "lift it by the saddle", "drag it by one of its iron rings"."""
-    at, idle = spot.index - 1, get_set("determiners") | LEXICON.part_adjectives.keys() | {"of", "one", "both"}
-    while at > spot.begin and (spot.mentions[at].kind in LOOSE or get_phrase(spot.mentions, at) in idle):
-        at -= 1
-    whole = any(each.phrase in spot.names | get_set("objects") for each in spot.mentions[spot.begin : at])
-    local = spot.motion is not None and spot.motion.effect in (Effect.LEAN, Effect.SCALE, Effect.SWELL)
-    return get_phrase(spot.mentions, at) == "by" and whole and not local
 
 
 def _is_in_a_fragment(spot: _Spot) -> bool:
@@ -423,7 +405,6 @@ _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
     (lambda s: not s.word.isalpha() or s.word == "minus", False),  # "by -45 degrees"
     # "A third of its length farther to the right".
     (lambda s: s.index > 0 and s.mentions[s.index - 1].kind is MentionKind.QUANTITY, True),
-    (_is_a_grip, True),
     (_is_asking, True),
     (_is_described, True),
     # "A gust catches the sign".

@@ -107,9 +107,7 @@ def _read_load(reader: Reader, at: int) -> Mention | None:
     behind = at + 1 + (reader.get_text(at + 1) == "down")
     noun = behind + 1 + (reader.get_text(behind + 1) in get_set("determiners"))
     loaded = reader.tokens[at].lemma in get_set("loads") and reader.get_text(behind) in ("on", "onto", "upon")
-    told = reader.names | (
-        get_set("objects") if reader.get_text(at - 1) in get_set("persons") else frozenset()
-    )
+    told = reader.names | (get_set("objects") if reader.get_text(at - 1) in get_set("persons") else set())
     if not loaded or reader.get_text(noun) not in told or has_motion(reader.mentions):
         return None
     press = LEXICON.motions["press"]

@@ -163,20 +163,18 @@ def read_lulls(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
 
 def _read_weather(mentions: list[Mention], result: list[Mention], at: int, names: frozenset[str]) -> None:
     """Empties in ``result`` what says that the wind at ``at`` begins, and the wind that ends with a verb of its own."""
-    for verb in range(at + 1, min(at + _NEAR, len(mentions))):
-        more = verb + 1 + (get_phrase(mentions, verb + 1) in ("up", "down", "off", "away"))
-        whole = " ".join(each.phrase for each in mentions[verb:more])
-        said = {mentions[verb].phrase, whole} & _WEATHER
-        if said or mentions[verb].kind not in _BESIDE:
+    told, own = {}, names | get_set("objects") | get_set("determiners")
+    for verb in (k for k in range(at + 1, min(at + _NEAR, len(mentions))) if not told):
+        for more in (verb + 1, verb + 2):
+            said = " ".join(each.phrase for each in mentions[verb:more])
+            if (
+                said in _WEATHER and get_phrase(mentions, more) not in own
+            ):  # "the wind picks up the boat" lifts it
+                told = {said: (verb, more)}
+        if mentions[verb].kind not in _BESIDE:
             break
-    else:
-        return
-    own = names | get_set("objects") | get_set("determiners")
-    if not said or get_phrase(mentions, more) in own:
-        return  # "the wind picks up the boat" lifts it
-    first = verb
-    if said.isdisjoint(get_set("winds_begin")):
-        first = at
-        if at and (link := next((k for k in range(at, 0, -1) if mentions[k].kind is MentionKind.JOIN), 0)):
+    for said, (verb, more) in told.items():
+        first = verb if said in get_set("winds_begin") else at
+        for link in [k for k in range(at) if mentions[k].kind is MentionKind.JOIN and first == at][-1:]:
             result[link] = replace(mentions[link], value=Join.THEN, phrase="then")
-    result[first:more] = map(empty, mentions[first:more])
+        result[first:more] = map(empty, mentions[first:more])
