@@ -558,7 +558,7 @@ def read_stances(mentions: list[Mention], _names: frozenset[str]) -> list[Mentio
 def read_grips(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
     """Empties what all is taken by: "lift it by the end of its wooden handle", "grab its brim and lift the hat"."""
     result, own, kinds = list(mentions), names | get_set("objects"), (MentionKind.PLACE, *LOOSE)
-    idle = LEXICON.part_adjectives.keys() | get_set("determiners") | {"of", "one", "both"}
+    idle = {"of", "one", "both", *LEXICON.part_adjectives, *LEXICON.part_nouns, *get_set("determiners")}
     for begin, end in list_segments(mentions):
         at = max((k for k in range(begin, end) if mentions[k].phrase in get_set("gripping")), default=end)
         first = next((k for k in range(end, len(mentions)) if mentions[k].motion), end)

@@ -130,7 +130,7 @@ class Motion:
 
     @property
     def drops(self) -> bool:
-        """Whether it is a plain fall."""
+        """Return whether it is a plain fall."""
         return self.effect is Effect.FALL and not (self.topples or self.lands or self.gives or self.bounces)
 
     @property
