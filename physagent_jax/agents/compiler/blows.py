@@ -311,7 +311,5 @@ def _find_blows(task: Task) -> list[Action]:
         if any(each.kind is MotionKind.MOVE and each.repeats == 1 for each in at_once)
         else []
     )
-    level = all(
-        abs(dot(each.vector, task.brief.directions.up)) < _LEVEL and each.region is None for each in blow
-    )
+    level = all(abs(dot(e.vector, task.brief.directions.up)) < _LEVEL and e.region is None for e in blow)
     return blow if level and all(each.action_type is ActionType.IMPULSE for each in blow) else []

@@ -64,7 +64,7 @@ _BEARERS = dict(hand="arm", hands="arms", fist="arm", fists="arms", head="neck")
 _SEVERING = ("break", "snap", "crack", "cut", "chop", "saw", "hack", "shear", "tear", "rip")
 _BITING = frozenset("jaw jaws claw claws pincer pincers beak mouth bill teeth gripper grabber".split())
 _HOPS = 20.0  # [degrees] by which an end is raised that hops up
-_GOING = (Effect.PUSH, Effect.STRIKE, Effect.ROLL)  # what comes to a stop
+GOING = (Effect.PUSH, Effect.STRIKE, Effect.ROLL)  # what comes to a stop
 _CHOP = 60.0  # [degrees] by which a tool leans that is swung down
 _BEARING = ("wheels", "tyres", "tires")  # by which an end is lifted
 _SLAM = 1.3  # strength with which a wall is met that it comes off
@@ -130,9 +130,7 @@ def _choose_motion(event: Event, brief: SceneBrief, before: Event | None) -> tup
     motions, effect = read_lexicon().motions, motion.effect
     told, repeats = event.pick(*WAYS), event.clause.repetitions
     counted = any((each.times or 1) > 1 for each in repeats)
-    hops = (effect is Effect.JUMP or motion.bounces) and all(
-        each.first in (None, "up", "down") for each in repeats
-    )
+    hops = (effect is Effect.JUMP or motion.bounces) and all(e.first in (None, "up", "down") for e in repeats)
     if effect is Effect.ROLL and (event.clause.turning or event.clause.seen_from) and not told:
         return replace(motion, effect=Effect.TURN, direction="toward"), phrase  # rolls on the spot
     turned = any(each.unit == "degrees" for each in event.clause.quantities)
@@ -162,7 +160,7 @@ def _choose_motion(event: Event, brief: SceneBrief, before: Event | None) -> tup
     head, part = phrase.partition(" ")[0], event.parts[0].text.lower().split() if event.parts else [""]
     snaps = head == "snap" and not phrase.endswith("off") and (phrase != head or before is not None)
     sent = phrase == "swing" and not repeats and event.pick(WayKind.TO) and (event.parts or event.is_upwards)
-    stops = effect is Effect.STILL and not (before and before.effect in _GOING)
+    stops = effect is Effect.STILL and not (before and before.effect in GOING)
     limp = motion.by == "limp" and brief.object_kind != "cloth" and not event.parts
     rules = (
         # "Is tossed to and fro", "the boat rolls from side to side", "it waddles left and right".
@@ -277,11 +275,8 @@ def _droops(event: Event, brief: SceneBrief) -> bool:
 
 def _drops_limb(event: Event, motion: Motion, brief: SceneBrief) -> bool:
     """Return whether it is a limb that falls, on its joint."""
-    falls = motion.effect is Effect.FALL and not (
-        motion.topples or motion.lands or motion.gives or motion.bounces
-    )
     limb = event.parts and event.parts[0].place.names != ("down",) and find_limbs(event.parts[0], brief)
-    return falls and motion.by != "whole" and bool(limb)
+    return motion.drops and motion.by != "whole" and bool(limb)
 
 
 def _means_same(event: Event, before: Event, brief: SceneBrief) -> bool:
@@ -308,7 +303,8 @@ def _join_cause(event: Event) -> tuple[Motion, str]:
         return cause, event.cause_phrase
     skill = cause.skill if verb.effect is cause.effect else verb.skill  # "a vortex spins it"
     cycles = max(verb.cycles, cause.cycles)  # "it shakes in an earthquake"
-    return replace(verb, brief=verb.brief or cause.brief, skill=skill, cycles=cycles), event.phrase
+    brief = verb.brief or cause.brief and verb.effect is not Effect.ROLL  # what is set rolling rolls on
+    return replace(verb, brief=brief, skill=skill, cycles=cycles), event.phrase
 
 
 def _is_on_its_back(event: Event, brief: SceneBrief) -> bool:
@@ -411,23 +407,22 @@ def _roll_sideways(event: Event, before: Event, brief: SceneBrief) -> None:
 
 def _take_over_direction(event: Event, before: Event, brief: SceneBrief) -> None:
     """The direction of the event before, where none is told; and "back" from there. What lies tips over aside."""
-    driven = (
-        event.effect is Effect.TOPPLE and before.effect in (Effect.PUSH, Effect.STRIKE) and not lies(brief)
-    )
+    pushed = before.effect in (Effect.PUSH, Effect.STRIKE)
+    driven = event.effect is Effect.TOPPLE and pushed and not lies(brief)
     likewise = before.effect is event.effect and (
         event.effect is not Effect.SWAY or before.phrase == event.phrase
     )
     slides = before.effect is Effect.TOPPLE and event.effect is Effect.PUSH and event.motion.generic
     if slides and event.clause.order == "and":
         event.clause = event.clause.model_copy(update=dict(order="then"))
-    if event.notes and (likewise or driven or slides):  # "push it to the right, then push it harder"
+    carried = event.motion.generic and event.effect is Effect.PUSH or event.effect is Effect.ROLL
+    carried &= pushed and before.direction is not None and abs(before.direction[2]) < _STEEP
+    if event.notes and (likewise or driven or slides or carried):  # "it is hit from the left and slides"
         _turn(event, before.direction, "no direction given: as before")
     width, height, depth = brief.extents
     if before.effect is Effect.TOPPLE and event.effect is Effect.ROLL and height > _TALL * max(width, depth):
         _roll_sideways(event, before, brief)
-    tumbles = (
-        event.effect is Effect.TURN and event.motion.tumbles and before.effect in (Effect.PUSH, Effect.STRIKE)
-    )
+    tumbles = event.effect is Effect.TURN and event.motion.tumbles and pushed
     assumed = event.sources["vector"].why.endswith(BY_DEFAULT)
     if tumbles and assumed and before.direction and abs(before.direction[2]) < _STEEP:
         _turn(event, find_lean_axis(before.direction, brief), "it tumbles the way that it goes")

@@ -14,7 +14,7 @@ from physagent_jax.agents.compiler.events import (
     WayKind,
     is_landing_meanwhile,
 )
-from physagent_jax.agents.compiler.interpretation import interpret, resolve_obstacles
+from physagent_jax.agents.compiler.interpretation import GOING, interpret, resolve_obstacles
 from physagent_jax.agents.compiler.limbs import find_limbs, moves_pot
 from physagent_jax.agents.compiler.schedule import follows
 from physagent_jax.agents.intent import Held, Timing
@@ -138,6 +138,10 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     """Adds what a clause tells."""
     if events and not events[-1].parts and event.clause.parts == events[-1].clause.parts:
         event.parts.clear()  # "lift its front wheels, then drop them": all of that end
+    stops = event.effect is Effect.STILL and (event.motion.coasts or event.phrase.startswith("come"))
+    if stops and event.clause.order == "together" and any(each.effect in GOING for each in events):
+        builder.notes.append(f"'{event.text}': what was set going comes to that by itself.")
+        return  # "a gust pushes it, and it spins as it slides to a stop"
     interpret(event, _find_measure(events, event), builder.brief)
     rests = event.effect is Effect.STILL and event.unknown_parts[:1]
     if rests and -1 < event.text.find(rests[0]) < event.text.find(event.words):
@@ -234,9 +238,7 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     if before and _goes_over(before, event):
         event = _join_fall(events.pop(), event)
     elif before and _sets_rocking(before, event) and builder.grounded and not (builder.anchored or poked):
-        builder.notes.append(
-            f"'{before.words}' is what sets it rocking: pushed as well, it would slide or fall."
-        )
+        builder.notes.append(f"'{before.words}' sets it rocking: pushed as well, it would slide or fall.")
         event = _join_push(events.pop(), event)
     if event.motion.lands and [each.effect for each in events[-2:]] == [Effect.JUMP, Effect.TURN]:
         last = events[-1]  # "jumps up, spins around and lands"
@@ -310,11 +312,7 @@ def _make_lift(event: Event, builder: ForceFieldBuilder) -> Event:
 
 def _is_dropped(event: Event, builder: ForceFieldBuilder) -> bool:
     """Return whether all of what stands is dropped."""
-    motion = event.motion
-    drops = event.effect is Effect.FALL and not (
-        motion.topples or motion.lands or motion.gives or motion.bounces
-    )
-    return drops and not (event.parts or event.limbs) and builder.grounded and not builder.anchored
+    return event.motion.drops and not (event.parts or event.limbs or builder.anchored) and builder.grounded
 
 
 def _rises_again(before: Event, event: Event) -> bool:
@@ -436,6 +434,8 @@ def _find_measure(events: list[Event], event: Event) -> Event | None:
     """The last event with a direction; for what comes "back" or goes on the same way, the last like it."""
     directed = [each for each in events if each.direction is not None]
     turns = event.effect is Effect.TURN
+    if event.motion.coasts:  # "it is pushed, spins around and slides to a stop"
+        directed = [each for each in directed if each.effect in GOING] or directed
     if event.is_back:
         directed = [each for each in directed if (each.effect is Effect.TURN) == turns] or directed
     if any(way.names == ("same",) for way in event.pick(WayKind.AGAIN)):

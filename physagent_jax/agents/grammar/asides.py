@@ -20,6 +20,7 @@ from physagent_jax.agents.grammar.mentions import (
     MentionKind,
     empty,
     get_last_motion,
+    get_phrase,
     has_motion,
     list_segments,
 )
@@ -297,9 +298,8 @@ def read_comparisons(mentions: list[Mention], _names: frozenset[str]) -> list[Me
     for index, mention in enumerate(mentions):
         at = index if mention.kind is MentionKind.VERB else at
         verb = result[at].motion if at is not None else None
-        likens = mention.form == "like" and not (
-            index and mentions[index - 1].form in get_set("before_likes")
-        )
+        spoken = index > 0 and mentions[index - 1].form in get_set("before_likes")
+        likens = mention.form == "like" and not spoken
         supposes = mention.phrase in ("as if", "as though")
         if mention.kind is not MentionKind.FUNCTION or not (likens or supposes) or at is None or verb is None:
             continue
@@ -555,6 +555,33 @@ def read_stances(mentions: list[Mention], _names: frozenset[str]) -> list[Mentio
     return result
 
 
+def read_grips(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
+    """Empties what all is taken by: "lift it by the end of its wooden handle", "grab its brim and lift the hat"."""
+    result, own, kinds = list(mentions), names | get_set("objects"), (MentionKind.PLACE, *LOOSE)
+    idle = {"of", "one", "both", *LEXICON.part_adjectives, *LEXICON.part_nouns, *get_set("determiners")}
+    for begin, end in list_segments(mentions):
+        at = max((k for k in range(begin, end) if mentions[k].phrase in get_set("gripping")), default=end)
+        first = next((k for k in range(end, len(mentions)) if mentions[k].motion), end)
+        noun = next((m.phrase for m in mentions[first + 1 :] if m.phrase not in idle), "")
+        denied = any(m.kind in (MentionKind.NOT, *MOTIONS) for m in mentions[begin:first])
+        motion, whole = get_last_motion(mentions[: first + 1]), noun in names and not denied
+        if by := get_phrase(mentions, at) == "by":
+            beside = {k for k in range(at, end) if mentions[k].kind in kinds or mentions[k].phrase in idle}
+            end = next((k for k in range(at + 1, end) if k not in beside), end)
+            motion, whole = get_last_motion(mentions[:at]), any(m.phrase in own for m in mentions[begin:at])
+        taken, effect = mentions[at + 1 : end], motion and motion.effect
+        local = effect in (Effect.LEAN, Effect.SCALE, Effect.SWELL, Effect.RELEASE)
+        placed = any(m.kind is MentionKind.PLACE and not m.phrase.startswith("one ") for m in taken)
+        if by and placed:  # "lift it by one handle" raises that side
+            whole, local = effect is Effect.LEAN or all(m.phrase != "one" for m in taken), False
+        for k, each in enumerate(taken if whole and not local else [], at + 1):
+            if each.kind is not MentionKind.UNKNOWN:
+                result[k] = each if by and not placed else empty(each)
+            elif each.words.isalpha():
+                result[k] = replace(each, kind=MentionKind.IGNORED)
+    return result
+
+
 def read_echoes(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
     """Makes a count of a verb that is said again and again, and empties doubled comparatives.
 
@@ -648,6 +675,7 @@ def _read_as(mention: Mention, word: str) -> Mention:
 
 
 PASSES = (
+    read_grips,
     read_trends,
     read_debris,
     read_lulls,

@@ -109,7 +109,7 @@ def _says_nothing(reader: Reader, entry: Entry, used: list[int]) -> bool:
     (words, kind, value), at, text = entry, used[0], reader.get_text
     if kind is MentionKind.PLACE:  # "wobble it on its base", "lift it by the end of its handle": all of it
         assert isinstance(value, Place)
-        return is_standing(reader, at, value) or words[0] != "one" and reader.is_gripped(at)
+        return is_standing(reader, at, value)
     if kind is MentionKind.JOIN:  # "don't make it jump", "make it jump": a request, and no result
         return text(at) == "make" and (not text(at - 1).isalnum() or text(at - 1) in get_set("asking"))
     if kind is MentionKind.INTENSITY:
@@ -192,9 +192,9 @@ def _is_in_noun_phrase(reader: Reader, at: int) -> bool:
     """Return whether a word can stand between a verb and its particle: in "push it until it tips over" one cannot."""
     token = reader.tokens[at]
     joins = LEXICON.joins.get(token.text, Join.AND) is not Join.AND
-    if not token.is_word or joins or token.text in get_set("finite"):
-        return False
     named = token.text in reader.names or reader.is_after_determiner(at)
+    if not token.is_word or joins or not named and token.text in get_set("finite"):
+        return False
     return named or token.lemma not in LEXICON.motions
 
 
@@ -333,9 +333,8 @@ def _is_crossing(reader: Reader, at: int) -> bool:
 
 def _is_repeated(reader: Reader, at: int) -> bool:
     """Return whether it is told there how often: "left to right a few times" goes to and fro."""
-    return any(
-        reader.get_text(at + step) in (*read_sections()["times"], "twice", "thrice") for step in range(4)
-    )
+    times = (*read_sections()["times"], "twice", "thrice")
+    return any(reader.get_text(at + step) in times for step in range(4))
 
 
 def _is_describing_object(reader: Reader, at: int, size: int) -> bool:

@@ -286,10 +286,8 @@ def _add_segment(clauses: list[Clause], join: Join, mentions: list[Mention]) -> 
             gone = negated and clause.head is None and len(clauses) > 1 and bool(clause.select(*WAYS))
             first, second = get_verb(clause.verb) if clause.verb else None, get_verb(mention)
             # "Goes spinning", "stands swaying", "grows taller": the first only announces the second.
-            replaced = (
-                first is None or holds or not negated and (first.generic or _is_becoming(first, second))
-            )
-            if gone or not replaced:
+            anew = first and not (holds or not negated and (first.generic or _is_becoming(first, second)))
+            if gone or anew:
                 clause = Clause(Join.AND)
                 clauses.append(clause)
             clause.stays = holds and get_verb(mention).effect in HOLDABLE
@@ -366,9 +364,7 @@ def _is_turning_back(clauses: list[Clause], join: Join, mentions: list[Mention])
     if any(repeat.alternate for repeat in find_repeats(last)):
         return False
     before, now = ([m.value for m in group if m.kind in WAYS] for group in (last.modifiers, mentions))
-    return bool(before and now) and any(
-        {before[-1], now[0]} == {(one,), (other,)} for one, other in OPPOSITES
-    )
+    return bool(before and now) and any({before[-1], now[0]} == {(a,), (b,)} for a, b in OPPOSITES)
 
 
 def _is_absorbed(clause: Clause, mention: Mention) -> bool:

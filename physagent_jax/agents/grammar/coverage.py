@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+from physagent_jax.agents.compiler.events import KnownPart
+from physagent_jax.agents.compiler.limbs import find_limbs
 from physagent_jax.agents.grammar.mentions import (
     LOOSE,
     MOTIONS,
@@ -21,7 +23,7 @@ from physagent_jax.agents.grammar.mentions import (
 )
 from physagent_jax.agents.grammar.nouns import is_telling
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
-from physagent_jax.agents.lexicon import Effect, Motion
+from physagent_jax.agents.lexicon import Effect, Motion, Place
 from physagent_jax.agents.materials import UNKNOWN_KIND, read_material_words
 from physagent_jax.motion.schema import SceneBrief
 
@@ -57,6 +59,7 @@ class _Spot:
         begin, end: What stands between the connectives around it.
         motion: The last motion before it.
         captions: Whether it is a caption: a motion among words of looks.
+        brief: The object.
     """
 
     mentions: list[Mention]
@@ -66,6 +69,7 @@ class _Spot:
     end: int
     motion: Motion | None
     captions: bool
+    brief: SceneBrief
 
     @property
     def word(self) -> str:
@@ -128,7 +132,7 @@ def sort_words(mentions: list[Mention], names: frozenset[str], brief: SceneBrief
     own = bool(brief.object_nouns) and brief.object_kind == UNKNOWN_KIND  # it may be called anything
     found: dict[str, list[str]] = {"ignored": [], "doubtful": [], "parts": [], "taken": []}
     seen: set[str] = set()
-    for spot in _list_spots(mentions, names):
+    for spot in _list_spots(mentions, names, brief):
         look = is_look(spot.word) and not (_is_telling_a_part(spot) or _is_moved_part(spot))
         unnamed = nameless or own and not (look or _is_a_part(spot))
         if unnamed and spot.word.isalpha() and _is_named_here(spot, named, found["taken"]):
@@ -147,7 +151,7 @@ def sort_words(mentions: list[Mention], names: frozenset[str], brief: SceneBrief
     return Coverage(**{kind: tuple(words) for kind, words in found.items()})
 
 
-def _list_spots(mentions: list[Mention], names: frozenset[str]) -> Iterator[_Spot]:
+def _list_spots(mentions: list[Mention], names: frozenset[str], brief: SceneBrief) -> Iterator[_Spot]:
     """The places of words that are not understood."""
     motion: Motion | None = None
     captions = _is_caption(mentions)
@@ -155,12 +159,10 @@ def _list_spots(mentions: list[Mention], names: frozenset[str]) -> Iterator[_Spo
         for index in range(begin, end):
             mention = mentions[index]
             motion = mention.motion or motion
-            strange = (
-                mention.kind in (MentionKind.UNKNOWN, MentionKind.IGNORED) and mention.phrase not in names
-            )
+            strange = mention.kind in LOOSE[:2] and mention.phrase not in names
             if strange or mention.kind is MentionKind.FUNCTION and mention.phrase in get_set("particles"):
                 reach = max(begin, index - _REACH), min(end, index + _REACH)
-                yield _Spot(mentions, names, index, *reach, motion, captions)
+                yield _Spot(mentions, names, index, *reach, motion, captions, brief)
 
 
 def _is_caption(mentions: list[Mention]) -> bool:
@@ -253,12 +255,10 @@ def _is_described(spot: _Spot) -> bool:
 def _is_a_part(spot: _Spot) -> bool:
     """A part of the object: "the corners", "the handle", "its lid"."""
     owned = spot.get(-1) in get_set("pronouns_of_owners") and spot.get(-2) not in get_set("prepositions")
-    return (
-        spot.word in LEXICON.unplaced
-        or spot.word.removesuffix("s") in LEXICON.part_nouns
-        or owned
-        or _is_listed(spot)
-    )
+    noun = spot.skip(1)
+    owned &= noun is None or noun.kind is not MentionKind.PLACE  # "its stubby tail"
+    known = spot.word in LEXICON.unplaced or spot.word.removesuffix("s") in LEXICON.part_nouns
+    return known or owned or _is_listed(spot)
 
 
 def _is_listed(spot: _Spot) -> bool:
@@ -301,12 +301,16 @@ def _names_a_part(spot: _Spot) -> bool:
 
 
 def _is_telling_a_part(spot: _Spot) -> bool:
-    """The adjective of a part: "the red part", "the blue corner"; an object has one head."""
+    """The adjective of a part that tells it from others: "the red part", "the blue corner"; an object has one head."""
     after = spot.mentions[spot.index + 1] if spot.index + 1 < len(spot.mentions) else None
     if after is None or spot.get(-1) not in get_set("owners_of_parts"):
         return False
-    several = after.phrase in LEXICON.ends or " " in after.phrase or after.phrase in LEXICON.one_of_many
-    return after.kind is MentionKind.PLACE and several or after.phrase in LEXICON.part_nouns
+    if not isinstance(after.value, Place):
+        return after.phrase in LEXICON.part_nouns
+    alike = find_limbs(KnownPart(after.value, after.phrase, f"{after.words}s"), spot.brief)
+    one = after.phrase not in LEXICON.one_of_many and (len(alike) == 1 or not alike and after.value.names)
+    several = LEXICON.part_nouns.keys() | LEXICON.one_of_many
+    return not one and (" " in after.phrase or after.phrase in several)  # "the pointed front end" is but one
 
 
 def _is_its_own_path(spot: _Spot) -> bool:
@@ -317,9 +321,7 @@ def _is_its_own_path(spot: _Spot) -> bool:
     flies = spot.motion.gravity or spot.motion.effect in (Effect.LEAN, Effect.SWAY, Effect.TOPPLE)
     flies &= spot.preposition == "in"
     word = spot.get(1) if spot.word == "half" else spot.word
-    return (
-        rolls and word in ("circle", "circles", "semicircle") or (rolls or flies) and word in ("arc", "arcs")
-    )
+    return rolls and "circle" in word or (rolls or flies) and word in ("arc", "arcs")
 
 
 def _is_speech(spot: _Spot) -> bool:
@@ -331,23 +333,9 @@ def _is_speech(spot: _Spot) -> bool:
 def _is_placed_part(spot: _Spot) -> bool:
     """A thing whose place is told, which is moved then: "the bird nest at the top shakes"."""
     behind = [m for m in spot.mentions[spot.index + 1 : spot.end] if m.kind not in LOOSE]
-    place = next(
-        (m for m in behind if m.phrase not in get_set("determiners") | {"on", "at"}), spot.mentions[0]
-    )
-    told = (
-        place.kind is MentionKind.PLACE and place.phrase in LEXICON.ends and behind[0].phrase in ("on", "at")
-    )
+    end = next((m for m in behind if m.phrase not in get_set("determiners") | {"on", "at"}), spot.mentions[0])
+    told = end.kind is MentionKind.PLACE and end.phrase in LEXICON.ends and behind[0].phrase in ("on", "at")
     return told and has_motion(behind) and not has_motion(spot.mentions[spot.begin : spot.index])
-
-
-def _is_a_grip(spot: _Spot) -> bool:
-    """The part by which all of it is taken: "lift it by the saddle", "drag it by one of its iron rings"."""
-    at, idle = spot.index - 1, get_set("determiners") | LEXICON.part_adjectives.keys() | {"of", "one", "both"}
-    while at > spot.begin and (spot.mentions[at].kind in LOOSE or get_phrase(spot.mentions, at) in idle):
-        at -= 1
-    whole = any(each.phrase in spot.names | get_set("objects") for each in spot.mentions[spot.begin : at])
-    local = spot.motion is not None and spot.motion.effect in (Effect.LEAN, Effect.SCALE, Effect.SWELL)
-    return get_phrase(spot.mentions, at) == "by" and whole and not local
 
 
 def _is_in_a_fragment(spot: _Spot) -> bool:
@@ -406,22 +394,17 @@ _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
     # Of what a part is, is seen by how it moves: "her legs are rubber".
     (lambda s: s.word in read_material_words().words and s.is_behind(MentionKind.PLACE), True),
     (lambda s: s.word in get_set("remains") and s.motion is not None, True),
-    (
-        lambda s: s.is_parting and s.word in get_set("crowds") | get_set("paths"),
-        True,
-    ),  # "into thousands of pieces"
+    # "Into thousands of pieces".
+    (lambda s: s.is_parting and s.word in get_set("crowds") | get_set("paths"), True),
     (lambda s: s.word == "head" and s.mentions[s.index - 1].words in s.names and s.motion is None, True),
     (_is_its_own_path, True),
     (lambda s: s.word in get_set("paths") | get_set("worlds"), False),  # "in a spiral", "on the moon"
-    (
-        lambda s: s.word[0].isdigit() and (s.index == 0 or s.get(1) in (":", ".")),
-        True,
-    ),  # "3.2 Push it", "Run 3:"
+    # "3.2 Push it", "Run 3:".
+    (lambda s: s.word[0].isdigit() and (s.index == 0 or s.get(1) in (":", ".")), True),
     (_is_in_a_fragment, True),
     (lambda s: not s.word.isalpha() or s.word == "minus", False),  # "by -45 degrees"
     # "A third of its length farther to the right".
     (lambda s: s.index > 0 and s.mentions[s.index - 1].kind is MentionKind.QUANTITY, True),
-    (_is_a_grip, True),
     (_is_asking, True),
     (_is_described, True),
     # "A gust catches the sign".

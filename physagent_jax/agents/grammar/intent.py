@@ -183,9 +183,8 @@ def _find_timing(clause: Clause) -> intent.Timing:
             timing = timing.model_copy(update={"starts": told.starts.model_copy(update=text)})
         if told.lasts is not None:
             lasts = told.lasts.model_copy(update=text)
-            timing = timing.model_copy(
-                update={"lasts": lasts, "within": told.within, "overall": told.overall}
-            )
+            shared = dict(lasts=lasts, within=told.within, overall=told.overall)
+            timing = timing.model_copy(update=shared)
     return timing
 
 

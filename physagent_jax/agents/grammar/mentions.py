@@ -51,7 +51,6 @@ class MentionKind(enum.Enum):
 MOTIONS = (MentionKind.VERB, MentionKind.CAUSE)
 WAYS = (MentionKind.DIRECTION, MentionKind.FROM)
 _NEAR = 6  # words from "one of" to the part
-_ADJECTIVES = 4  # words from what it is taken by back to the article, at most
 LOOSE = (MentionKind.UNKNOWN, MentionKind.IGNORED, MentionKind.INTENSITY, MentionKind.DEGREE)
 
 
@@ -151,26 +150,6 @@ class Reader:
     def get_preposition(self, at: int) -> str:
         """The word before, past a determiner."""
         return self.get_text(at - 2 if self.is_after_determiner(at) else at - 1)
-
-    def is_gripped(self, at: int) -> bool:
-        """Return whether a part is what all of it is taken by: "lift it by the end of its handle".
-
-        What its adjectives say ("its wooden handle") is emptied then.
-        """
-        if self.get_preposition(at) == "of":
-            at = at - 3 if self.is_after_determiner(at) else at - 2
-        owners = get_set("determiners") | {"one", "both", "by"}
-        first = next((k for k in range(at - 1, at - _ADJECTIVES, -1) if self.get_text(k) in owners), at)
-        gripped = "by" in (self.get_text(first), self.get_text(first - 1))
-        if self.get_text(first) == "one":  # "lift it by one handle" raises that side
-            motion = get_last_motion(self.mentions)
-            gripped &= motion is not None and motion.effect is Effect.LEAN
-        for index in range(len(self.mentions) - 1 if gripped else -1, -1, -1):
-            if self.mentions[index].first <= first:
-                break
-            if self.mentions[index].kind in LOOSE:
-                self.mentions[index] = empty(self.mentions[index])
-        return gripped
 
     def is_striking(self) -> bool:
         """Return whether the last motion is a blow."""

@@ -108,14 +108,11 @@ def read_named_part(reader: Reader, at: int) -> Mention | None:
         phrase = tuple(token.text for token in reader.tokens[at : at + size])
         if len(phrase) < size or phrase not in reader.parts or begins_longer_phrase(reader, at + size - 1):
             continue  # "rock the chair back and forth"
-        known = (
-            phrase[0] in reader.names or phrase[0] in LEXICON.part_adjectives or phrase[0] in LEXICON.parts
-        )
+        known = phrase[0] in reader.names | LEXICON.part_adjectives.keys() | LEXICON.parts.keys()
         if size > 1 or not known and (phrase[0] not in FORMS or reader.is_after_determiner(at)):
             used = list(range(start, at + size + (reader.get_text(at + size) in pieces)))
             whole = phrase == ("body",) and reader.get_text(at - 1) in ("whole", "entire")  # of a truck
-            aside = whole or reader.is_gripped(at)
-            kind, value = (MentionKind.FUNCTION, None) if aside else (MentionKind.PLACE, NAMED)
+            kind, value = (MentionKind.FUNCTION, None) if whole else (MentionKind.PLACE, NAMED)
             return reader.make_mention(kind, value, " ".join(phrase), used)
     return None
 
@@ -127,8 +124,7 @@ def read_part(reader: Reader, at: int) -> Mention | None:
         names = LEXICON.part_adjectives.get(phrase)
         if names is not None and (mention := _read_side(reader, at, size, phrase, names)):
             noun = LEXICON.parts.get(mention.phrase.split()[-1])
-            aside = reader.is_gripped(at) or noun is not None and is_standing(reader, at, noun)
-            aside &= mention.kind is MentionKind.PLACE
+            aside = noun is not None and is_standing(reader, at, noun) and mention.kind is MentionKind.PLACE
             return replace(mention, kind=MentionKind.FUNCTION, value=None) if aside else mention
     return None
 

@@ -46,7 +46,8 @@ def _read_at(reader: Reader, at: int) -> Mention:
         return reader.make_mention(MentionKind.UNKNOWN, None, f"{before} {token.text}", [at])
     noun = reader.is_after_determiner(at) or reader.get_text(at + 1) in reader.names  # "race car"
     noun |= at > 0 and reader.tokens[at - 1].possessive  # "the monster's head"
-    if token.text in reader.names and (noun or token.lemma not in LEXICON.motions):
+    blows = token.text in ("wind", "winds") and reader.get_text(at + 1) not in reader.names  # no turbine
+    if token.text in reader.names and (noun or token.lemma not in LEXICON.motions) and not blows:
         return reader.make_mention(MentionKind.FUNCTION, None, token.text, [at])
     found = (read(reader, at) for read in _READERS)
     return next((mention for mention in found if mention is not None), None) or read_word(reader, at)
@@ -106,9 +107,7 @@ def _read_load(reader: Reader, at: int) -> Mention | None:
     behind = at + 1 + (reader.get_text(at + 1) == "down")
     noun = behind + 1 + (reader.get_text(behind + 1) in get_set("determiners"))
     loaded = reader.tokens[at].lemma in get_set("loads") and reader.get_text(behind) in ("on", "onto", "upon")
-    told = reader.names | (
-        get_set("objects") if reader.get_text(at - 1) in get_set("persons") else frozenset()
-    )
+    told = reader.names | (get_set("objects") if reader.get_text(at - 1) in get_set("persons") else set())
     if not loaded or reader.get_text(noun) not in told or has_motion(reader.mentions):
         return None
     press = LEXICON.motions["press"]

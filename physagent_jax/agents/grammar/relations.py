@@ -370,13 +370,15 @@ def _absorb(cause: Clause, effect: Clause, generic: bool = True) -> None:
 
 def _is_carried_off(before: Clause, clause: Clause) -> bool:
     """Return whether a travel is the work of a blow or a push: "kicked from the left and flies away"."""
-    verb = get_verb(clause.verb)
-    if clause.join not in (Join.AND, Join.COMMA) or not (verb.generic and verb.effect is Effect.PUSH):
+    verb, first = get_verb(clause.verb), get_verb(before.head)
+    travels = verb.effect is Effect.PUSH and verb.generic
+    rolls = verb.effect is Effect.ROLL and not (first.gravity or clause.select(MentionKind.PLACE))
+    if clause.join not in (Join.AND, Join.COMMA) or not (travels or rolls):
         return False
-    first = get_verb(before.head)
     pushed = first.effect is Effect.PUSH and not first.generic and first.direction is None
-    driven = pushed and not before.select(*WHERE) and bool(clause.select(*WAYS))
-    elsewhere = before.select(MentionKind.DIRECTION) and clause.select(MentionKind.DIRECTION)
+    bare = all(way.phrase == "away" for way in clause.select(*WAYS))  # off, wherever that is
+    driven = pushed and (bare or travels and not before.select(*WHERE))
+    elsewhere = before.select(MentionKind.DIRECTION) and clause.select(MentionKind.DIRECTION) and not bare
     if before.select(MentionKind.SOLID) and clause.select(*WAYS):  # "thrown against a wall and slides down"
         elsewhere = elsewhere or all(way.value == ("down",) for way in clause.select(*WAYS))
     return before.has(Effect.STRIKE) and not elsewhere or driven

@@ -103,9 +103,7 @@ def _assume_push(clauses: list[Clause]) -> list[Clause]:
 
 def _refuse(prompt: str, brief: SceneBrief, coverage: Coverage, others: list[str]) -> UserError:
     """The error for a sentence without a motion of the object: the word, the nearest known ones, two patterns."""
-    patterns = " or ".join(
-        f'"{pattern.form}" ({pattern.examples[0]})' for pattern in suggest_patterns(prompt)
-    )
+    patterns = " or ".join(f'"{p.form}" ({p.examples[0]})' for p in suggest_patterns(prompt))
     if others:
         what = f"'{others[0]}' is said of something else than the {brief.object_name}"
         return UserError(

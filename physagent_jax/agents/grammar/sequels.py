@@ -14,6 +14,7 @@ from physagent_jax.agents.grammar.mentions import (
     MentionKind,
     empty,
     get_last_motion,
+    get_phrase,
     has_motion,
     list_segments,
 )
@@ -27,6 +28,7 @@ _RUNNING_OUT = (Effect.PUSH, Effect.ROLL, Effect.TURN)
 _WHENS = ("when", "once", "as soon as", "after")
 _ENDING = frozenset(("stop", "cease", "halt", "subside", "die down", "calm down"))
 _ENDING |= {f"come to {end}" for end in ("rest", "a stop", "a halt", "a standstill")}
+_WEATHER = get_set("winds_begin") | get_set("winds_end") | _ENDING
 
 
 def read_trends(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
@@ -130,10 +132,10 @@ def read_captions(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
     return [*map(empty, title), *(follow(at, each) for at, each in enumerate(behind))]
 
 
-def read_lulls(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
+def read_lulls(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
     """Makes a "then" of the end of what acts: "a gust bends it, and when the wind stops it springs back".
 
-    Nor is a part moved that stops it: "it rolls until the handle stops it".
+    Nor is a part moved that stops it: "it rolls until the handle stops it". A wind that "picks up" lifts nothing.
     """
     result = list(mentions)
     for at, mention in enumerate(mentions):
@@ -141,6 +143,8 @@ def read_lulls(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]
         end = next((k for k, each in enumerate(behind) if each.phrase in _ENDING), 0)
         ends = mention.kind is MentionKind.JOIN and mention.phrase in _WHENS and has_motion(mentions[:at])
         acts = end > 0 and (behind[end - 1].form == "it" or behind[end - 1].motion is not None)
+        if mention.motion is not None and mention.motion.wind and mention.kind is MentionKind.CAUSE:
+            _read_weather(mentions, result, at, names)
         if ends and acts:
             later = has_motion(behind[end + 1 :] + mentions[at + 1 + _NEAR :])
             links = [
@@ -155,3 +159,22 @@ def read_lulls(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]
                 if mentions[k].kind is MentionKind.SOLID:
                     result[at] = empty(mention)  # "until a wall stops it": it goes there
     return result
+
+
+def _read_weather(mentions: list[Mention], result: list[Mention], at: int, names: frozenset[str]) -> None:
+    """Empties in ``result`` what says that the wind at ``at`` begins, and the wind that ends with a verb of its own."""
+    told, own = {}, names | get_set("objects") | get_set("determiners")
+    for verb in (k for k in range(at + 1, min(at + _NEAR, len(mentions))) if not told):
+        for more in (verb + 1, verb + 2):
+            said = " ".join(each.phrase for each in mentions[verb:more])
+            if (
+                said in _WEATHER and get_phrase(mentions, more) not in own
+            ):  # "the wind picks up the boat" lifts it
+                told = {said: (verb, more)}
+        if mentions[verb].kind not in _BESIDE:
+            break
+    for said, (verb, more) in told.items():
+        first = verb if said in get_set("winds_begin") else at
+        for link in [k for k in range(at) if mentions[k].kind is MentionKind.JOIN and first == at][-1:]:
+            result[link] = replace(mentions[link], value=Join.THEN, phrase="then")
+        result[first:more] = map(empty, mentions[first:more])

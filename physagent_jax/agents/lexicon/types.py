@@ -129,6 +129,11 @@ class Motion:
     skill: str | None = None
 
     @property
+    def drops(self) -> bool:
+        """Return whether it is a plain fall."""
+        return self.effect is Effect.FALL and not (self.topples or self.lands or self.gives or self.bounces)
+
+    @property
     def wobbles(self) -> bool:
         """Return whether what is soft only wobbles: it is tapped or shaken."""
         if self.pokes:
