@@ -21,8 +21,6 @@ from physagent_jax.mpm.transfer import Stencil, scatter_mass
 
 CONTACT_ITERATIONS = 16
 REACH = 0.25 + TOUCH  # [cells] from a particle to the surface of its matter, of which a cell holds 2 x 2 x 2
-# Of so many points, those that touch nothing are left out of the descent where one in `_TOUCHING` touches at most.
-_MANY, _TOUCHING = 2048, 4
 _LEAST_LOAD = 1e-9  # share of the mass; less is nothing
 _LEAST_INERTIA = 1e-3  # determinant, over the mass and dx^2; a lone particle's nodes have 1/8
 
@@ -239,41 +237,24 @@ def _project_on_boundaries(
     grid, tiny = model.grid, jnp.finfo(mass.dtype).tiny
     own = mass / jnp.maximum(sum_devices(mass.sum(), model.axis), tiny)
     carried = dataclasses.replace(motion, share=own, r=x - motion.center)
-    ahead = x + model.dt * carried.field(*unopposed)  # what rests would lose touch else
-    points = Points(ahead, REACH * grid.dx)
-    tied = _Side(grid, motion, [each for each in model.boundaries if not each.acts_on_points], None)
-    free = _Side(points, carried, [each for each in model.boundaries if each.acts_on_points], model.axis)
-    sides = [side for side in (tied, free) if side.boundaries]
-    touched = [side.find_touched(unopposed, time) for side in sides]
-    load = sum(side.measure_load(each) for side, each in zip(sides, touched))
-    size = 1 / jnp.maximum(load, _LEAST_LOAD)
-    if (
-        model.axis is not None or not free.boundaries or len(x) < _MANY
-    ):  # devices must not take different ways
-        return _descend(sides, size, unopposed, time)
-    most = len(x) // _TOUCHING
-    few = free.select(jnp.nonzero(touched[-1], size=most, fill_value=len(x))[0])
-    return jax.lax.cond(
-        touched[-1].sum() <= most,
-        lambda: _descend([*sides[:-1], few], size, unopposed, time),
-        lambda: _descend(sides, size, unopposed, time),
+    points = Points(
+        x + model.dt * carried.field(*unopposed), REACH * grid.dx
+    )  # what rests would lose touch else
+    sides = (
+        _Side(grid, motion, [each for each in model.boundaries if not each.acts_on_points], None),
+        _Side(points, carried, [each for each in model.boundaries if each.acts_on_points], model.axis),
     )
-
-
-def _descend(
-    sides: list[_Side], size: jax.Array, unopposed: tuple[jax.Array, jax.Array], time: jax.Array
-) -> tuple[jax.Array, jax.Array]:
-    """The motion after the descent, by steps of ``size``: velocity of the centre [m/s] and angular velocity [rad/s]."""
+    sides = [side for side in sides if side.boundaries]
 
     def respond(changes):
         pushed = [side.body.share[:, None] * each for side, each in zip(sides, changes)]
-        none = jnp.zeros(3, unopposed[0].dtype)
+        none = jnp.zeros(3, x.dtype)
         v = sum((sum_devices(each.sum(0), side.axis) for side, each in zip(sides, pushed)), none)
         moments = (
             sum_devices(cross(side.body.r, each).sum(0), side.axis) for side, each in zip(sides, pushed)
         )
-        body = sides[0].body
-        return unopposed[0] + v, unopposed[1] + body.apply_inverse_inertia(sum(moments, none) / body.dx**2)
+        spin = sum(moments, none)
+        return unopposed[0] + v, unopposed[1] + motion.apply_inverse_inertia(spin / grid.dx**2)
 
     def descend(now, momentum):
         changes, ahead = now
@@ -284,8 +265,9 @@ def _descend(
         ]
         return (new, [n + momentum * (n - old) for n, old in zip(new, changes)]), None
 
+    size = 1 / jnp.maximum(sum(side.measure_load(unopposed, time) for side in sides), _LEAST_LOAD)
     still = [jnp.zeros_like(side.body.r) for side in sides]
-    return respond(jax.lax.scan(descend, (still, still), _MOMENTA.astype(unopposed[0].dtype))[0][0])
+    return respond(jax.lax.scan(descend, (still, still), _MOMENTA.astype(x.dtype))[0][0])
 
 
 @dataclasses.dataclass(frozen=True)
@@ -311,28 +293,14 @@ class _Side:
             wanted = boundary.apply(wanted, self.places, time)  # type: ignore[arg-type]
         return jnp.where(self.body.share[:, None] > 0, wanted.reshape(-1, 3) - field, 0)
 
-    def find_touched(self, motion: tuple[jax.Array, jax.Array], time: jax.Array) -> jax.Array:
-        """The places that boundaries oppose in a motion or its reverse, shape (k,)."""
-        field = self.body.field(*motion)
-        return ((self.oppose(field, time) != 0) | (self.oppose(-field, time) != 0)).any(1)
-
-    def measure_load(self, touched: jax.Array) -> jax.Array:
+    def measure_load(self, motion: tuple[jax.Array, jax.Array], time: jax.Array) -> jax.Array:
         """Bound of the velocity that all touched places together give each of them, over what they are given [1]."""
-        body = self.body
-        columns = [body.apply_inverse_inertia(axis) for axis in jnp.eye(3, dtype=body.r.dtype)]
+        body, field = self.body, self.body.field(*motion)
+        touched = (self.oppose(field, time) != 0) | (self.oppose(-field, time) != 0)
+        columns = [body.apply_inverse_inertia(axis) for axis in jnp.eye(3, dtype=field.dtype)]
         inverse = jnp.stack(columns) / body.dx**2
         turned = (body.r**2).sum(1) * jnp.trace(inverse) - (matvec(inverse, body.r) * body.r).sum(1)
-        return sum_devices((body.share * touched * (1 + turned)).sum(), self.axis)
-
-    def select(self, chosen: jax.Array) -> _Side:
-        """These places alone; an index beyond the last stands for none."""
-        assert isinstance(self.places, Points)
-        share, r, x = (
-            each.at[chosen].get(mode="fill", fill_value=0)
-            for each in (self.body.share, self.body.r, self.places.x)
-        )
-        body = dataclasses.replace(self.body, share=share, r=r)
-        return dataclasses.replace(self, places=Points(x, self.places.touch), body=body)
+        return sum_devices((body.share * touched.any(1) * (1 + turned)).sum(), self.axis)
 
 
 def _average(share: jax.Array, values: jax.Array, axis: str | None = None) -> jax.Array:
