@@ -149,6 +149,7 @@ def test_the_sentences_are_many_different_and_of_every_kind():
         ("twentieth", 20, 5, "2d636910404c39fa"),
         ("twentyfirst", 20, 5, "9687b5eb1def3ee3"),
         ("twentysecond", 20, 5, "379e99ee998ea9de"),
+        ("twentythird", 20, 5, "15a6a474634063ef"),
     ],
 )
 def test_pairs_that_were_held_back_are_as_they_were_written(group, pairs, things, digest):

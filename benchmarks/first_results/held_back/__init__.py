@@ -31,6 +31,7 @@ from benchmarks.first_results.held_back import (
     twentieth,
     twentyfirst,
     twentysecond,
+    twentythird,
 )
 from benchmarks.first_results.pins import PinnedFile
 
@@ -57,6 +58,7 @@ _LOTS = (
     twentieth,
     twentyfirst,
     twentysecond,
+    twentythird,
 )
 
 FILES: Mapping[str, PinnedFile] = {name: file for lot in _LOTS for name, file in lot.FILES.items()}
