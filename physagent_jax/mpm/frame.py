@@ -120,7 +120,6 @@ def next_frame(
     acting = timetable.choose_acting(
         now,
         now + pace.frame_dt,
-        now + frames_left * pace.frame_dt,
         frames_left * plan.substeps * before.state.x.shape[0],
         before.acting,
     )

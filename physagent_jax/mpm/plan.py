@@ -2,8 +2,8 @@
 
 Forces, obstacles and prescribed motions have windows. Outside them they change nothing but would be computed in every
 substep all the same, so that each frame is run with a model that has only those whose windows it meets. Another set
-of them is another compiled program, which takes seconds: where little work is left, what is to act later is let in
-early, and what has acted stays.
+of them is another compiled program, which takes seconds: where little work is left, what has acted stays. What is to
+act later is not let in early: what a simulation and a later one have in common is computed by the same programs.
 """
 
 from __future__ import annotations
@@ -82,22 +82,17 @@ class Timetable:
 
         return Acting(find(self.forces), find(self.boundaries), find(self.constraints))
 
-    def choose_acting(
-        self, begin: float, end: float, last: float, work: float, before: Acting | None = None
-    ) -> Acting:
-        """The parts to compute between ``begin`` and ``end`` [s]: those that act, and others if that saves programs.
+    def choose_acting(self, begin: float, end: float, work: float, before: Acting | None = None) -> Acting:
+        """The parts to compute between ``begin`` and ``end`` [s]: those that act, others if that saves programs.
 
         Args:
             begin: Start of the stretch [s].
             end: Its end [s].
-            last: When the simulation ends [s].
             work: Particle substeps that are left.
             before: Parts that were computed in the stretch before; None = there was none.
         """
         acting = self.find_acting(begin, end)
-        if work > WORTH:
-            return acting
-        return before if before and before.covers(acting) else self.find_acting(begin, last)
+        return acting if before is None or work > WORTH else before.join(acting)
 
 
 def find_acting(model: Model, begin: float, end: float) -> Acting:

@@ -20,6 +20,10 @@ SWALLOWED = {  # this world's gravity overcomes any blow upwards, and no rule ma
     "throw the ball into the air",
     "jump",
     "The object rises slowly, spins twice and falls to the ground.",
+    # The same of rebounds: the blows that throw it up again do not lift it off this ground.
+    "it bounces",
+    "the ball falls and bounces",
+    "the ball is thrown to the left and bounces",
 }
 UNSEEN = {  # parts against each other: the report measures the whole object
     "twist the loaf",

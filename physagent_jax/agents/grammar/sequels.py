@@ -28,7 +28,7 @@ _RUNNING_OUT = (Effect.PUSH, Effect.ROLL, Effect.TURN)
 _WHENS = ("when", "once", "as soon as", "after")
 _ENDING = frozenset(("stop", "cease", "halt", "subside", "die down", "calm down"))
 _ENDING |= {f"come to {end}" for end in ("rest", "a stop", "a halt", "a standstill")}
-_WEATHER = get_set("winds_begin") | get_set("winds_end") | _ENDING
+_WEATHER = get_set("winds_begin") | get_set("winds_end")
 
 
 def read_trends(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
