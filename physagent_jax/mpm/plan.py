@@ -31,10 +31,6 @@ class Acting:
     boundaries: tuple[int, ...]
     constraints: tuple[int, ...]
 
-    def covers(self, other: Acting) -> bool:
-        """Return whether these have all of those."""
-        return self.join(other) == self
-
     def join(self, other: Acting) -> Acting:
         """The union of these and those."""
         pairs = (
