@@ -504,13 +504,15 @@ class Binding:
         if self._held_until is not None:
             windows.append((self.window[1], self._held_until))
             fields.append((still, still, still))
-        motions = [
-            PrescribedMotion(
-                particles, *field, *window, share=self._share, rigid=self._rigid, about=self._about
-            )
-            for field, window in zip(fields, windows)
-        ]
-        return motions
+        lead = partial(
+            PrescribedMotion,
+            particles,
+            share=self._share,
+            about=self._about,
+            rigid=self._rigid,
+            whole=len(self._led) == len(self._rest),
+        )
+        return [lead(*field, start=start, end=end) for field, (start, end) in zip(fields, windows)]
 
     def _hold_carried(
         self, carriers: np.ndarray, velocity: jax.Array, angular_velocity: jax.Array

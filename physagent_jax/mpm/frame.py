@@ -15,6 +15,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.kernels import find_platform
 from physagent_jax.mpm import reductions
 from physagent_jax.mpm.diagnosis import MAX_SUBSTEPS, Breach, Fault, explain_failure, find_breach, is_hopeless
+from physagent_jax.mpm.gridless import drop_window, use_grid
 from physagent_jax.mpm.health import Health
 from physagent_jax.mpm.ledger import Exchange, balance, measure_exchange
 from physagent_jax.mpm.plan import Acting, Timetable
@@ -117,12 +118,8 @@ def next_frame(
     attempted, begun_at = 0, bound
     now = float(before.state.time)
     frames_left = pace.frame_count - 1 - before.index
-    acting = timetable.choose_acting(
-        now,
-        now + pace.frame_dt,
-        frames_left * plan.substeps * before.state.x.shape[0],
-        before.acting,
-    )
+    work = frames_left * plan.substeps * before.state.x.shape[0]
+    acting = timetable.choose_acting(model, now, now + pace.frame_dt, work, before.acting)
     while True:
         attempted += plan.substeps
         if attempted > most_substeps:
@@ -276,7 +273,9 @@ def attempt_frame(
     plan: FramePlan, acting: Acting, state: State, ledger: bool
 ) -> tuple[State, Health, Exchange | None]:
     """`advance` from ``state`` with the parts ``acting``, the particles sorted meanwhile."""
-    moved = permute_particles(plan.order, acting.select(plan.model), state)
+    model = acting.select(plan.model)
+    model = use_grid(model) if ledger else drop_window(model)
+    moved = permute_particles(plan.order, model, state)
     after, health, total = advance(*moved, np.asarray(plan.substeps, np.int32), ledger)
     return unpermute_particles(plan.order, plan.model, after), health, total
 

@@ -67,6 +67,8 @@ def measure_exchange(model: Model, before: State, trace: StepTrace, after: State
     impulse times the velocity after it. P2G leaks momentum into the nodes of a wall that the wall takes out again, in
     every step; on the mean velocity that exchange would be work to and fro, although the wall rests.
     """
+    if trace.node_mass is None or trace.free_velocity is None or trace.velocity is None:
+        raise ValueError("what is exchanged is measured on a grid: `gridless.use_grid(model)` keeps it")
     begun = dataclasses.replace(before, C=damp_affine(model, before.C))
     gathered, after_forces = trace.gathered, trace.after_forces
     weightless = after_forces

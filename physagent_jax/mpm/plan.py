@@ -13,6 +13,7 @@ import dataclasses
 import numpy as np
 
 from physagent_jax.mpm.fields import iterate_windows
+from physagent_jax.mpm.gridless import needs_grid
 from physagent_jax.mpm.state import Model
 
 WORTH = 6e7
@@ -78,17 +79,24 @@ class Timetable:
 
         return Acting(find(self.forces), find(self.boundaries), find(self.constraints))
 
-    def choose_acting(self, begin: float, end: float, work: float, before: Acting | None = None) -> Acting:
+    def choose_acting(
+        self, model: Model, begin: float, end: float, work: float, before: Acting | None = None
+    ) -> Acting:
         """The parts to compute between ``begin`` and ``end`` [s]: those that act, others if that saves programs.
 
         Args:
+            model: Whose timetable it is.
             begin: Start of the stretch [s].
             end: Its end [s].
             work: Particle substeps that are left.
             before: Parts that were computed in the stretch before; None = there was none.
         """
         acting = self.find_acting(begin, end)
-        return acting if before is None or work > WORTH else before.join(acting)
+        if before is None or work > WORTH:
+            return acting
+        both = before.join(acting)
+        spoilt = needs_grid(both.select(model)) and not needs_grid(acting.select(model))
+        return acting if spoilt else both
 
 
 def find_acting(model: Model, begin: float, end: float) -> Acting:

@@ -17,7 +17,7 @@ import jax.numpy as jnp
 from jax.ad_checkpoint import checkpoint_name
 
 from physagent_jax.core.pytree import register_dataclass
-from physagent_jax.mpm import constraints, kernels, materials, reductions, transfer
+from physagent_jax.mpm import constraints, gridless, kernels, materials, reductions, transfer
 from physagent_jax.mpm.conform import as_field, conform
 from physagent_jax.mpm.grid_update import find_mass_unit, update_grid
 from physagent_jax.mpm.health import Health, measure_health
@@ -59,14 +59,16 @@ class StepTrace:
         gathered: Particles after G2P and return mapping, before constraints.
         trial: F before the return mapping, shape (n, 3, 3).
         health: Extremes over the particles.
+
+    Where there is no grid (`mpm.gridless`), those of nodes are None.
     """
 
     after_forces: State
     after_constraints: State
-    node_mass: jax.Array
-    free_velocity: jax.Array
+    node_mass: jax.Array | None
+    free_velocity: jax.Array | None
     sharpening: jax.Array | None
-    velocity: jax.Array
+    velocity: jax.Array | None
     gathered: State
     trial: jax.Array
     health: Health
@@ -84,6 +86,11 @@ def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Arra
     with jax.named_scope("forces"):
         v = state.v + dt * body_acceleration(model, state)
         forced = dataclasses.replace(state, v=v, C=affine(model, state))
+    if not gridless.needs_grid(model):
+        with jax.named_scope("rigid"):
+            after, health = gridless.move_body(model, state, forced)
+        return after, tau, StepTrace(forced, forced, None, None, None, None, after, after.F, health)
+    with jax.named_scope("constraints"):
         constrained = constraints.before_p2g(model, forced)
     with jax.named_scope("p2g"):
         push = None if isinstance(model.inertia, Lumped) else find_push(model, state, forced, constrained)

@@ -40,10 +40,12 @@ class Points:
     Attributes:
         x: Places [m], shape (k, 3).
         touch: Distance from a surface within which they are in contact [m].
+        grid: The grid in whose domain they are.
     """
 
     x: jax.Array
     touch: float
+    grid: Grid
 
     @property
     def shape(self) -> tuple[int, int, int]:

@@ -44,6 +44,7 @@ class PrescribedMotion(Constraint):
         share: Share of u that each particle goes with, so that what is one skin bends evenly, shape (k,); None = all.
         rigid: Whether F turns with the motion and nothing in it bends: a piece of its own. What shares nodes with other
             matter would otherwise be strained as that moves away.
+        whole: Whether it leads all particles, static.
     """
 
     particles: jax.Array = dataclasses.field(metadata=HELD)
@@ -57,12 +58,24 @@ class PrescribedMotion(Constraint):
     about: jax.Array | None = dataclasses.field(default=None, metadata=PER_HELD)
     rigid: bool = dataclasses.field(default=False, metadata=dict(static=True))
     carried: bool = dataclasses.field(default=False, metadata=dict(static=True))
+    whole: bool = dataclasses.field(default=False, metadata=dict(static=True))
+
+    @property
+    def leads_as_one(self) -> bool:
+        """True if all particles move alike, in the same window."""
+        shared = self.share is not None or self.edge is not None or self.carried
+        return self.whole and not shared and jnp.ndim(self.start) == jnp.ndim(self.end) == 0
 
     @staticmethod
     def fixed(particles: jax.Array, dtype=jnp.float32, *, rigid: bool = False) -> PrescribedMotion:
         """Hold ``particles`` where they are, for ever."""
         zero, forever = jnp.zeros(3, dtype), jnp.asarray(jnp.inf, dtype)
         return PrescribedMotion(particles, zero, zero, zero, jnp.zeros((), dtype), forever, rigid=rigid)
+
+    @staticmethod
+    def read_clock(time: jax.Array, dt: jax.Array) -> jax.Array:
+        """The time that windows are held against [s], a part of a substep ``dt`` after ``time``."""
+        return time + _CLOCK * dt
 
     def active(self, time: jax.Array) -> jax.Array:
         """Return whether each particle is held at ``time`` [s], shape (k,)."""
@@ -113,7 +126,7 @@ class PrescribedMotion(Constraint):
 
     def before_p2g(self, model: Model, state: State) -> State:
         """Give the held particles their velocity and velocity gradient."""
-        p, choose = self.particles, self._make_choice(state.time + _CLOCK * model.dt)
+        p, choose = self.particles, self._make_choice(self.read_clock(state.time, model.dt))
         x, v = state.x[p], state.v[p]
         v = choose(self.find_drift(model, v) + self._divide(self.locate(model, x).field(x)), v)
         C = choose(skew(self._divide(self.angular_velocity)), state.C[p])
@@ -133,7 +146,7 @@ class PrescribedMotion(Constraint):
         p = self.particles
         own = s.take(p)
         mass = model.mass.at[p].get(mode="fill", fill_value=0)
-        clock = time + _CLOCK * model.dt
+        clock = self.read_clock(time, model.dt)
         share = None if self.edge is None else self.find_share(clock)
         active = self.active(clock) if share is None else share > 0
         held = sum_devices(scatter_mass(own, model.grid, jnp.where(active, mass, 0)), model.axis)
@@ -152,7 +165,7 @@ class PrescribedMotion(Constraint):
 
     def after_g2p(self, model: Model, before: State, after: State) -> State:
         """Put the held particles exactly where the prescription has them."""
-        p, choose = self.particles, self._make_choice(before.time + _CLOCK * model.dt)
+        p, choose = self.particles, self._make_choice(self.read_clock(before.time, model.dt))
         motion = self.locate(model, before.x[p])
         drift = self.find_drift(model, after.v[p])
         own = motion.displace(before.x[p], model.dt)  # its own path; the centre goes along

@@ -193,6 +193,7 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
             buckets.find_places(mask),
             None if (e := choices[index].restitution) is None else to_array(e),
             slow,
+            whole=bool(mask.all()),
         )
         for index, mask in materials.find_rigid_bodies()
     )
