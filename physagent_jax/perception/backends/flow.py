@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from typing import Any
 
 import cv2
@@ -53,26 +54,26 @@ class FlowTracker(Tracker):
             plain = frames[0][masks[0]].mean(0).round().astype(np.uint8)
         return FlowClip(self, np.where(masks[..., None], frames, plain), masks)
 
-    def follow(self, frames: np.ndarray, queries: np.ndarray, masks: np.ndarray) -> Tracks:
-        """Follow points that are given in the first of ``frames``; flow tells no confidence.
+    def follow(self, clip: FlowClip, span: range, queries: np.ndarray) -> Tracks:
+        """Follow points that are given in the first frame of a span; flow tells no confidence.
 
         Args:
-            frames: Pictures, uint8, shape (T, H, W, 3).
-            queries: Points (x, y) in frame 0 [px], shape (N, 2).
-            masks: The object, bool, shape (T, H, W).
+            clip: The pictures.
+            span: Frames, one after the other.
+            queries: Points (x, y) in the first one [px], shape (N, 2).
         """
-        tracks = np.repeat(np.asarray(queries, np.float64)[None], len(frames), axis=0)
+        tracks = np.repeat(np.asarray(queries, np.float64)[None], len(span), axis=0)
         visible = np.zeros(tracks.shape[:2], bool)
         visible[0] = True
-        missed = np.zeros(len(queries), int)
-        first = previous = cv2.cvtColor(frames[0], cv2.COLOR_RGB2GRAY)
-        for t in range(1, len(frames)):
+        missed, masks = np.zeros(len(queries), int), clip.masks[span.start : span.stop]
+        for t in range(1, len(span)):
             if not (masks[t - 1].any() and masks[t].any()):
                 break
-            current = cv2.cvtColor(frames[t], cv2.COLOR_RGB2GRAY)
-            moved, found = self._compute_flow(previous, current, masks[t - 1], masks[t], tracks[t - 1])
+            moved, found = clip.match(span[t]).move(tracks[t - 1], self.round_trip)
             found &= visible[t - 1]
-            anchored = self._anchor_tracks(first, current, masks[0], tracks[0], moved, found)
+            anchored = self._anchor_tracks(
+                clip.grey[span[0]], clip.grey[span[t]], masks[0], tracks[0], moved, found
+            )
             good = np.isfinite(anchored[:, 0])
             missed = np.where(good, 0, missed + 1)
             tracks[t] = np.where(good[:, None], anchored, moved)
@@ -80,11 +81,12 @@ class FlowTracker(Tracker):
             if visible[t].sum() < self.give_up * len(queries):
                 visible[t] = False
                 break
-            previous = current
         return Tracks(tracks, visible, visible.astype(float))
 
-    def _compute_flow(self, before, after, mask_before, mask_after, points):
-        """Move ``points`` from frame to frame; return them and whether the way back agrees."""
+    def match(
+        self, before: np.ndarray, after: np.ndarray, mask_before: np.ndarray, mask_after: np.ndarray
+    ) -> Match:
+        """The flow between two grey frames around the object, shapes (H, W)."""
         (xa, ya, wa, ha), (xb, yb, wb, hb) = (
             cv2.boundingRect(m.astype(np.uint8)) for m in (mask_before, mask_after)
         )
@@ -94,11 +96,7 @@ class FlowTracker(Tracker):
         a, b = _crop(before, corner_a, w, h), _crop(after, corner_b, w, h)
         # Flow at a reduced size smooths over what turns: rotations of small objects read 5 degrees low.
         self._dis.setFinestScale(int(np.clip(np.log2(max(w, h) / _FULL_SIZE), 0, 2)))
-        forth, back = self._dis.calc(a, b, None), self._dis.calc(b, a, None)
-        start = points - corner_a
-        moved = start + look_up(forth, start)
-        error = np.linalg.norm(moved + look_up(back, moved) - start, axis=1)
-        return moved + corner_b, error < self.round_trip + 0.05 * np.linalg.norm(moved - start, axis=1)
+        return Match(corner_a, corner_b, self._dis.calc(a, b, None), self._dis.calc(b, a, None))
 
     def _anchor_tracks(self, first, current, mask, queries, moved, found):
         """Positions in ``current`` found by comparison with ``first``; nan where that fails.
@@ -144,8 +142,32 @@ class FlowTracker(Tracker):
 
 
 @dataclasses.dataclass(frozen=True)
+class Match:
+    """The flow between crops of two frames.
+
+    Attributes:
+        corner_before, corner_after: Corners of the crops [px], shape (2,).
+        forth, back: Displacements from the one to the other and back [px], shape (h, w, 2).
+    """
+
+    corner_before: np.ndarray
+    corner_after: np.ndarray
+    forth: np.ndarray
+    back: np.ndarray
+
+    def move(self, points: np.ndarray, round_trip: float) -> tuple[np.ndarray, np.ndarray]:
+        """Points [px] where the flow carries them, shape (N, 2), and whether the way back agrees, shape (N,)."""
+        start = points - self.corner_before
+        moved = start + look_up(self.forth, start)
+        error = np.linalg.norm(moved + look_up(self.back, moved) - start, axis=1)
+        return moved + self.corner_after, error < round_trip + 0.05 * np.linalg.norm(moved - start, axis=1)
+
+
+@dataclasses.dataclass(frozen=True)
 class FlowClip:
     """Implements `protocols.EncodedClip`; points are followed forwards only.
+
+    Points are followed in several spans and sets, and the flow is the same for all: it is computed once.
 
     Attributes:
         tracker: How.
@@ -156,16 +178,30 @@ class FlowClip:
     tracker: FlowTracker
     frames: np.ndarray
     masks: np.ndarray
+    _matches: dict[int, Match] = dataclasses.field(default_factory=dict, init=False, repr=False)
+
+    @functools.cached_property
+    def grey(self) -> np.ndarray:
+        """The pictures in grey, uint8, shape (T, H, W)."""
+        return np.stack([cv2.cvtColor(frame, cv2.COLOR_RGB2GRAY) for frame in self.frames])
+
+    def match(self, t: int) -> Match:
+        """The flow from the frame before ``t`` to it."""
+        if t not in self._matches:
+            pair = slice(t - 1, t + 1)
+            self._matches[t] = self.tracker.match(*self.grey[pair], *self.masks[pair])
+        return self._matches[t]
 
     def track(self, queries: np.ndarray, until: int | None = None) -> Tracks:
         """Tracks of ``queries``, invisible before their frames and from ``until`` on."""
         xy = np.repeat(np.asarray(queries, np.float64)[None, :, 1:], len(self.frames), axis=0)
         visible, sure = np.zeros(xy.shape[:2], bool), np.zeros(xy.shape[:2])
         starts = queries[:, 0].astype(int)
-        for start in np.unique(starts):
-            span, own = slice(start, until), starts == start
-            found = self.tracker.follow(self.frames[span], queries[own, 1:], self.masks[span])
-            xy[span, own], visible[span, own], sure[span, own] = found.xy, found.visible, found.confidence
+        for start in np.unique(starts).tolist():
+            span, own = range(start, len(self.frames) if until is None else until), starts == start
+            found = self.tracker.follow(self, span, queries[own, 1:])
+            at = slice(span.start, span.stop)
+            xy[at, own], visible[at, own], sure[at, own] = found.xy, found.visible, found.confidence
         return Tracks(xy, visible, sure)
 
 

@@ -72,20 +72,19 @@ class GmflowTracker(flow.FlowTracker):
         """The class and the weights: others are another run."""
         return self._name
 
-    def follow(self, frames: np.ndarray, queries: np.ndarray, masks: np.ndarray) -> Tracks:
+    def follow(self, clip: flow.FlowClip, span: range, queries: np.ndarray) -> Tracks:
         """As `FlowTracker.follow`. What the network found and nothing corrected has a lower confidence."""
-        tracks = np.repeat(np.asarray(queries, np.float64)[None], len(frames), axis=0)
+        tracks = np.repeat(np.asarray(queries, np.float64)[None], len(span), axis=0)
+        frames, masks, grey = (each[span.start : span.stop] for each in (clip.frames, clip.masks, clip.grey))
         sure = np.zeros(tracks.shape[:2])
         sure[0] = 1.0
         missed, expected = np.zeros(len(queries), int), np.eye(2, 3)
-        first = previous = cv2.cvtColor(frames[0], cv2.COLOR_RGB2GRAY)
-        for t in range(1, len(frames)):
+        for t in range(1, len(span)):
             if not (masks[t - 1].any() and masks[t].any()):
                 break
-            current = cv2.cvtColor(frames[t], cv2.COLOR_RGB2GRAY)
-            moved, found = self._compute_flow(previous, current, masks[t - 1], masks[t], tracks[t - 1])
+            moved, found = clip.match(span[t]).move(tracks[t - 1], self.round_trip)
             found &= sure[t - 1] > 0
-            anchored = self._anchor_tracks(first, current, masks[0], tracks[0], moved, found)
+            anchored = self._anchor_tracks(grey[0], grey[t], masks[0], tracks[0], moved, found)
             good = np.isfinite(anchored[:, 0])
             trust = np.where(found & (missed < self.patience), 1.0, 0.0)
             if good.mean() < _CONFIRMED:
@@ -103,7 +102,6 @@ class GmflowTracker(flow.FlowTracker):
                 break
             fitted = _fit(tracks[0][sure[t] > 0], tracks[t][sure[t] > 0])
             expected = expected if fitted is None else fitted
-            previous = current
         return Tracks(tracks, sure > 0, sure)
 
     def _search(
