@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from typing import Any
 
 import numpy as np
@@ -84,7 +85,7 @@ def fit_affine(
     extent = np.linalg.norm(np.ptp(a, axis=0))
     trust = np.ones(len(a)) if trust is None else trust
     w, matrix = trust, None
-    beside = _find_neighbours(a) if len(a) >= ENOUGH else None
+    beside = _find_neighbours(a.tobytes(), a.dtype.str) if len(a) >= ENOUGH else None
     for k in range(iterations):
         total = w.sum()
         a0, b0 = w @ a / total, w @ b / total
@@ -110,8 +111,10 @@ def to_matrix(S: np.ndarray) -> Matrix:
     return first, second, third
 
 
-def _find_neighbours(a: np.ndarray) -> np.ndarray:
-    """Indices of the points nearest to each, shape (n, NEIGHBOURS)."""
+@functools.lru_cache(maxsize=256)  # the same points are fitted in frame after frame
+def _find_neighbours(points: bytes, dtype: str) -> np.ndarray:
+    """Indices of the points nearest to each, shape (n, NEIGHBOURS), of points (n, 3) in bytes."""
+    a = np.frombuffer(points, dtype).reshape(-1, 3)
     tree: Any = KDTree(a)  # scipy annotates `query` for a single neighbour only
     return tree.query(a, k=NEIGHBOURS + 1)[1][:, 1:]
 
