@@ -30,6 +30,7 @@ from benchmarks.first_results.held_back import (
     twelfth,
     twentieth,
     twentyfirst,
+    twentyfourth,
     twentysecond,
     twentythird,
 )
@@ -59,6 +60,7 @@ _LOTS = (
     twentyfirst,
     twentysecond,
     twentythird,
+    twentyfourth,
 )
 
 FILES: Mapping[str, PinnedFile] = {name: file for lot in _LOTS for name, file in lot.FILES.items()}
