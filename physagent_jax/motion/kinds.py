@@ -68,6 +68,8 @@ _CRUMPLED = [1.0, 1.5]  # shares of the time in which it is pressed from both si
 _SPUN = 0.9  # of the most of its word that what lies spins by about its own line: less is hardly seen of what is slim
 _REST = 0.4  # [s] for which what was spun where it stands is then seen to stand
 _LEVELLED = 0.1  # of its largest turn, below which it is level again
+_ASKEW = 10.0  # [degrees] up to which it lies on one of its sides
+_LOWERED = 0.75  # of the way that it was lifted, by which what was turned is carried down: its middle is elsewhere now
 _LEVELLING = 0.4  # of the time in which it is set down, in which it is turned back first
 _ALONG_LIMB = 0.4  # cosine of a stretch to a limb from which on it is drawn out along itself
 _AROUND = 2.0  # [body lengths]: all of a limb's joint, and all of its length
@@ -455,7 +457,7 @@ def _hold_until(wish: Wish, hands: list[Cause], frame: float) -> Wish:
 
 def _set_down(wish: Wish) -> _Replaced:
     """Carry down what was carried up and goes down again without falling, as far as it was up."""
-    expectation, down = wish.expectation, wish.brief.directions.down
+    expectation, brief, down = wish.expectation, wish.brief, wish.brief.directions.down
     if expectation.kind is not MotionKind.MOVE or cosine(expectation.direction or _NO_WAY, down) < _VERTICAL:
         return None
     if expectation.sudden or expectation.partial or expectation.amount is not None:
@@ -469,20 +471,28 @@ def _set_down(wish: Wish) -> _Replaced:
     moves = wish.list_other_begins() if hands[0].name == lifts[-1].name else []
     if stopped > first + 0.5 or any(stopped - 0.5 < begin < first + 0.5 for begin in moves):
         return None  # what moves it meanwhile needs it free
-    back = _level(wish, stopped, first, end)
-    levelled = back[0].active_time[1] if back and back[0].active_time else first
-    magnitude, until = spread_effort(lifts[-1].item.magnitude * (stopped - begun), levelled, end)
+    tilt, turned = _find_tilt(wish, stopped, first)
+    degrees, levelled, back = abs(turned) * math.degrees(TURN) / wish.reference, first, []
+    effort, quarters = lifts[-1].item.magnitude * (stopped - begun), round(degrees / 90.0)
+    if tilt is not None and abs(degrees - 90.0 * quarters) < _ASKEW:  # it is to stand on that side
+        width, height, depth = brief.extents
+        across = abs(cosine(tilt.item.vector, brief.directions.right))
+        lying = across * depth + (1.0 - across) * width if quarters % 2 else height
+        effort += 0.5 * (height - lying) * wish.reference / PRESCRIBED_TRAVEL
+        effort *= _LOWERED if quarters % 4 else 1.0
+    elif tilt is not None:  # set down as it was tilted, it would go into the ground
+        levelled = first + _LEVELLING * (end - first)
+        hand = _prescribe(tilt, tilt.item.vector, -turned / (levelled - first), (first, levelled), None)
+        back.append(hand)
+    magnitude, until = spread_effort(effort, levelled, end)
     lowering = _prescribe(causes[0], down, magnitude, (levelled, until), None)
     field = _put(_hold_until(wish, hands, first), causes, *back, lowering)
     return field, f"it is {'turned back and ' * len(back)}carried down again"
 
 
-def _level(wish: Wish, lifted: float, first: float, end: float) -> list[VelocityConstraint]:
-    """The turn that undoes, from frame ``first`` on, how it was tilted in the air; none if it was not.
-
-    Set down as it was tilted, it would go into the ground.
-    """
-    up, efforts, tilt = wish.brief.directions.up, [], None
+def _find_tilt(wish: Wish, lifted: float, first: float) -> tuple[Cause | None, float]:
+    """The cause that tilted it in the air until frame ``first``, and the effort of all that did; 0 if it is level."""
+    up, efforts, tilt = wish.brief.directions.up, [0.0], None
     for cause in list_causes(wish.force_field):
         begin, stop = cause.item.active_time or (0.0, 0.0)
         tilts = cause.carries and cause.skill.is_axis and abs(cosine(cause.item.vector, up)) < _VERTICAL
@@ -490,10 +500,8 @@ def _level(wish: Wish, lifted: float, first: float, end: float) -> list[Velocity
             tilt = tilt or cause
             effort = cause.item.magnitude * cause.item.gain * (stop - begin)
             efforts.append(effort * cosine(cause.item.vector, tilt.item.vector))
-    if tilt is None or abs(sum(efforts)) < _LEVELLED * max(map(abs, efforts)):
-        return []
-    levelled = first + _LEVELLING * (end - first)
-    return [_prescribe(tilt, tilt.item.vector, -sum(efforts) / (levelled - first), (first, levelled), None)]
+    total = sum(efforts)
+    return tilt, total if abs(total) >= _LEVELLED * max(map(abs, efforts)) else 0.0
 
 
 def _lead(wish: Wish) -> _Replaced:

@@ -150,3 +150,20 @@ def test_what_acts_in_vain_is_said_to_be_left_out():
     notes = read("kick the robot hard, but it does not move", brief(world="ground")).notes
     assert any("'kick' acts on it, but it is not to move" in each for each in notes)
     assert not any("acts on it" in each for each in read("the robot stays still").notes)
+
+
+@pytest.mark.parametrize("verb", ["sways", "springs", "leans", "eases", "rises"])
+@pytest.mark.parametrize("end", ["back upright", "upright again", "straight again"])
+def test_what_is_bent_comes_back_upright_by_itself(verb, end):
+    plant = brief(object_name="plant", object_kind="plant", anchored="the base", world="ground")
+    reply = read(f"a gust bends the plant over to the left, then it {verb} {end}", plant)
+    (bent,) = reply.expectations
+    assert bent.kind is MotionKind.MOVE and bent.released and not reply.unsure
+
+
+def test_what_is_lifted_and_held_there_for_a_time_is_up_there_so_long():
+    raised, held, fall = read(
+        "lift the robot, hold it there for a second, then let go", brief(world="ground", frames_fixed=False)
+    ).expectations
+    assert (raised.kind, held.kind, fall.kind) == (MotionKind.MOVE, MotionKind.STILL, MotionKind.FALL)
+    assert raised.amount is None and (held.window[1] - held.window[0]) * 0.04 == pytest.approx(1.0, abs=0.1)

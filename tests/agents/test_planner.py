@@ -1260,3 +1260,12 @@ def test_leaps_are_counted_by_their_heights():
     world = brief(world="ground")
     assert passes(motions, hop(0.4, 0.4, 0.4), world)
     assert not passes(motions, hop(0.4, 0.4, 0.05), world)
+
+
+@pytest.mark.parametrize(("degrees", "bends"), [(27.0, True), (5.0, False), (-27.0, False)])
+def test_what_is_seen_to_bend_on_a_stiff_trunk_may_go_a_shorter_way(degrees, bends):
+    """The middle of a crown goes little where only the trunk below it bends."""
+    asked_for = expected(strength=1.56, manner="bend")
+    seen = show(along(LEFT, 0.14), turn=along(TOWARD, degrees))
+    judgement = verdict_of(asked_for, seen, HELD)
+    assert ("amount" not in failed_aspects(judgement)) is bends

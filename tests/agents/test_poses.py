@@ -273,3 +273,43 @@ def test_what_lands_on_an_edge_falls_askew(sentence):
     reply = read(sentence, stand(**TALL))
     assert reply.world.attitude is not None and not reply.unsure and not reply.not_understood
     assert [each.kind for each in reply.expectations] == [MotionKind.FALL]
+
+
+@pytest.mark.parametrize(
+    ("sentence", "degrees"),
+    [
+        ("pick the thing up, then put it down upside down", 180.0),
+        ("lift the thing and place it gently on its roof", 180.0),
+        ("raise the thing, flip it over and lower it onto its head", 180.0),
+        ("the thing is lifted and set back down the other way round", 180.0),
+        ("lift the thing and lay it back down on its side", 90.0),
+        ("pick the thing up and lower it onto the floor on its back", 90.0),
+    ],
+)
+def test_what_is_set_down_otherwise_is_turned_in_the_air(sentence, degrees):
+    reply = read(sentence, stand(**TALL))
+    raised, turned, lowered = reply.expectations
+    assert (raised.kind, turned.kind, lowered.kind) == (MotionKind.MOVE, MotionKind.ROTATE, MotionKind.MOVE)
+    assert turned.amount is not None and turned.amount.value == degrees
+    assert lowered.direction == (0.0, 0.0, -1.0) and lowered.amount is None and not reply.unsure
+
+
+def test_what_was_turned_over_in_the_air_is_set_down_as_it_is():
+    scene, ways = stand(**TALL), []
+    for sentence in (
+        "lift the thing, turn it upside down and set it back down",
+        "lift the thing and set it down",
+    ):
+        reply = compile_intent(read_intent(sentence, scene), scene)
+        first, *_, last = reply.force_field.constraints
+        assert not any("turned back" in note for note in reply.notes)
+        spans = [(hand.magnitude, hand.active_time or (0.0, 0.0)) for hand in (first, last)]
+        up, down = (size * (end - begin) for size, (begin, end) in spans)
+        ways.append(down / up)
+    assert ways[0] < ways[1] == pytest.approx(1, rel=1e-2)  # its middle is elsewhere now: it drops the rest
+
+
+def test_an_attitude_that_cannot_be_kept_is_not_dropped_silently():
+    assert read("the thing flies upside down to the left", stand(**TALL)).not_understood == ("upside down",)
+    turned = read("a kick knocks the thing upside down", stand(**TALL)).expectations
+    assert [each.amount.value for each in turned if each.amount] == [180.0]

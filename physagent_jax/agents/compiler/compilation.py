@@ -215,29 +215,19 @@ def _choose_kinds(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
         "none": None,
         None: brief.anchored,
     }
-    fixture = told[reply.anchor.kind]
     weightless = reply.world.gravity in ("none", "up") or reply.world.ground is False
-    scene = brief.model_copy(
-        update={
-            "anchored": fixture,
-            "frame_count": reply.frame_count or brief.frame_count,
-            "world": "free" if weightless else "ground" if reply.world.ground else brief.world,
-        }
-    )
+    world = "free" if weightless else "ground" if reply.world.ground else brief.world
+    frame_count, fixture = reply.frame_count or brief.frame_count, told[reply.anchor.kind]
+    scene = brief.model_copy(update=dict(anchored=fixture, frame_count=frame_count, world=world))
     if scene.frame_count < 2:
         return reply  # nothing moves in one frame
     choice = choose_kinds(reply.force_field, reply.expectations, scene)
     if not choice.reasons:
         return reply
     places = find_new_places(reply.force_field, choice.force_field)
-    evidence = [_follow(item, places, choice.force_field) for item in reply.evidence]
-    return reply.model_copy(
-        update={
-            "force_field": choice.force_field,
-            "evidence": tuple(evidence),
-            "notes": (*reply.notes, *choice.reasons),
-        }
-    )
+    evidence = tuple(_follow(item, places, choice.force_field) for item in reply.evidence)
+    notes = (*reply.notes, *choice.reasons)
+    return reply.model_copy(update=dict(force_field=choice.force_field, evidence=evidence, notes=notes))
 
 
 def _follow(item: Evidence, places: dict[str, str], force_field: ForceField) -> Evidence:

@@ -94,12 +94,8 @@ def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     event.sources["active_time"] = _describe_time(event)
     _take_part(event, before, brief)
     partial = bool(event.limbs or event.region)
-    able = {
-        "": True,
-        "limp": brief.object_kind in _LIMP or bool(event.limbs),
-        "part": partial,
-        "whole": not partial,
-    }
+    limp = brief.object_kind in _LIMP or bool(event.limbs)
+    able = {"": True, "limp": limp, "part": partial, "whole": not partial}
     if not able[event.motion.by] or event.motion.gives and event.clause.solids:
         event.doubts.append(f"How '{event.words}' is done is not understood.")
     event.obstacles += resolve_obstacles(event.clause.solids, event.direction, brief)
@@ -249,12 +245,8 @@ def _lifts_end(event: Event, motion: Motion, brief: SceneBrief) -> bool:
 
 def _find_end(event: Event) -> Names:
     """The end of the object where the first part is, by its place or the adjective in its name."""
-    part = event.parts[0] if event.parts else None
-    return (
-        part.place.names or read_lexicon().part_adjectives.get(part.phrase.rpartition(" ")[0], ())
-        if part
-        else ()
-    )
+    told = read_lexicon().part_adjectives
+    return next((p.place.names or told.get(p.phrase.rpartition(" ")[0], ()) for p in event.parts), ())
 
 
 def _is_of_limbs(event: Event, brief: SceneBrief) -> bool:

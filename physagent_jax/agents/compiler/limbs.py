@@ -143,30 +143,18 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
     field = reply.force_field.model_copy(update=dict(actions=actions, constraints=tuple(constraints)))
     kinds = {each.constraint_type for each in constraints}
     done = next((words for kind, words in _DONE.items() if kind in kinds), "is moved alone")
-    told = ", ".join(each.moved.label or "a part" for each in held.values())
-    note = f"{told}: it {done}" + (", and the rest is held." if anchor.kind == "rest" else ".")
-    return reply.model_copy(
-        update=dict(
-            force_field=field,
-            expectations=tuple(expectations),
-            anchor=anchor,
-            evidence=_follow(reply.evidence, kept),
-            notes=(*reply.notes, note),
-        )
-    )
+    moved_parts = ", ".join(each.moved.label or "a part" for each in held.values())
+    note = f"{moved_parts}: it {done}" + (", and the rest is held." if anchor.kind == "rest" else ".")
+    told = dict(expectations=tuple(expectations), evidence=_follow(reply.evidence, kept))
+    notes = (*reply.notes, note)
+    return reply.model_copy(update=dict(told, force_field=field, anchor=anchor, notes=notes))
 
 
 def _carry(constraint: VelocityConstraint, moved: Sequence) -> VelocityConstraint:
     """A limb's constraint that goes along with the rest, which moves as well: the joint would stay behind."""
-    leads = constraint.constraint_type in (
-        ConstraintType.PARTICLE_ROTATION,
-        ConstraintType.PARTICLE_TRANSLATION,
-    )
-    return (
-        constraint.model_copy(update=dict(carried=True))
-        if leads and constraint.region in moved
-        else constraint
-    )
+    leading = (ConstraintType.PARTICLE_ROTATION, ConstraintType.PARTICLE_TRANSLATION)
+    leads = constraint.constraint_type in leading and constraint.region in moved
+    return constraint.model_copy(update=dict(carried=True)) if leads else constraint
 
 
 def _follow(items: Sequence[Evidence], kept: list[int]) -> tuple[Evidence, ...]:

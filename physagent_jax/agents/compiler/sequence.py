@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from dataclasses import replace
 
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
@@ -43,6 +44,7 @@ _FLYING = (Effect.FALL, Effect.ROLL, Effect.PUSH, Effect.JUMP)  # what has come 
 _PIECES = ("tip", "end", "top", "half", "piece")  # of a part that has broken
 _BUCKLING = ("give", "buckle")
 _STAYS = ("stay", "remain")
+_SETTING = ("put", "set", "place", "lay", "lower", "stand")  # begins of phrases for what is set down
 _RESTING = (Effect.STILL, Effect.RELEASE)
 _MOST_FALLS = 4  # that one clip has time for
 _MOST_SWINGS = 3  # of a door in one clip
@@ -83,19 +85,10 @@ def _open_and_close(event: Event, brief: SceneBrief) -> list[Event]:
     count = next((each.times for each in event.clause.repetitions if each.times), 1)
     plain = event.clause.model_copy(update=dict(repetitions=[]))
     steps = [word if word in motions else word.split()[0] for word in words] * min(count, _MOST_SWINGS)
+    clauses = [plain, *[plain.model_copy(update=dict(order="then"))] * (len(steps) - 1)]
     return [
-        replace(
-            event,
-            clause=plain.model_copy(update=dict(order="then")) if number else plain,
-            verb=motions[step],
-            motion=motions[step],
-            phrase=step,
-            parts=[*event.parts],
-            ways=[*event.ways],
-            doubts=[*event.doubts],
-            sources={},
-        )
-        for number, step in enumerate(steps)
+        replace(deepcopy(event), clause=clause, verb=motions[step], motion=motions[step], phrase=step)
+        for clause, step in zip(clauses, steps)
     ]
 
 
@@ -104,18 +97,13 @@ def _stretch_each(event: Event, brief: SceneBrief) -> list[Event]:
     if event.effect is not Effect.SCALE or event.motion.sign < 0 or len(event.limbs) < 2:
         return [event]
     together = event.clause.model_copy(update=dict(order="together"))
-    own = event.sources["vector"].why == ALONG
-    return [
-        replace(
-            event,
-            clause=together if number else event.clause,
-            limbs=(limb,),
-            region=brief.parts[limb].moved,
-            part=brief.parts[limb].side,
-            direction=Turning(brief.parts[limb], brief, brief.frame_count).arm if own else event.direction,
-        )
-        for number, limb in enumerate(event.limbs)
-    ]
+    own, stretched = event.sources["vector"].why == ALONG, []
+    for limb in event.limbs:
+        part = brief.parts[limb]
+        told = dict(clause=together if stretched else event.clause, limbs=(limb,), region=part.moved)
+        way = Turning(part, brief, brief.frame_count).arm if own else event.direction
+        stretched.append(replace(event, part=part.side, direction=way, **told))
+    return stretched
 
 
 def _put_landings_first(clauses: list[Event]) -> list[Event]:
@@ -143,6 +131,9 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         builder.notes.append(f"'{event.text}': what was set going comes to that by itself.")
         return  # "a gust pushes it, and it spins as it slides to a stop"
     interpret(event, _find_measure(events, event), builder.brief)
+    if steps := _set_down(event, events, builder):
+        events += steps
+        return
     rests = event.effect is Effect.STILL and event.unknown_parts[:1]
     if rests and -1 < event.text.find(rests[0]) < event.text.find(event.words):
         builder.notes.append(f"'{event.text}': where that is, is not known, and nothing is done to it.")
@@ -267,6 +258,24 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         builder.notes.append(f"'{event.words}': it stands on the ground, so it is lifted first.")
     events.append(event)
     _drop_again(events, builder)
+
+
+def _set_down(event: Event, events: list[Event], builder: ForceFieldBuilder) -> list[Event]:
+    """The turn in the air and the lowering of what was lifted and is "set down on its side"; none of other motions."""
+    brief, up = builder.brief, builder.brief.directions.up
+    moves = [e for e in events if e.effect in (*_ALOFT, Effect.PUSH) and abs((e.direction or up)[2]) > _LEVEL]
+    known = event.effect in (Effect.TURN, Effect.TOPPLE, Effect.RELEASE) and event.phrase.startswith(_SETTING)
+    if not (known and _is_lifted(moves, builder)):
+        return []
+    over = [replace(e, direction=scale(e.direction or up, -1.0)) for e in events if _is_turned_over(e)]
+    turned = over[-1:] if event.effect is Effect.RELEASE else [event]  # "the right way up"
+    if event.effect is Effect.TOPPLE:
+        turned = [_raise(replace(event, direction=scale(event.direction or up, -1.0)), event, brief)]
+    elif event.motion.direction == "own" and over:
+        turned = []  # "flipped, and set down on its head"
+    lowered = replace(_make_another(event, "set down"), direction=brief.directions.down, amount=None)
+    clause = event.clause.model_copy(update=dict(order="then"))
+    return [replace(each, clause=clause) for each in (*turned, lowered)]
 
 
 def _is_of_piece(event: Event, before: Event) -> bool:
@@ -586,6 +595,9 @@ def _hold(event: Event, last: Event | None, after: Event | None) -> list[Event]:
     """A bare hold as an anchor, as a time of rest, or (nothing) as a property of what was done before."""
     moved = last is not None and not last.clause.negated and last.effect in HOLDABLE
     let_go = after is not None and after.effect is Effect.RELEASE and after.is_bare
+    raised = last is not None and last.effect is Effect.PUSH and not last.parts
+    raised &= last is not None and last.motion.direction == "up" and event.is_timed
+    let_go &= not raised  # "lift it, hold it there for a second, then let go": it is up there so long
     if moved and last is not None and let_go and not last.is_timed:
         lasts = event.when.lasts  # "hold it for a second, then release it"; a moment is no time to get there
         last.when = Timing() if lasts and lasts.unit == "clip" and lasts.value < _MOMENT else event.when

@@ -381,7 +381,9 @@ def _is_becoming(first: Motion, second: Motion) -> bool:
     """Return whether an adjective tells how it grows, or what a blow makes of it: "hammer it flat"."""
     rises = second.direction == "up" and second.sign > 0  # "push it higher"
     driven = first.effect in DRIVING and not first.generic and not rises
-    return (driven or first.effect is Effect.SWELL) and second.effect is Effect.SCALE and second.generic
+    overturned = driven and second.angle > 0  # "knock it upside down"
+    sized = (driven or first.effect is Effect.SWELL) and second.effect is Effect.SCALE
+    return (overturned or sized) and second.generic
 
 
 def _is_size(mention: Mention) -> bool:

@@ -18,6 +18,8 @@ _NOUNS = (MentionKind.PLACE, MentionKind.UNKNOWN, MentionKind.DIRECTION)
 _NOUNS += (MentionKind.PLANE, MentionKind.FUNCTION)
 _OVERTURNING = (Effect.LEAN, Effect.PUSH, Effect.STRIKE, Effect.TURN, Effect.ROLL, Effect.FALL, Effect.TOPPLE)
 _OVER = 180.0  # [degrees]
+_SET = dict(up="put upside down", down="put ~ the right way up")
+_SET |= dict.fromkeys(("toward", "away", "left", "right", "beside"), "put on its side")
 _ENDING = (Effect.TURN, Effect.ROLL, Effect.JUMP, Effect.TOPPLE, Effect.FALL)
 
 
@@ -26,7 +28,8 @@ def read_poses(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]
     result, verbs = list(mentions), []
     for at, mention in enumerate(mentions):
         if mention.motion is not None and mention.phrase != "upside down":
-            if mention.phrase.startswith("land on") and _find_drop(mentions, verbs) is not None:
+            lands = mention.phrase.startswith(("land on", "land upside"))
+            if lands and _find_drop(mentions, verbs) is not None:
                 side = mention.motion.direction if mention.motion.effect is Effect.TOPPLE else "up"
                 result[at] = replace(mention, kind=MentionKind.POSE, value=side, phrase="pose")
             else:
@@ -36,6 +39,16 @@ def read_poses(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]
         motion = mentions[verbs[-1]].motion if verbs else None
         if side is None or motion is None:
             continue
+        places = any(each.kind is MentionKind.PLACE for each in mentions[verbs[-1] : first])
+        lowers = motion.puts_back or mentions[verbs[-1]].phrase == "lower"
+        if lowers and side in _SET and not places:
+            phrase, result[first : at + 1] = _SET[side], map(empty, mentions[first : at + 1])
+            told = LEXICON.motions[phrase]
+            told = replace(told, direction=side) if told.effect is Effect.TOPPLE else told
+            result[verbs[-1]] = replace(mentions[verbs[-1]], value=told, phrase=phrase)
+            continue  # "put it back on the table on its side"
+        if mention.phrase == "upside down" and motion.generic and motion.effect is Effect.PUSH:
+            result[at] = replace(mention, kind=MentionKind.UNKNOWN, value=None)  # "it flies upside down"
         if (fall := _find_drop(mentions, verbs)) is not None:
             told = any(m.kind is MentionKind.POSE for m in result[fall:at])
             result[first : at + 1] = map(empty, mentions[first : at + 1])

@@ -9,6 +9,7 @@ from dataclasses import replace
 from physagent_jax.core.strict import Vector
 from physagent_jax.core.turning import find_turning_points
 from physagent_jax.motion import tolerances
+from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.judging.asked import Asked
 from physagent_jax.motion.judging.comparing import (
     SAME_WAY,
@@ -47,7 +48,8 @@ _BOUNCE, _MORE_BOUNCES = (
     2,
 )  # [body lengths] that a bounce rises by at least, and more that follow untold
 _LANDED = 0.8  # of its way down, from where on what topples lies
-_TURNED = 0.6  # of its way that is enough of a limb which is seen to turn
+_TURNED = 0.6  # of its way that is enough of a limb which is seen to turn, or of what is seen to bend
+_BENT = 0.5  # of a turn of what is held, from where on what bends on a stiff trunk is seen to
 _MIDDLE = 0.5  # of the way down of its top that its middle goes as it tips over
 _OVERTURNS, _TIPPED = (
     0.7,
@@ -84,6 +86,18 @@ def _cut_at_obstacle(course: Course, direction: Vector, distance: float) -> Cour
     return [point for point in course if point[0] <= end] if met else course
 
 
+def _is_bent(asked: Asked, until: int) -> bool:
+    """Return whether all of what is held is seen to bend, as a crown on a stiff trunk does over a short way."""
+    view, way = asked.view, asked.direction
+    axis = (
+        find_lean_axis(way, view.brief) if way and asked.motion.manner == "bend" and not asked.end else None
+    )
+    if axis is None or not view.anchored:
+        return False
+    turned = max((dot(turn, axis) for _, turn in view.turns(asked.span[0], until)), default=0.0)
+    return turned >= _BENT * tolerances.expect_rotation(asked.motion, True).low
+
+
 def check_move(asked: Asked) -> list[Check]:
     """Displacement: direction of the first response, direction of the path, distance, and whether it is kept."""
     if asked.hidden:
@@ -113,7 +127,7 @@ def check_move(asked: Asked) -> list[Check]:
     seconds, at_end = view.seconds(first, until), asked.end is not None
     tolerance = tolerances.expect_move(motion, view.anchored, seconds=seconds, drift=coasting, end=at_end)
     tolerance = view.fit_to_limb(tolerance, motion)
-    if asked.limb_turns:
+    if asked.limb_turns or _is_bent(asked, until):
         tolerance = tolerance.scaled(_TURNED, least=0.75 * tolerances.VISIBLE)
     if view.grounded and any(e.kind is MotionKind.ROTATE and e.words == motion.words for e in asked.together):
         tolerance = replace(tolerance, high=2.0 * tolerance.high)  # what rolls goes on rolling
