@@ -35,15 +35,18 @@ def land(jump: Action, until: float, brief: SceneBrief) -> VelocityConstraint | 
     return _stop(at, until, _STANDS / brief.frame_dt, brief)
 
 
-def stand_after_drop(height: float, until: float, brief: SceneBrief) -> VelocityConstraint | None:
+def stand_after_drop(
+    height: float, until: float, brief: SceneBrief, since: float = 0.0
+) -> VelocityConstraint | None:
     """The stop of what is soft where it lands: it is pressed together and wobbles there, and does not bounce over.
 
     Args:
-        height: From which it falls at frame 0 [L].
+        height: From which it falls [L].
         until: Frame at which it ends.
         brief: The scene, with a ground.
+        since: Frame from which it falls, at rest: the top of its last leap, of what bounces first.
     """
-    at = math.sqrt(2.0 * height * brief.size / GRAVITY) / brief.frame_dt
+    at = since + math.sqrt(2.0 * height * brief.size / GRAVITY) / brief.frame_dt
     return _stop(at, until, until, brief, _WOBBLES)
 
 

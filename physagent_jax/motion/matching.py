@@ -167,6 +167,13 @@ def share_time(one: ExpectedMotion, other: ExpectedMotion) -> bool:
     return one.window[0] < other.window[1] and one.window[1] > other.window[0]
 
 
+def is_last_rest(rest: ExpectedMotion, expectations: Sequence[ExpectedMotion]) -> bool:
+    """Return whether all that is asked ends in a rest of the whole; one that is told how long it lasts is longer."""
+    whole = rest.kind is MotionKind.STILL and rest.part is None and rest.limb is None and not rest.stays
+    others = [other for other in expectations if other is not rest]
+    return whole and bool(others) and all(each.window[1] <= rest.window[0] + 0.5 for each in others)
+
+
 def is_thrown_up(
     expectation: ExpectedMotion, expectations: Sequence[ExpectedMotion], brief: SceneBrief
 ) -> bool:

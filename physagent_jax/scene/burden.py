@@ -39,6 +39,9 @@ MOST_PEAK = 0.5  # of the largest strain over a cell: a thin neck is few of the 
 MOST_BUCKLING = 0.75  # of the stress under which it gives way; the grid is coarse
 MOST_PARTICLES = 6000
 MOST_CELLS = 450  # that are full; the probe's grid is no finer than the simulation's
+FINER = 2.0  # times as many, where it may buckle: a thin neck is too stiff on a coarse grid
+_SUSPECT = 0.2  # of the stress under which it gives way, from which on that is asked of what seems to stand
+_NECK = 1.5  # times the buckling on the coarse grid: what makes so much of a difference is thin
 STRAINED = 95  # [%] of the particles have less than the strain that counts
 _SHARE = 1e-3  # of the residual that is left
 _TIE = 2e-4  # in place of `elasticity.TIE`: the simulation has none, and it would prop up what is thin
@@ -62,6 +65,7 @@ class Burden:
         buckling: Share of the stress that the pose bears before it gives way; from 1 on it does [1].
         needed: Young's modulus with which each particle bears its part within the limits [Pa], shape (n,); None =
             nothing is borne.
+        finer: Times as many cells as usual, on which it was measured.
     """
 
     strain: float
@@ -69,6 +73,7 @@ class Burden:
     sag: float
     buckling: float
     needed: Numbers | None = None
+    finer: float = 1.0
 
     @property
     def share(self) -> float:
@@ -87,11 +92,24 @@ _recent_firmness: Recent[np.ndarray] = Recent(6)
 
 
 def find_burden(body: Body, material: Material, anchor: Anchor, *, ground: float | None, dx: float) -> Burden:
-    """`measure_burden`, remembered from one round to the next, whatever the stiffness."""
+    """`measure_burden`, remembered from one round to the next, whatever the stiffness.
+
+    What seems to stand and is not far from buckling is looked at finely.
+    """
     unit = material.changed(youngs_modulus=_UNIT, reason="")
-    key = (unit.density, unit.poissons_ratio, anchor.model_dump_json(), ground, dx)
-    found = _recent.find(body, key, lambda: measure_burden(body, unit, anchor, ground=ground, dx=dx))
-    return found.scaled(_UNIT / material.youngs_modulus)
+
+    def look(finer: float) -> Burden:
+        key = (unit.density, unit.poissons_ratio, anchor.model_dump_json(), ground, dx, finer)
+        found = _recent.find(
+            body, key, lambda: measure_burden(body, unit, anchor, ground=ground, dx=dx, finer=finer)
+        )
+        return found.scaled(_UNIT / material.youngs_modulus)
+
+    found = look(1.0)
+    if found.buckling < _SUSPECT or found.share > 1:
+        return found
+    fine = look(FINER)
+    return fine if fine.buckling > _NECK * found.buckling else found
 
 
 def find_firmness(
@@ -117,7 +135,9 @@ def find_firmness(
         if bearing.weight * plain.share <= 1 or plain.needed is None:
             return ones
         firmness = np.maximum(ones, bearing.weight * plain.needed / material.youngs_modulus)
-        firm = measure_burden(body, material, anchor, ground=bearing.ground, dx=dx, firmness=firmness)
+        firm = measure_burden(
+            body, material, anchor, ground=bearing.ground, dx=dx, firmness=firmness, finer=plain.finer
+        )
         return firmness * max(1.0, bearing.weight * firm.share)
 
     numbers = material.youngs_modulus, material.density, material.poissons_ratio
@@ -133,6 +153,7 @@ def measure_burden(
     ground: float | None,
     dx: float,
     firmness: np.ndarray | None = None,
+    finer: float = 1.0,
 ) -> Burden:
     """The burden of a body that hangs on its anchor, or stands on the ground.
 
@@ -143,6 +164,7 @@ def measure_burden(
         ground: Height of the ground [m], to which what touches it sticks; None = there is none.
         dx: Cells of the simulation [m].
         firmness: Factors of Young's modulus, shape (n,); None = 1.
+        finer: Times as many cells as usual.
     """
     particles = body.particles
     held = select_anchored(
@@ -150,7 +172,7 @@ def measure_burden(
     )
     E = material.youngs_modulus if firmness is None else material.youngs_modulus * firmness
     matter = material.density, E, material.poissons_ratio
-    return _measure(particles.x, particles.volume, body.extent, held, *matter, ground, dx)
+    return _measure(particles.x, particles.volume, body.extent, held, *matter, ground, dx, finer)
 
 
 @keep
@@ -164,11 +186,12 @@ def _measure(
     nu: float,
     ground: float | None,
     dx: float,
+    finer: float,
 ) -> Burden:
     """`measure_burden` of numbers alone."""
     every = -(-len(points) // MOST_PARTICLES)
     x, volume = points[::every].astype(np.float64), volumes[::every].astype(np.float64) * every
-    coarse = float((volume.sum() / MOST_CELLS) ** (1 / 3))
+    coarse = float((volume.sum() / (finer * MOST_CELLS)) ** (1 / 3))
     if coarse > dx:
         dx = coarse
         if ground is not None:  # nodes lie in the ground's plane, or a coarse foot would be a soft one
@@ -205,7 +228,7 @@ def _measure(
     nearest = KDTree(points[::every]).query(points)[1]
     buckling = modes[0][0] if modes else 0.0
     often, peak = np.percentile(strain, STRAINED), smoothed.max()
-    return Burden(float(often), float(peak), float(sag), buckling, needed[nearest])
+    return Burden(float(often), float(peak), float(sag), buckling, needed[nearest], finer)
 
 
 def _share_out(density: np.ndarray, volume: np.ndarray) -> np.ndarray:

@@ -127,3 +127,17 @@ def test_hops_in_a_row_go_as_far_as_a_thrown_body_that_lands_before_the_next():
         4 * each.magnitude * each.gain * each.vector[2] * (1 - each.vector[2] ** 2) ** 0.5 for each in blows
     ]
     assert len(blows) == 4 and min(ranges) > 0.2 and sum(ranges) < 2.0
+
+
+@pytest.mark.parametrize(("times", "count"), [("once", 1), ("twice", 2)])
+def test_what_is_soft_and_bounces_wobbles_where_it_comes_down_at_last(times, count):
+    """Its own spring adds leaps that nobody asked for; it is stopped once it has made those that are told."""
+    told = f"the jelly is dropped, bounces {times} and then wobbles until it settles"
+    scene = dict(object_name="jelly", object_kind="jelly", frame_count=100)
+    blows, (landing,) = list_landings(told, **scene)
+    assert len(blows) == count
+    rise = blows[-1].magnitude * blows[-1].gain * brief().size
+    aloft = 2 * (2 * rise / GRAVITY) ** 0.5 / brief().frame_dt
+    assert landing.active_time[0] - blows[-1].active_time[0] == pytest.approx(aloft, abs=1.5)
+    assert landing.held_until == pytest.approx(99, abs=1.0), "a rest is nothing to get up for"
+    assert not list_landings(f"the jelly is dropped and bounces {times}", **scene)[1]

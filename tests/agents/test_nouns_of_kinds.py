@@ -16,6 +16,8 @@ NOUNS = [
     ("demosthenes", "object", "the orator falls over"),
     ("deer", "object", "the deer head hops up"),  # of a trophy, all of it
     ("robot", "robot", "the robot bobbles back and forth"),
+    ("grapes", "food", "the bunch slides to the left"),
+    ("pancakes", "food", "the stack topples over"),
 ]
 
 
@@ -31,3 +33,19 @@ def test_a_noun_that_may_be_another_thing_is_doubted(sentence):
         object_name="teapot", object_kind="vessel", object_nouns=list_nouns("vessel"), world="ground"
     )
     assert read(sentence, scene).unsure
+
+
+@pytest.mark.parametrize("rest", ["before it stops", "until it settles"])
+@pytest.mark.parametrize("noun", ["flurb", "heap"])
+def test_what_the_subject_of_a_later_pronoun_does_is_not_lost(noun, rest):
+    """It was taken for another thing's doing, as "it" seemed to be the object."""
+    scene = brief(
+        object_name="plant", object_kind="object", object_nouns=list_nouns("object"), world="ground"
+    )
+    reply = read(f"the {noun} rolls to the right {rest}", scene)
+    assert [each.kind.value for each in reply.expectations] == ["move", "rotate", "still"]
+
+
+def test_another_thing_stays_another_thing():
+    reply = read("the robot falls over while a bird flies past it", brief(world="ground"))
+    assert {each.kind.value for each in reply.expectations} == {"rotate", "fall"}

@@ -12,6 +12,8 @@ from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.judging.posing import find_last_lean, tells_pose
 from physagent_jax.motion.judging.seen import View, count_excursions
+from physagent_jax.motion.judging.verdict import judge as judge_view
+from physagent_jax.motion.matching import is_last_rest
 from physagent_jax.motion.schema import MotionKind, Verdict
 from physagent_jax.perception.schema import Box, Extent
 from tests.agents.scenes import asked, brief, judge, ramp, read
@@ -371,3 +373,59 @@ def test_what_is_squashed_as_it_lands_has_not_turned_over(degrees, count):
     plan = (expected(KINDS.MOVE, UP, sudden=True), expected(KINDS.ROTATE, RIGHT))
     view = View(seen.model_copy(update=dict(extents=(outline,))), GROUND, plan, ForceField())
     assert view.is_aloft(plan[1]) and view.count_half_turns() == count
+
+
+def rock(left: float):
+    """A turn to and fro, of which a share is left in the end."""
+    return lambda t: (0.0, 60.0 * (left if t > 70 else 1.0) * math.sin(0.5 * t), 0.0)
+
+
+STIRS = [
+    (None, rock(0.08), True),
+    (along(RIGHT, 1.0, 0, 60), None, True),
+    (lambda t: (0.06 * min(t, 60) + 0.003 * max(t - 60, 0), 0, 0), None, True),
+    (None, rock(0.5), False),
+    (lambda t: (0.01 * t, 0, 0), None, False),
+    (None, lambda t: (0, 0, 3.0 * t), False),
+]
+
+
+@pytest.mark.parametrize(("place", "turn", "still"), STIRS)
+def test_what_hardly_moves_beside_what_it_did_has_come_to_rest(place, turn, still):
+    """It is looked for at the end alone; what goes on as before is no rest."""
+    motions = [expected(window=(0, 20)), expected(KINDS.STILL, None, window=(20, 90))]
+    view = View(show(place, turn, count=91), GROUND, tuple(motions), ForceField())
+    assert is_still(view) is still
+
+
+@pytest.mark.parametrize(
+    ("after", "still"), [(None, True), (along(RIGHT, 0.2, 0, 24), False), (along(RIGHT, 0.03, 0, 5), False)]
+)
+def test_what_stops_after_the_planned_frames_is_still(after, still):
+    """The frames after them may be cut short: speed tells, not the way."""
+    motions = [expected(window=(0, 20)), expected(KINDS.STILL, None, window=(20, 60))]
+    view = View(show(along(RIGHT, 1.2, 0, 60), count=61), GROUND, tuple(motions), ForceField())
+    assert not is_still(view)
+    count = 6 if after and after(5)[0] > 0.02 else 25
+    assert is_still(dataclasses.replace(view, ending=show(after, count=count))) is still
+
+
+def is_still(view: View) -> bool | None:
+    return next(check.passed for check in judge_view(view).checks if check.aspect == "stillness")
+
+
+@pytest.mark.parametrize(
+    ("sentence", "rests"),
+    [
+        ("the robot rolls to the right and then comes to a stop", True),
+        ("the robot wobbles until it settles", True),
+        ("the robot moves right, stops, and then jumps", False),
+        ("the robot moves right, then stays still for 2 seconds", False),
+    ],
+)
+def test_a_rest_is_looked_at_to_the_true_end(sentence, rests):
+    """Save one that is told its length, which is a rest for so long."""
+    motions = read(sentence, GROUND).expectations
+    assert any(is_last_rest(each, motions) for each in motions) is rests
+    context = asked(sentence, GROUND, read(sentence, GROUND))
+    assert RulePlanner().watches_ending(context) >= rests

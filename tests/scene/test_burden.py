@@ -76,3 +76,20 @@ def test_burdens_go_with_the_compliance_and_are_measured_once(column, monkeypatc
 def test_what_nothing_holds_bears_nothing(column):
     burden = measure(column, FREE, ground=False)
     assert burden.strain == burden.sag == burden.buckling == 0.0 and burden.needed is None
+
+
+def test_a_thin_neck_is_not_stiffer_than_it_is(tmp_path):
+    """A stiff head of weight W on a short neck of length l gives way at W h l / (E I) = 1, h its middle's height."""
+    radius, length, tall, wide = 0.03, 0.1, 0.4, 0.08
+    block = trimesh.creation.box((0.4, 0.4, 0.4)).apply_translation((0, 0, -0.2))
+    neck = trimesh.creation.cylinder(radius, length + 0.04).apply_translation((0, 0, length / 2))
+    head = trimesh.creation.cylinder(wide, tall).apply_translation((0, 0, length + tall / 2))
+    trimesh.util.concatenate([block, neck, head]).export(tmp_path / "thing.obj")
+    modulus, scale = 7e5, 1 / 0.9  # its longest side becomes 1 m
+    load = RHO * GRAVITY * np.pi * wide**2 * tall
+    share = scale * load * (length + tall) / 2 * length / (modulus * np.pi / 4 * radius**4)
+    template, body, _ = template_of(tmp_path / "thing.obj")
+    material = Material(youngs_modulus=modulus, poissons_ratio=0.0, density=RHO)
+    ground, dx = float(body.particles.x[:, 2].min()), template.preset.domain.dx
+    found = find_burden(body, material, FREE, ground=ground, dx=dx)
+    assert found.buckling == pytest.approx(share, rel=0.6) and found.share > 1.0

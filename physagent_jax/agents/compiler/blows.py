@@ -222,12 +222,14 @@ def _rebound(task: Task) -> None:
     if not (event.rebounds and builder.default_drop) or builder.earlier or event.region or aside:
         return
     rise = builder.drop_height or DROP_HEIGHT
-    begin = math.sqrt(2.0 * rise * size / GRAVITY) / task.brief.frame_dt + _PRESSED
-    made = 0
+    falls = math.sqrt(2.0 * rise * size / GRAVITY) / task.brief.frame_dt
+    begin, made = falls + _PRESSED, 0
     while made < min(event.rebounds, _MOST_REBOUNDS) and begin <= task.window[1] - IMPULSE_FRAMES:
-        made, rise = made + 1, rise * _RESTITUTION**2
+        made, rise, falls = made + 1, rise * _RESTITUTION**2, falls * _RESTITUTION
         task.act(ActionType.IMPULSE, task.brief.directions.up, rise, make_impulse_window(begin), gains=True)
-        begin += 2.0 * math.sqrt(2.0 * rise * size / GRAVITY) / task.brief.frame_dt + _PRESSED
+        begin += 2.0 * falls + _PRESSED
+    if made and event.trembles and event.repeat.count:  # it would spring up by itself again and again
+        _stand(task, rise, begin - _PRESSED - falls)
     told = "" if made == event.rebounds else f", {made} times of {event.rebounds}: more do not fit"
     builder.notes.append(f"'{event.text}': it is thrown up again where it lands{told}.")
 
@@ -258,23 +260,28 @@ def _let_fall(task: Task) -> None:
             if event.direction is None or abs(dot(event.direction, task.brief.directions.up)) >= _UPRIGHT:
                 height = find_lengths(event.amount, task.brief) or height
             if height is not None and height > MOST_DROP:
-                builder.notes.append(
-                    f"'{event.text}': there is room for a fall of {MOST_DROP:g} body lengths."
-                )
+                room = f"'{event.text}': there is room for a fall of {MOST_DROP:g} body lengths."
+                builder.notes.append(room)
                 event.amount, height = None, MOST_DROP
             builder.drop_height = height
             builder.enable_gravity(task.event.words, "a falling object needs gravity")
             if pose and not earlier:
                 builder.attitude = find_attitude(pose, builder.brief)
             elif task.event.trembles and builder.default_drop and not (earlier or task.event.rebounds):
-                until = task.window[1] if task.after else float(task.brief.last)
-                landing = stand_after_drop(height or DROP_HEIGHT, until, task.brief)
-                builder.constraints += [] if landing is None else [landing]
+                _stand(task, height or DROP_HEIGHT)
     elif not builder.grounded:
         task.act(ActionType.TRANSLATION, builder.brief.directions.down, MAGNITUDE_MAX, task.window)
         builder.notes.append(
             "Gravity acts from the first frame, so a fall that comes later is made by a push downwards."
         )
+
+
+def _stand(task: Task, height: float, since: float = 0.0) -> None:
+    """Adds the stop of what is soft where it lands: it wobbles there, and goes on in nothing but a rest."""
+    goes_on = any(each.effect is not Effect.STILL for each in task.after)
+    until = task.window[1] if goes_on else task.brief.last
+    landing = stand_after_drop(height, until, task.brief, since)
+    task.builder.constraints += [] if landing is None else [landing]
 
 
 def compile_topple(task: Task) -> None:
@@ -306,10 +313,7 @@ def _find_blows(task: Task) -> list[Action]:
     """The level blow by which it is knocked over, as it was planned just before: none if it is another motion."""
     builder, last = task.builder, task.builder.expectations[-1:]
     at_once = [each for each in last if each.sudden and abs(each.window[0] - task.window[0]) < 0.5]
-    blow = (
-        builder.actions[-1:]
-        if any(each.kind is MotionKind.MOVE and each.repeats == 1 for each in at_once)
-        else []
-    )
+    moved = any(each.kind is MotionKind.MOVE and each.repeats == 1 for each in at_once)
+    blow = builder.actions[-1:] if moved else []
     level = all(abs(dot(e.vector, task.brief.directions.up)) < _LEVEL and e.region is None for e in blow)
     return blow if level and all(each.action_type is ActionType.IMPULSE for each in blow) else []

@@ -44,9 +44,8 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
         stops = [each for each in slot.events if each.effect is Effect.STILL]
         moving = [each for each in slot.events if each not in stops]
         if stops and not all(each.limbs for each in moving):  # the rest of what moves its limbs is held
-            builder.unsure.append(
-                f"What '{stops[0].text}' keeps still while the rest moves is not understood."
-            )
+            doubt = f"What '{stops[0].text}' keeps still while the rest moves is not understood."
+            builder.unsure.append(doubt)
         for event in slot.events:
             builder.notes += event.notes
             builder.unsure += event.doubts
@@ -279,11 +278,11 @@ def _compile_stillness(task: Task) -> None:
     seen = task.builder.expectations
     moving = {e.limb for e in seen if e.kind is not MotionKind.STILL and e.window[1] > task.window[0] + 0.5}
     if moving.isdisjoint(task.event.limbs):
-        task.expect(MotionKind.STILL, None, task.window)
+        lasts = bool(seen) and not task.after and task.event.when.lasts is not None
+        task.expect(MotionKind.STILL, None, task.window, stays=lasts)
     else:
-        task.builder.notes.append(
-            f"'{task.event.text}': that part moves meanwhile, so it is not asked to be still."
-        )
+        note = f"'{task.event.text}': that part moves meanwhile, so it is not asked to be still."
+        task.builder.notes.append(note)
 
 
 _COMPILERS = {

@@ -61,7 +61,8 @@ def drop_others(mentions: list[Mention], names: frozenset[str]) -> list[Mention]
     is told of it.
     """
     result = list(mentions)
-    named = any(mention.phrase in names | get_set("pronouns") for mention in mentions)
+    named = any(mention.phrase in names for mention in mentions)
+    pronouns = [at for at, mention in enumerate(mentions) if mention.phrase in get_set("pronouns")]
     places = _count_places(mentions)
     before = None  # where a subject begins that goes on with the segment's: "the buns and everything else stay put"
     for begin, end in list_segments(mentions):
@@ -71,11 +72,17 @@ def drop_others(mentions: list[Mention], names: frozenset[str]) -> list[Mention]
         first = before if rest and before is not None else begin
         begin, before = first, begin if _is_subject(segment) else None
         segment = mentions[begin:end]
+        own = any(
+            each.phrase == "the" for each in segment[:2]
+        )  # "the gizmo tips before it stops": "it" is that
+        meant = named or any(
+            at < end or not (own and has_motion(mentions[at + 1 : at + 2])) for at in pronouns
+        )
         if _is_strange_still(segment, lambda a=begin, b=end: mentions[:a] + mentions[b:], names):
             ignored = {"kind": MentionKind.IGNORED}
             segment = [replace(m, **ignored) if m.kind is MentionKind.UNKNOWN else empty(m) for m in segment]
             result[begin:end] = segment
-        elif rest or _is_filmed(segment, names) or named and _is_done_by_another(segment, names):
+        elif rest or _is_filmed(segment, names) or meant and _is_done_by_another(segment, names):
             result[begin:end] = [
                 empty(m, OTHER if m.kind in MOTIONS or m.form in get_set("camera_verbs") else "aside")
                 for m in segment
@@ -95,10 +102,8 @@ def read_rebounds(mentions: list[Mention], _names: frozenset[str]) -> list[Menti
         verbs = [i for i, each in enumerate(mentions) if each.kind is MentionKind.VERB]
         behind = next((i for i in verbs if i > at), None)
         if behind is not None and mentions[behind].phrase in get_set("rebounding"):
-            end = next(
-                (i for i in range(behind, len(mentions)) if mentions[i].kind is MentionKind.JOIN), None
-            )
-            told = mentions[behind:end]
+            joins = (i for i in range(behind, len(mentions)) if mentions[i].kind is MentionKind.JOIN)
+            told = mentions[behind : next(joins, None)]
             if any(each.kind in (MentionKind.REPEAT, MentionKind.SOLID) for each in told):
                 continue
             result[behind : behind + len(told)] = map(empty, told)
@@ -180,12 +185,8 @@ def _is_done_by_another(segment: list[Mention], names: frozenset[str]) -> bool:
     caused = any(m.kind is MentionKind.CAUSE for m in segment)
     if at is None or caused or not segment[at].form.endswith(("s", "ed")):
         return False
-    subject = at
-    while (
-        subject > 0
-        and segment[subject - 1].kind in (MentionKind.FUNCTION, *LOOSE)
-        and segment[subject - 1].phrase not in get_set("determiners")
-    ):
+    subject, beside, ends = at, (MentionKind.FUNCTION, *LOOSE), get_set("determiners")
+    while subject and segment[subject - 1].kind in beside and segment[subject - 1].phrase not in ends:
         subject -= 1
     noun, things = segment[subject:at], LEXICON.agents
     told = any(m.phrase in things or m.kind in LOOSE[:2] and not m.phrase.endswith("ly") for m in noun)

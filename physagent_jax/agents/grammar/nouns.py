@@ -246,14 +246,8 @@ def _find_where(reader: Reader, at: int, match: re.Match[str]) -> tuple[str, int
 
 def _convert_collision(reader: Reader) -> None:
     """Makes "hits a wall", "bounces off the wall" the way there: no blow."""
-    index = next(
-        (
-            i
-            for i in reversed(range(len(reader.mentions)))
-            if reader.mentions[i].kind is not MentionKind.FUNCTION
-        ),
-        -1,
-    )
+    told = (i for i, each in enumerate(reader.mentions) if each.kind is not MentionKind.FUNCTION)
+    index = max(told, default=-1)
     verb = reader.mentions[index].motion if index >= 0 else None
     if verb is None or verb.gravity or verb.effect not in (Effect.STRIKE, Effect.FALL):
         return

@@ -9,6 +9,7 @@ from physagent_jax.agents.trace import Reply
 from physagent_jax.motion.judging.posing import tells_pose
 from physagent_jax.motion.judging.seen import View, has_gravity
 from physagent_jax.motion.judging.verdict import judge
+from physagent_jax.motion.matching import is_last_rest
 from physagent_jax.motion.schema import Judgement
 from physagent_jax.motion.tolerances import list_windows
 
@@ -34,4 +35,5 @@ class RulePlanner(PlannerAgent):
 
     def watches_ending(self, context: AgentContext) -> bool:
         """Return whether the sentence is about how it is left."""
-        return tells_pose(context.prompt, context.expectations, context.brief)
+        told = context.prompt, context.expectations, context.brief
+        return any(is_last_rest(each, told[1]) for each in told[1]) or tells_pose(*told)

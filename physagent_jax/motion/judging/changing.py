@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Collection
 from dataclasses import replace
 
 from physagent_jax.core.strict import Vector
@@ -19,7 +20,7 @@ from physagent_jax.motion.judging.comparing import (
 from physagent_jax.motion.judging.counting import count_turns
 from physagent_jax.motion.judging.seen import ALONG_END, Signal, View, find_farthest, find_first_response
 from physagent_jax.motion.judging.toppling import check_topple
-from physagent_jax.motion.matching import AXIAL
+from physagent_jax.motion.matching import AXIAL, is_last_rest
 from physagent_jax.motion.schema import Check, MotionKind
 from physagent_jax.motion.vectors import (
     cosine,
@@ -44,6 +45,10 @@ _SLIGHT, _AJAR, _OPEN = (
 _FITTED, _OUTLINE, _OWN = "from the affine fit", "from the outline", "of the part"
 _BETWEEN = 2 / 3  # of its length, between the middles of its ends, each a third of it
 _KEPT = 0.4  # of the largest turn that a free thing has left where it ends
+_AT_REST = 0.5  # [s] at the end in which what comes to rest is looked at
+_HARDLY = 0.1  # of the most that it did in as long a time: less is hardly seen beside it
+_HARDLY_AT_MOST = 2.0  # times what passes for stillness by itself
+_GLIMPSE = 4  # frames after the planned ones that do not tell yet how it is left
 _LIMITS_OF_STILLNESS = {
     "moves": ("displacement", tolerances.STILL),
     "moves at one end": ("displacement", tolerances.STILL),
@@ -264,24 +269,25 @@ def _check_own_axis(asked: Asked, direction: Vector, until: int, along: Signal, 
 
 
 def check_still(asked: Asked) -> list[Check]:
-    """The largest of displacement, rotation and strain, each in units of what still passes for stillness."""
+    """The largest of displacement, rotation and strain, each in units of what still passes for stillness.
+
+    What comes to rest is looked at for a while at the clip's true end. There it may go on by what is hardly seen
+    beside the most that it did before in as long a time.
+    """
     view, (first, last) = asked.view, asked.span
     beside = {e.kind for e in asked.together}
-    reshaped = bool(beside & {*AXIAL})  # "stretch it while it stays in place"
-    turned = MotionKind.ROTATE in beside
-    ratios = {}
-    if course := view.course(first, last):
-        ratios["moves"] = norm(find_farthest(course)[1]) / tolerances.STILL
-    if not (reshaped or turned):
-        for part in (view.course(first, last, end) for end in view.report.parts):
-            moved = norm(find_farthest(part)[1]) / (1.5 * tolerances.STILL) if part else 0.0
-            ratios["moves at one end"] = max(moved, ratios.get("moves at one end", 0.0))
-        if turns := view.turns(first, last):
-            ratios["turns"] = norm(find_farthest(turns)[1]) / tolerances.STILL_DEGREES
-    for axis in [] if reshaped else view.visible_axes:
-        if strains := view.strains(axis, first, last):
-            largest = max(abs(value) for _, value in strains) / tolerances.STILL_STRAIN
-            ratios["deforms"] = max(largest, ratios.get("deforms", 0.0))
+    turned, limits, pace = MotionKind.ROTATE in beside, dict.fromkeys(_LIMITS_OF_STILLNESS, 1.0), 1.0
+    if is_last_rest(asked.motion, view.expectations):
+        count = max(round(_AT_REST / view.report.frame_dt), 1)
+        for begin in range(0, max(first - count, 0) + 1, max(count // 2, 1)):
+            for name, most in _measure_unrest(view, begin, min(begin + count, last), beside).items():
+                limits[name] = max(limits[name], min(_HARDLY * most, _HARDLY_AT_MOST))
+        if view.ending and view.ending.frame_count > _GLIMPSE:
+            view = replace(view, report=view.ending)
+            first, last = max(view.last - count, 0), view.last
+            pace = count / (last - first)
+        first = max(first, last - count)
+    ratios = {n: pace * v / limits[n] for n, v in _measure_unrest(view, first, last, beside).items()}
     if view.sight is not None:
         lost = view.explain("rotation_degrees", first, last, "")
         if why := (lost if not turned else "") or ("" if view.shows_approach(first, last) else BY_SIZE):
@@ -291,4 +297,26 @@ def check_still(asked: Asked) -> list[Check]:
         return [make_unseen_check(asked, why)]
     worst = max(ratios, key=lambda name: ratios[name])
     figure, unit = _LIMITS_OF_STILLNESS[worst]
-    return [check_limit(asked, "still", ratios[worst], 1.0, view.sigma(figure) / unit, what=worst)]
+    sigma = view.sigma(figure) / (unit * limits[worst])
+    return [check_limit(asked, "still", ratios[worst], 1.0, sigma, what=worst)]
+
+
+def _measure_unrest(view: View, first: int, last: int, beside: Collection[MotionKind]) -> dict[str, float]:
+    """Displacement, rotation and strain in units of what passes for stillness, as far as they are seen.
+
+    What is asked ``beside`` the stillness is no unrest: "stretch it while it stays in place".
+    """
+    reshaped, ratios = not {*AXIAL}.isdisjoint(beside), {}
+    if course := view.course(first, last):
+        ratios["moves"] = norm(find_farthest(course)[1]) / tolerances.STILL
+    if not reshaped and MotionKind.ROTATE not in beside:
+        for part in (view.course(first, last, end) for end in view.report.parts):
+            moved = norm(find_farthest(part)[1]) / (1.5 * tolerances.STILL) if part else 0.0
+            ratios["moves at one end"] = max(moved, ratios.get("moves at one end", 0.0))
+        if turns := view.turns(first, last):
+            ratios["turns"] = norm(find_farthest(turns)[1]) / tolerances.STILL_DEGREES
+    for axis in [] if reshaped else view.visible_axes:
+        if strains := view.strains(axis, first, last):
+            largest = max(abs(value) for _, value in strains) / tolerances.STILL_STRAIN
+            ratios["deforms"] = max(largest, ratios.get("deforms", 0.0))
+    return ratios
