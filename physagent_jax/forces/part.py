@@ -14,6 +14,11 @@ from physagent_jax.forces.schema import CellsRegion
 _WORD = re.compile(r"[^\W\d_]+|\d+")
 _HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])")
 _PLURALS = frozenset("feet teeth antennae".split())
+_SINGULARS = dict(
+    leaves="leaf", feet="foot", teeth="tooth", hooves="hoof", antennae="antenna", branches="branch"
+)
+_SINGULARS |= dict(torches="torch", canvas="canvas", chassis="chassis", canopies="canopy", glass="glass")
+_SINGULARS |= dict(knives="knife", cherries="cherry")
 _LETTERS: dict[str, tuple[str, ...]] = {"l": ("left",), "r": ("right",)}
 _LETTERS |= {
     code: (end, side)
@@ -177,6 +182,13 @@ def list_parts(parts: Sequence[Part]) -> str:
         if not part.stands_for
     ]
     return ", ".join(told) or "none"
+
+
+def get_singular(word: str) -> str:
+    """The singular of a part's word: "leaf" of "leaves"."""
+    if word in _SINGULARS:
+        return _SINGULARS[word]
+    return word[:-1] if word.endswith("s") and not word.endswith("ss") else word
 
 
 def is_plural(text: str) -> bool:

@@ -113,7 +113,7 @@ class ResolvedRun:
         if self.template.source.kind == "pillow":  # one body: "the cushion" is all of it
             named |= set(PRIORS["pillow"].words)
         words = [word for word in split_name(prompt) if word not in named]
-        guessed = guess_parts(body.shape, known, words, viewer, body.shells, name, prompt)
+        guessed = guess_parts(body.shape, known, words, viewer, body.shells, name, prompt, body.colours)
         known = (*known, *guessed)
         places = find_places(body.shape, known, words, name, viewer, body.shells)
         told = (*guessed, *places)

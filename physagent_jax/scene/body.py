@@ -7,13 +7,16 @@ import functools
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from physagent_jax.forces.part import Part, PartChoice
 from physagent_jax.gaussians.binding import Binding, bind, bind_pieces
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.gaussians.diagnosis import check_cloud, diagnose_cloud
+from physagent_jax.gaussians.formats.packing import SH_C0
 from physagent_jax.scene.config import Domain, Filling, SceneConfig, Source
 from physagent_jax.scene.filling import Particles, fill
 from physagent_jax.scene.load import is_photo, load_named_parts, load_object, load_shells
@@ -102,6 +105,13 @@ class Body:
     def shells(self) -> Shells:
         """The shells of its surface among the points of its shape."""
         return find_shells(self.shape, self.surfaces)
+
+    @functools.cached_property
+    def colours(self) -> np.ndarray:
+        """Colours of the points of its shape, as people see them, 0 .. 1, shape (n, 3)."""
+        cloud = self.plain or self.cloud
+        tree: Any = KDTree(np.asarray(cloud.means, np.float64))
+        return np.clip(np.asarray(cloud.sh, np.float64)[tree.query(self.shape)[1], 0] * SH_C0 + 0.5, 0.0, 1.0)
 
     @functools.cached_property
     def shape(self) -> np.ndarray:

@@ -38,6 +38,8 @@ GROUND = dict(world="ground")
         "the head comes off, and the robot sags on that side",
         "the head slips off and falls to the floor",
         "the head drops off the edge of the robot",
+        "the head gets pulled off and falls on the ground beside the tail",
+        "someone yanks off its head",
     ],
 )
 def test_a_part_comes_off_and_the_rest_stays(sentence):

@@ -98,3 +98,16 @@ def test_a_tree_that_is_sawn_off_falls_over():
     ):
         kinds = {each.kind for each in read(sentence, HEAD, **scene).expectations}
         assert kinds == {MotionKind.ROTATE, MotionKind.FALL}, sentence
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "its tail swings between its arms",
+        "its tail wags slowly above its left arm",
+        "the tail twists underneath the head",
+    ],
+)
+def test_what_a_part_moves_between_or_above_stays(sentence):
+    reply = read(sentence, HEAD, TAIL, **GROUND)
+    assert {each.limb for each in reply.expectations} == {1} and not reply.unsure

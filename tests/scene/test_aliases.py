@@ -231,3 +231,16 @@ def test_a_part_on_top_is_no_lower_one():
         "top rim": "rim"
     }
     assert find((rotor,), "the rotor on top spins") == {} and find((rotor,), "the rotor spins")
+
+
+@pytest.mark.parametrize(
+    ("names", "sentence", "found"),
+    [
+        (("top case", "bottom case 1"), "the upper half comes off", {"upper half": "top case"}),
+        (("left shell", "right shell"), "the light right half falls off", {"right half": "right shell"}),
+        (("top case", "bottom case"), "squash it to half its height", {}),
+        (("case", "lid"), "the top half melts", {}),
+    ],
+)
+def test_a_half_is_one_of_two_cases(names, sentence, found):
+    assert find(make_parts(*names), sentence) == found

@@ -78,9 +78,9 @@ def test_the_other_one_of_a_pair_is_the_image_of_the_one_that_is_found():
 
 def test_every_row_of_guesses_has_measures_that_are_known():
     points = make(WINGED, count=600)
-    known = set(
-        Looks(points, np.ones(len(points), bool), VIEWER.toward, VIEWER.toward).measure(points[:, 0] > 0.12)
-    )
+    colours = np.repeat([(0.2, 0.8, 0.2), (0.5, 0.4, 0.3)], (200, len(points) - 200), axis=0)
+    whole = np.ones(len(points), bool)
+    known = set(Looks(points, whole, VIEWER.toward, VIEWER.toward, colours).measure(points[:, 0] > 0.12))
     assert all(
         set(row) <= known | {"words", "role", "pair", "many", "limb", "spins", "rolls"} and set(row) & known
         for row in read_guesses().values()

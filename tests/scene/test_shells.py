@@ -196,3 +196,56 @@ def test_parts_of_what_has_one_surface_stay_as_they_are(car):
         update=dict(rest=part.rest.model_copy(update=dict(inside=((9.0, 9.0, 9.0),) * 3)))
     )
     assert Shells(points, np.zeros(len(points), int)).snap_parts([nowhere]) == [nowhere]
+
+
+def make_shells(*boxes):
+    """Points of boxes, each a shell of its own."""
+    points = [make_box(*each).sample(600, seed=0) for each in boxes]
+    return np.concatenate(points), Shells(np.concatenate(points), np.repeat(range(len(boxes)), 600))
+
+
+FRUIT = [
+    ((1, 1, 1), (0, 0, 0)),
+    ((0.12, 0.12, 0.6), (0, 0, 0.8)),
+    *(((0.5, 0.3, 0.04), (x, 0, 0.6)) for x in (-0.4, 0.4)),
+]
+PURPLE, BROWN, GREEN, GREY = (0.5, 0.4, 0.6), (0.5, 0.4, 0.3), (0.5, 0.75, 0.65), (0.5, 0.5, 0.5)
+
+
+@pytest.mark.parametrize("fruit", [PURPLE, (0.8, 0.2, 0.2)])
+def test_leaves_are_the_shells_that_are_green(fruit):
+    points, shells = make_shells(*FRUIT)
+    colours = np.repeat([fruit, BROWN, GREEN, GREEN], 600, axis=0)
+    words = "the leaves on top flap".split()
+    found = guess_parts(points, (), words, VIEWER, shells, "fruit", " ".join(words), colours)
+    assert sorted(part.name for part in found) == ["left leaf", "right leaf"]
+    (stem,) = guess_parts(points, (), ["stem"], VIEWER, shells, "fruit", "", colours)
+    assert abs(stem.side[0]) < 0.1
+
+
+def test_a_hue_that_all_or_none_of_the_object_has_tells_nothing():
+    points, shells = make_shells(*FRUIT)
+    whole, mask = np.ones(len(points), bool), shells.labels == 2
+    grey, green, mixed = (
+        Looks(points, whole, None, VIEWER.toward, np.repeat(each, 600, axis=0)).measure(mask)
+        for each in ([GREY] * 4, [GREEN] * 4, [PURPLE, BROWN, GREEN, GREEN])
+    )
+    assert "green" not in grey and "green" not in green and mixed["green"] == 1.0 and mixed["brown"] == 0.0
+
+
+@pytest.mark.parametrize("name", ["ferris wheel", "waterwheel"])
+@pytest.mark.parametrize("rest", ["its legs stay put", "the base doesn't move", "the stand is held in place"])
+def test_what_turns_on_a_stand_that_stays_is_all_but_the_stand(name, rest):
+    turn = trimesh.transformations.rotation_matrix(np.pi / 2, (1, 0, 0))
+    rims = [trimesh.creation.annulus(0.42, 0.5, 0.05, transform=turn) for _ in range(2)]
+    for rim, y in zip(rims, (-0.1, 0.1)):
+        rim.apply_translation((0, y, 0.7))
+    spokes = [make_box((0.9, 0.1, 0.05), (0, 0, 0.7)), make_box((0.05, 0.1, 0.9), (0, 0, 0.7))]
+    legs = [make_box((0.06, 0.04, 0.75), (0, y, 0.37)) for y in (-0.2, 0.2)]
+    points = np.concatenate([each.sample(600, seed=0) for each in (*rims, *spokes, *legs)])
+    shells = Shells(points, np.repeat(range(6), 600))
+    sentence = f"the wheel turns while {rest}"
+    (wheel,) = guess_parts(points, (), ["wheel"], VIEWER, shells, name, sentence)
+    assert wheel.name == "wheel" and wheel.axle is not None and abs(wheel.axle[1]) > 0.99
+    assert wheel.share == pytest.approx(4 / 6, abs=0.02)
+    assert not guess_parts(points, (), ["wheel"], VIEWER, shells, name, "the wheel turns")

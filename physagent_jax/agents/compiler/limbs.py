@@ -103,8 +103,7 @@ def moves_pot(event: Event, brief: SceneBrief) -> bool:
 
 def sticks_out(part: KnownPart) -> bool:
     """Return whether a word means something that sticks out, whatever side it tells: no end of the object."""
-    roles = find_roles(part.phrase)
-    return bool(roles) and roles[0] not in (*PLACES, "head", "tip", "crown", "neck")
+    return bool({*find_roles(part.phrase)[:1]} - {*PLACES, "head", "tip", "crown", "neck"})
 
 
 def find_roles(name: str) -> list[str]:
@@ -135,7 +134,8 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
     alone = all(each in limbs or each.kind is MotionKind.STILL for each in reply.expectations)
     anchor = reply.anchor
     held = {each.limb: brief.parts[each.limb] for each in limbs if each.limb is not None}
-    if alone and anchor.kind is None:
+    turns = bool(asked) and all(e.kind is MotionKind.ROTATE and brief.parts[e.limb or 0].axle for e in asked)
+    if alone and (anchor.kind is None or anchor.kind == "base" and turns):
         region = join_rest([held[limb] for limb in sorted(held)])
         anchor = AnchorRequest(kind="rest", words=limbs[0].words or "a part", region=region)
     elif not alone and brief.anchored is None and anchor.kind in (None, "none"):

@@ -13,6 +13,7 @@ from physagent_jax.agents.lexicon import Effect
 
 _NOUNS = (MentionKind.PLACE, MentionKind.UNKNOWN)
 _YIELDING = ("buckle", "give")  # begins of phrases for what does not bear any more
+_BESIDE = ("between", "above", "below", "beneath", "under", "underneath", "inside")
 _ADJECTIVES = 4  # before a noun, at most
 
 
@@ -29,7 +30,9 @@ def read_landmarks(mentions: list[Mention], names: frozenset[str]) -> list[Menti
         goal = words[-1:] in (["toward"], ["towards"]) or words == ["direction", "of"]
         if mention.kind is MentionKind.PLACE and goal and not _is_of_another(mentions, at, names):
             result[at] = replace(mention, kind=MentionKind.DIRECTION, value=(mention.phrase,))
-        elif any(tells(mentions, at, before) for tells in (_is_joint, _is_beginning, _is_giving_way)):
+        elif any(
+            tells(mentions, at, before) for tells in (_is_joint, _is_beginning, _is_giving_way, _is_beside)
+        ):
             result[at] = empty(mention)
     return result
 
@@ -67,6 +70,13 @@ def _is_joint(mentions: list[Mention], at: int, before: int) -> bool:
     return placed or preposition.motion is motion and severed  # "breaks off its base"
 
 
+def _is_beside(mentions: list[Mention], at: int, before: int) -> bool:
+    """Return whether a noun tells the place where something moves about: "the wheel turns between its legs"."""
+    placed = mentions[at].kind is MentionKind.PLACE and before >= 0 and mentions[before].form in _BESIDE
+    motion = get_last_motion(mentions[:at]) if placed and before < at - 1 else None
+    return motion is not None and motion.effect in (Effect.TURN, Effect.SWAY)
+
+
 def _is_beginning(mentions: list[Mention], at: int, before: int) -> bool:
     """Return whether a noun tells where what gives way begins to: "it melts from the ears down"."""
     starts = before > 0 and mentions[before - 1].form in ("starting", "beginning")
@@ -77,12 +87,9 @@ def _is_beginning(mentions: list[Mention], at: int, before: int) -> bool:
 
 def _is_giving_way(mentions: list[Mention], at: int, _before: int) -> bool:
     """Return whether it is what all of it stands on that gives way: "its knees buckle"."""
-    if mentions[at].words.lower().split()[-1] not in get_set("supports"):
-        return False
     behind = next((each for each in mentions[at + 1 :] if each.kind is not MentionKind.FUNCTION), None)
-    if behind is None or behind.kind is not MentionKind.VERB:
-        return False
-    return behind.phrase.startswith(_YIELDING)
+    yields = behind is not None and behind.kind is MentionKind.VERB and behind.phrase.startswith(_YIELDING)
+    return yields and mentions[at].words.lower().split()[-1] in get_set("supports")
 
 
 def _let_fall(mentions: list[Mention], at: int, names: frozenset[str]) -> Mention:

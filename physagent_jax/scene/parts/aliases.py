@@ -16,14 +16,10 @@ from typing import Any
 import numpy as np
 import yaml
 
-from physagent_jax.forces.part import MOST_LETTERS, SIDES, Part, split_name
+from physagent_jax.forces.part import MOST_LETTERS, SIDES, Part, get_singular, split_name
 from physagent_jax.forces.regions import make_region_mask
 
 _WORD = re.compile(r"[^\W\d_]+")
-_SINGULARS = dict(
-    leaves="leaf", feet="foot", teeth="tooth", hooves="hoof", antennae="antenna", branches="branch"
-)
-_SINGULARS |= dict(torches="torch", canvas="canvas", chassis="chassis", canopies="canopy", glass="glass")
 _BETWEEN = 2  # words between an adjective that chooses and its noun, at most
 _CLEAR = (
     1.15  # times as much of what is compared the plain adjective's part must have: "the big wheel" of two
@@ -75,7 +71,7 @@ def find_aliases(
         toward: Unit vector to the viewer, shape (3,).
     """
     words = [word.lower() for word in _WORD.findall(sentence)]
-    own = {_get_singular(word) for word in split_name(name)}
+    own = {get_singular(word) for word in split_name(name)}
     told = [pair for at in range(len(words)) for pair in _find_at(points, parts, words, at, own, toward)]
     return tuple(_rename(parts, index, phrase) for phrase, index in dict.fromkeys(told))
 
@@ -89,10 +85,12 @@ def _find_at(
     toward: np.ndarray,
 ) -> list[tuple[str, int]]:
     """The phrases that end with a word, each with the place of the part that it means."""
-    said, noun, start = words[at], _get_singular(words[at]), _find_adjective(words, at)
+    said, noun, start = words[at], get_singular(words[at]), _find_adjective(words, at)
     if noun in own and start is None or at + 1 < len(words) and _is_compound(words, at + 1, own):
         return []
     sided = _find_sided(parts, words, at)
+    if noun == "half":  # "the top half" of what has two cases, and no "half its height"
+        return sided if len(_list_candidates(parts, noun)) > 1 else []
     if sided and said != noun:  # "the big rear wheels" are the rear ones, however large
         return sided
     candidates = [] if start is None else _list_candidates(parts, noun, limbs=True)
@@ -124,17 +122,11 @@ def _find_at(
     return found
 
 
-def _get_singular(word: str) -> str:
-    if word in _SINGULARS:
-        return _SINGULARS[word]
-    return word[:-1] if word.endswith("s") and not word.endswith("ss") else word
-
-
 def _get_noun(part: Part) -> str:
     """The last word of a part's name that is no number, in the singular; empty for a thing of another name."""
     words = _drop_number(part)
     apart = any(part.name.endswith(each) for each in _read("synonyms")["apart"].split(", "))
-    return "" if apart or not words else _get_singular(words[-1])
+    return "" if apart or not words else get_singular(words[-1])
 
 
 def _drop_number(part: Part) -> list[str]:
@@ -153,7 +145,7 @@ def _is_known(word: str) -> bool:
 
 def _is_compound(words: Sequence[str], at: int, own: set[str]) -> bool:
     """Return whether a word and the one before it are one name: "tail vane"."""
-    pair = [_get_singular(word) for word in words[max(at - 1, 0) : at + 1]]
+    pair = [get_singular(word) for word in words[max(at - 1, 0) : at + 1]]
     known = len(pair) == 2 and own.isdisjoint(pair) and SIDES.isdisjoint(pair) and all(map(_is_known, pair))
     return known and pair[0] == words[at - 1]
 
@@ -172,7 +164,7 @@ def _find_sided(parts: Sequence[Part], words: Sequence[str], at: int) -> list[tu
         start -= 1
     like = [next({*row} for row in rows if word in row) for word in words[start:at]]
     phrase = " ".join(words[start : at + 1])
-    named = [k for k in _list_candidates(parts, _get_singular(words[at])) if parts[k].name]
+    named = [k for k in _list_candidates(parts, get_singular(words[at])) if parts[k].name]
     there = [k for k in named if like and all(side & {*split_name(parts[k].name)} for side in like)]
     if like and len(named) == 1 and not _find_rest(parts[named[0]])[0]:
         up = parts[named[0]].side[2]  # "the bottom rim" is not the one on top
@@ -185,7 +177,7 @@ def _find_sided(parts: Sequence[Part], words: Sequence[str], at: int) -> list[tu
 
 def _find_own_side(parts: Sequence[Part], words: Sequence[str], at: int, toward: np.ndarray) -> int | None:
     """The left or the right one of two limbs that lie before each other, as what has a front has them; else None."""
-    roles = _read_limbs().get(_get_singular(words[at]), ())
+    roles = _read_limbs().get(get_singular(words[at]), ())
     limbs = [[k for k, p in enumerate(parts) if p.roles[:1] == (role,) and not p.name] for role in roles]
     pair = next(filter(None, limbs), [])
     fronts = [np.asarray(each.side) for each in parts if not _FRONTS.isdisjoint(each.roles[:1])]
@@ -200,7 +192,7 @@ def _find_own_side(parts: Sequence[Part], words: Sequence[str], at: int, toward:
 
 def _find_single(points: np.ndarray, parts: Sequence[Part], words: Sequence[str], at: int) -> int | None:
     """The longest limb that may be "a leaf", "one of the branches" or the like; None if that is not said."""
-    noun, before = _get_singular(words[at]), words[max(at - 3, 0) : at]
+    noun, before = get_singular(words[at]), words[max(at - 3, 0) : at]
     single = before[-1:] and before[-1] in ("a", "one", "single") or list(before[:2]) == ["one", "of"]
     if not single or noun not in next(iter(_read("choices")["limbs"])).split():
         return None

@@ -18,7 +18,7 @@ import numpy as np
 import yaml
 from scipy.spatial import KDTree
 
-from physagent_jax.forces.part import SIDES, Part, split_name
+from physagent_jax.forces.part import SIDES, Part, get_singular, split_name
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.scene.parts.cells import fit_part
 from physagent_jax.scene.parts.figures import is_figure_on_base
@@ -51,7 +51,13 @@ _APART_BY = 0.15  # of the length, by which places are on different sides
 _APART = 0.1  # share of the smaller one in the larger, up to which two are apart
 
 
+_SWEPT, _BORDER = 1.05, 0.02  # of the radius of a disc; share of a shell beyond that of what turns with it
 _TOPPER = "topper"  # its row is that of whatever sits on top
+_RAISED = "rotor"  # its row is that of whatever turns on a stand
+_BORNE = re.compile(
+    r"\b(?:legs?|feet|stand|base|frame|supports?|tower|pole|post|tripod|pedestal|mount)\b[^,;.]*? "
+    r"(?:stays?|keeps?|remains?|stands?|is|are|held|do not move|does not move|don't move|doesn't move)\b"
+)
 _ON_TOP_OF = re.compile(
     r"\b(?:the|its|his|her|their) (?:[a-z]+ ){0,3}?([a-z]+) (?:on|atop|on top of) (?:the|its|his|her|their)(?: [a-z]+)?"
     r" (?:roof|top|lid|head)\b|\b(?:the|its|his|her|their) (?:[a-z]+ ){0,3}?([a-z]+) on top\b"
@@ -73,6 +79,7 @@ def guess_parts(
     shells: Shells | None = None,
     name: str = "",
     sentence: str = "",
+    colours: np.ndarray | None = None,
 ) -> tuple[Part, ...]:
     """The parts that some words are taken to mean, for want of surer ones, so named.
 
@@ -84,18 +91,25 @@ def guess_parts(
         shells: Its shells; None = it has one alone.
         name: What the object is called; its words are no part's.
         sentence: The sentence, which may tell that something sits on top: "the cone on the roof".
+        colours: Colours of the particles, 0 .. 1, shape (n, 3); None = not known.
     """
     on_top = {noun for pair in _ON_TOP_OF.findall(sentence.lower()) for noun in pair if noun}
     named = {word.removesuffix("s") for part in parts if part.name for word in split_name(part.name)}
     own, found = {*split_name(name)}, []
-    search = _Search(points, parts, viewer, shells or find_shells(points))
+    search = _Search(points, parts, viewer, shells or find_shells(points), colours)
     for word in dict.fromkeys(words):
-        noun = next((each for each in (word, word.removesuffix("s")) if each in read_guesses()), None)
+        noun = next((each for each in (word, get_singular(word)) if each in read_guesses()), None)
         noun = noun or (word if word in on_top else None)
         row = read_guesses().get(noun or "", read_guesses()[_TOPPER] if noun else {})
-        if noun is None or {noun, noun.removesuffix("s")} & named or noun in own or search.knows(row):
+        if noun is None or {noun, noun.removesuffix("s")} & named:
             continue
-        found += search.guess(noun, row, several=word != noun or not SIDES.isdisjoint(words))
+        if any(each.endswith(noun) for each in own) and (row.get("rolls") or row.get("spins")):
+            if _BORNE.search(
+                sentence.lower()
+            ):  # "the wheel turns while the legs stay put", of a ferris wheel
+                found += search.guess(noun, read_guesses()[_RAISED], several=False, whole=True)
+        elif noun not in own and not search.knows(row):
+            found += search.guess(noun, row, several=word != noun or not SIDES.isdisjoint(words))
     return tuple(found)
 
 
@@ -122,24 +136,35 @@ class _Search:
     parts: Sequence[Part]
     viewer: Frame
     shells: Shells
+    colours: np.ndarray | None
 
     def knows(self, row: dict[str, Any]) -> bool:
         """Return whether there are parts of a row's roles whose borders are not across shells."""
         roles = {*row.get("role", "").split()}
         told = [part for part in self.parts if roles & {*part.roles[:1]} and not part.unsure]
         likely = [part for part in self.parts if roles & {*part.roles}]
-        told += likely if len(likely) == 2 else []  # two that may be it are the pair
+        told += likely if len(likely) == 2 and not row.get("many") else []  # two that may be it are the pair
         return any(not self.shells.are_cut(~make_region_mask(each.rest, self.points)) for each in told)
 
-    def guess(self, noun: str, row: dict[str, Any], *, several: bool) -> list[Part]:
-        """The parts that a noun is likeliest to mean, all that are alike if ``several``; none if none looks so."""
+    def guess(self, noun: str, row: dict[str, Any], *, several: bool, whole: bool = False) -> list[Part]:
+        """The parts that a noun is likeliest to mean; none if none looks so.
+
+        Args:
+            noun: The noun.
+            row: The measures of its looks.
+            several: Whether all that are alike are meant.
+            whole: Whether all that turns about its axle is meant.
+        """
         for least, candidates in ((_LEAST_SHELL, self._shells), (_LEAST, self._limbs)):
-            scores = [self._looks.score(each.mask, row) for each in candidates]
+            own_pieces = candidates is self._shells  # whose borders are the file's, and no guess
+            scores = self._looks.score([each.mask for each in candidates], row, coloured=own_pieces)
             best = int(np.argmax(scores)) if scores else -1
-            fits = row.get("limb") if candidates is self._limbs else self._looks.knows(row)
+            fits = self._looks.knows(row) if own_pieces else row.get("limb")
             if best < 0 or scores[best] < least or not fits:
                 continue
             chosen = [self._widen(candidates[best], candidates, scores, scores[best])]
+            if whole:
+                chosen = [self._sweep(chosen[0])]
             if row.get("pair") or row.get("many"):
                 chosen += self._list_alike(chosen[0], list(zip(scores, candidates)), scores[best])
                 if len(chosen) == 1 and row.get("pair"):
@@ -153,8 +178,7 @@ class _Search:
                 for each, own in zip(candidates, scores)
                 if all((each.mask & one.mask).sum() < _APART * each.mask.sum() for one in chosen)
             ]
-            own_piece = candidates is self._shells  # its border is the file's, and no guess
-            clear = own_piece and scores[best] > max(_CLEAR, max(rivals, default=0.0) + _AHEAD)
+            clear = own_pieces and scores[best] > max(_CLEAR, max(rivals, default=0.0) + _AHEAD)
             return list(self._name(noun, row, chosen, _LIKELY if clear else _CHANCE))
         return []
 
@@ -168,6 +192,17 @@ class _Search:
             if own > _NEARLY * score and (each.mask & best.mask).sum() > 0.9 * best.mask.sum()
         ]
         return max(holding, key=lambda each: int(each.mask.sum()))
+
+    def _sweep(self, disc: _Candidate) -> _Candidate:
+        """A disc with the shells that do not reach out of it, as the spokes, the hub and the other rim do not."""
+        own = self.points[disc.mask]
+        axle = np.linalg.eigh(np.cov(own.T))[1][:, 0]
+        off = self.points - own.mean(0)
+        away = np.linalg.norm(off - np.outer(off @ axle, axle), axis=1)
+        reach = _SWEPT * float(away[disc.mask].max())
+        labels = self.shells.labels
+        far = np.bincount(labels, away > reach) > _BORDER * np.bincount(labels)
+        return dataclasses.replace(disc, mask=disc.mask | ~far[labels])
 
     def _name(
         self, noun: str, row: dict[str, Any], chosen: list[_Candidate], chance: float
@@ -208,18 +243,23 @@ class _Search:
     ) -> list[_Candidate]:
         """The candidates that are as large as one, look about as likely, and are apart from it and each other."""
         found = [first]
-        size = np.sort(np.ptp(self.points[first.mask], axis=0))
         slack = 0.02 * float(np.ptp(self.points, axis=0).max())
         for score, each in sorted(others, key=lambda other: -other[0]):
             ratio = each.mask.sum() / first.mask.sum()
-            sides = np.sort(np.ptp(self.points[each.mask], axis=0))
-            alike = 1 / _LIKE < ratio < _LIKE and bool(
-                (np.abs(sides - size) < 0.25 * size.max() + slack).all()
+            sizes = zip(*(self._measure_sides(one.mask) for one in (first, each)))
+            alike = 1 / _LIKE < ratio < _LIKE and any(
+                (np.abs(own - other) < 0.25 * max(own[-1], other[-1]) + slack).all() for own, other in sizes
             )
             apart = all((each.mask & one.mask).sum() < _APART * each.mask.sum() for one in found)
             if alike and apart and score > _AS_LIKELY * best:
                 found.append(each)
         return found[1:]
+
+    def _measure_sides(self, mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The sides of a part's box along the world's axes and along its own [m], shape (3,) each."""
+        own = self.points[mask]
+        axes = np.linalg.eigh(np.cov(own.T))[1]
+        return np.sort(np.ptp(own, axis=0)), np.sort(np.ptp(own @ axes, axis=0))
 
     @functools.cached_property
     def _whole(self) -> np.ndarray:
@@ -256,7 +296,7 @@ class _Search:
 
     @functools.cached_property
     def _looks(self) -> Looks:
-        return Looks(self.points, self._whole, self._front, self.viewer.toward)
+        return Looks(self.points, self._whole, self._front, self.viewer.toward, self.colours)
 
     @functools.cached_property
     def _mirror(self) -> Mirror:

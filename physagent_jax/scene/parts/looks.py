@@ -1,18 +1,24 @@
-"""The looks of a part among the rest: how high, how far out, how slim it is, each as a measure from 0 to 1."""
+"""The looks of a part among the rest: how high, how far out, how slim, how green it is, as measures from 0 to 1."""
 
 from __future__ import annotations
 
 import dataclasses
 import functools
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+HUES = dict(green=(70.0, 175.0), brown=(8.0, 48.0))
+"""Lowest and highest hue of the measures of colour [degrees]."""
 _LARGE = 0.08  # share of the object from which on a part is large
 _GROUND = 0.2  # of the height, from which on a part's lowest place is off the ground
 _SIDES = np.array([(1.0, 0, 0), (-1.0, 0, 0), (0, 1.0, 0), (0, -1.0, 0)])
 _SEEN = 0.2  # cosine to the viewer of a side that is seen
 _COLUMNS = 24  # along the longest side, from above
+_COLOURED = 0.15  # saturation from which on a colour has a hue
+_MOSTLY = 0.5  # share of a part in a hue, from which on it has that
+_TELLING = 0.02, 0.97  # shares of the object in a hue, between which it tells parts apart
 
 
 @dataclasses.dataclass(frozen=True)
@@ -24,28 +30,38 @@ class Looks:
         whole: Those among which parts are compared, shape (n,).
         front: The level way in which it looks, shape (3,); None = not told.
         toward: The way to the viewer, shape (3,).
+        colours: Colours of the particles, 0 .. 1, shape (n, 3); None = not known.
     """
 
     points: np.ndarray
     whole: np.ndarray
     front: np.ndarray | None
     toward: np.ndarray
+    colours: np.ndarray | None = None
 
     def knows(self, row: dict[str, Any]) -> bool:
         """Return whether what a row weighs most can be measured: without a front, nothing is ahead."""
         most = max(value for key, value in row.items() if isinstance(value, int))
         return self.front is not None or most not in (row.get("ahead"), row.get("behind"))
 
-    def score(self, mask: np.ndarray, row: dict[str, Any]) -> float:
-        """The mean of the measures of a part by their weights, 0 .. 1; those that are not known do not count.
+    def score(
+        self, masks: Sequence[np.ndarray], row: dict[str, Any], *, coloured: bool = True
+    ) -> list[float]:
+        """The mean of the measures of each part by their weights, 0 .. 1; those that are not known do not count.
 
         Args:
-            mask: Its particles, shape (n,).
+            masks: The particles of each, shape (n,).
             row: The weights by the names of the measures.
+            coloured: Whether their colours count: a limb's border is not one of colours, as a shell's is.
         """
-        known = self.measure(mask)
-        weights = {key: row[key] for key in known if key in row}
-        return sum(weights[key] * known[key] for key in weights) / max(sum(weights.values()), 1e-9)
+        known = [self.measure(mask) for mask in masks]
+        hues = {hue for hue in HUES if coloured and any(each.get(hue, 0.0) > _MOSTLY for each in known)}
+        names = [key for key in row if key not in HUES or key in hues]
+        told = [{key: row[key] for key in names if key in each} for each in known]
+        return [
+            sum(weights[key] * each[key] for key in weights) / max(sum(weights.values()), 1e-9)
+            for weights, each in zip(told, known)
+        ]
 
     def measure(self, mask: np.ndarray) -> dict[str, float]:
         """The measures of a part, by their names in `guesses.yaml`."""
@@ -83,7 +99,21 @@ class Looks:
         if self.front is not None:
             along = float((centre - middle) @ self.front / np.abs((whole - middle) @ self.front).max())
             told |= dict(ahead=max(along, 0.0), behind=max(-along, 0.0))
+        told |= {hue: has[mask].mean() for hue, has in self._hues.items()}
         return {key: float(np.clip(value, 0.0, 1.0)) for key, value in told.items()}
+
+    @functools.cached_property
+    def _hues(self) -> dict[str, np.ndarray]:
+        """The particles of each hue that a part of the object has and another has not, shape (n,) each."""
+        if self.colours is None:
+            return {}
+        red, green, blue = self.colours.T
+        most, least = self.colours.max(1), self.colours.min(1)
+        hue = np.degrees(np.arctan2(np.sqrt(3) * (green - blue), 2 * red - green - blue)) % 360
+        coloured = most - least > _COLOURED * most
+        found = {key: coloured & (low < hue) & (hue < high) for key, (low, high) in HUES.items()}
+        low, high = _TELLING
+        return {key: has for key, has in found.items() if low < has[self.whole].mean() < high}
 
     @functools.cached_property
     def _columns(self) -> tuple[np.ndarray, dict[int, np.ndarray], float]:
