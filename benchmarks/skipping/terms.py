@@ -11,24 +11,12 @@ from benchmarks.skipping.base import Pair, Sizes, Skip
 from benchmarks.skipping.scene import SIDE, SIZE, both, changed, cube
 from physagent_jax.forces.envelope import FOREVER, Envelope
 from physagent_jax.forces.terms import Turbulence, UniformAcceleration, Wind
-from physagent_jax.mpm import (
-    Contact,
-    DomainBox,
-    Fluid,
-    HalfSpace,
-    Model,
-    PrescribedMotion,
-    Rigid,
-    RigidBody,
-)
+from physagent_jax.mpm import Contact, Fluid, HalfSpace, Model, PrescribedMotion
 from physagent_jax.mpm import State as Particles
-from physagent_jax.mpm.gridless import drop_window, use_grid
 from physagent_jax.mpm.plan import find_acting
 
 TINY = 1e-30  # of a rate or share: present in the program, without effect in float32
 _BOTTOM = 0.5 * (SIZE - SIDE)  # of the cube [m]
-RIGID_STEP = 2e-3  # of the rigid body [s]
-RIGID_ROUND_OFF = 1e-4
 _OVER, _TO_COME = (-2.0, -1.0), (1e3, 2e3)  # windows [s]; the run takes place in between
 
 
@@ -92,23 +80,6 @@ def _compare_inviscid_fluid(sizes: Sizes) -> Pair:
     return both(model, _remove_viscosity(model, state), state, sizes)
 
 
-def _compare_rigid(sizes: Sizes) -> Pair:
-    """The cube as one rigid body that has touched a floor."""
-    model, state = cube(sizes)
-    state = Particles.at_rest(state.x, jnp.broadcast_to(jnp.asarray([0.3, 0.0, -0.3]), state.x.shape))
-    body = RigidBody(jnp.arange(sizes.particles, dtype=jnp.int32), whole=True)
-    floor = _make_plane(_BOTTOM)
-    gravity = jnp.asarray([0.0, 0.0, -9.8], jnp.float32)
-    model = model.replace(
-        dt=_to_scalar(RIGID_STEP),
-        gravity=gravity,
-        materials=(Rigid(sizes.particles),),
-        boundaries=(DomainBox(), floor),
-        constraints=(body,),
-    )
-    return both(drop_window(model), use_grid(model), state, sizes)
-
-
 def _close_forces(window: tuple[float, float]):
     def change(model: Model, state: Particles) -> Model:
         del state
@@ -131,8 +102,7 @@ def _close_grip(model: Model, state: Particles) -> Model:
     """Hold the lowest tenth of the cube, before the run begins."""
     low = np.flatnonzero(np.asarray(state.x[:, 2]) < _BOTTOM + 0.1 * SIDE)
     still = jnp.zeros(3, jnp.float32)
-    start, end = map(_to_scalar, _OVER)
-    grip = PrescribedMotion(jnp.asarray(low, jnp.int32), still, still, still, start=start, end=end)
+    grip = PrescribedMotion(jnp.asarray(low, jnp.int32), still, still, still, *map(_to_scalar, _OVER))
     return model.replace(constraints=(grip,))
 
 
@@ -187,14 +157,6 @@ SKIPS = (
         "the viscous stress, where there is none",
         "a viscosity of 0 Pa s",
         _compare_inviscid_fluid,
-    ),
-    Skip(
-        "grid of a rigid body",
-        "the grid, where one rigid body is all there is",
-        "P2G, rigid velocities at the nodes, G2P",
-        _compare_rigid,
-        tolerance=RIGID_ROUND_OFF,
-        reason="its momenta are summed over particles in one way, over nodes in the other",
     ),
     Skip(
         "forces that are over",
