@@ -31,10 +31,12 @@ def everything(state):
 SMALL = dict(size=0.7, grid_cells=14)
 
 
-def rigid_block(cells=(4, 3, 2), low=(0.25, 0.28, 0.3), spin=(0, 0, 0), velocity=(0, 0, 0), **options):
-    """A block that is one rigid body, turning about its centre."""
+def rigid_block(
+    cells=(4, 3, 2), low=(0.25, 0.28, 0.3), spin=(0, 0, 0), velocity=(0, 0, 0), whole=False, **options
+):
+    """A block that is one rigid body, turning about its centre; with a grid, unless it is told to be the ``whole``."""
     model, state = block(cells, low=low, **{**SMALL, "dtype": np.float64, **options})
-    model = model.replace(constraints=(RigidBody(everything(state)),))
+    model = model.replace(constraints=(RigidBody(everything(state), whole=whole),))
     return model, turning(state, spin, velocity)
 
 
@@ -128,12 +130,15 @@ def _multiply(p, q):
     return np.append(p[3] * b + q[3] * a + np.cross(a, b), p[3] * q[3] - a @ b)
 
 
-def test_a_tumbling_body_obeys_eulers_equations(x64):
+@pytest.mark.parametrize("whole", [False, True])
+def test_a_tumbling_body_obeys_eulers_equations(whole, x64):
     """About its intermediate axis, where the motion is unstable and no symmetry helps."""
     spin, seconds = (0.4, 5.0, -0.3), 1.0
     errors, energies = [], []
     for steps in (200, 400):
-        model, state = rigid_block((6, 4, 1), low=(0.2, 0.25, 0.32), spin=spin, dt=seconds / steps)
+        model, state = rigid_block(
+            (6, 4, 1), low=(0.2, 0.25, 0.32), spin=spin, dt=seconds / steps, whole=whole
+        )
         R, w = precession(model, state, spin, seconds)
         end = run(model, state, steps)
         errors.append(

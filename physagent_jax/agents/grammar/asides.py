@@ -72,12 +72,10 @@ def drop_others(mentions: list[Mention], names: frozenset[str]) -> list[Mention]
         first = before if rest and before is not None else begin
         begin, before = first, begin if _is_subject(segment) else None
         segment = mentions[begin:end]
-        own = any(
-            each.phrase == "the" for each in segment[:2]
-        )  # "the gizmo tips before it stops": "it" is that
-        meant = named or any(
-            at < end or not (own and has_motion(mentions[at + 1 : at + 2])) for at in pronouns
-        )
+        own = any(each.phrase == "the" for each in segment[:2])
+        # "the gizmo tips before it stops": "it" is that
+        later = [at for at in pronouns if at >= end and own and has_motion(mentions[at + 1 : at + 2])]
+        meant = named or len(later) < len(pronouns)
         if _is_strange_still(segment, lambda a=begin, b=end: mentions[:a] + mentions[b:], names):
             ignored = {"kind": MentionKind.IGNORED}
             segment = [replace(m, **ignored) if m.kind is MentionKind.UNKNOWN else empty(m) for m in segment]

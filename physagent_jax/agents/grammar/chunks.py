@@ -233,9 +233,8 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
             behind in get_set("determiners") or behind in NUMBERS or behind.isdigit()
         )
         over |= words[-2:] == (GAP, "over") and {behind, reader.get_text(used[-1] - 1)} <= set(_ENDS)
-        over |= (
-            words[-2:] == (GAP, "down") and reader.get_text(used[-1] - 1) == "upside"
-        )  # "knock it upside down"
+        # "knock it upside down"
+        over |= words[-2:] == (GAP, "down") and reader.get_text(used[-1] - 1) == "upside"
         away = words[-1] == "away" and words[0] not in LEXICON.motions  # "it backs away from us"
         return over or not away and begins_longer_phrase(reader, used[-1])
     described = before in LEXICON.intensities and not before.endswith("ly")
