@@ -69,7 +69,6 @@ def _look_up_motion(found: Event) -> None:
     lexicon, clause = read_lexicon(), found.clause
     found.phrase = _find_phrase(clause.motion, lexicon.motions)
     found.verb = lexicon.motions.get(found.phrase)
-    causes = lexicon.motions | lexicon.causes
     if found.verb is None and clause.motion:
         found.cause_phrase = _find_phrase(clause.motion, lexicon.causes)
         if not found.cause_phrase:
@@ -79,7 +78,7 @@ def _look_up_motion(found: Event) -> None:
         found.cause_phrase = noun or found.cause_phrase
         if not (noun or found.verb or found.cause_phrase):
             found.doubts.append(f"The cause '{clause.cause}' is not understood.")
-    found.cause = causes.get(found.cause_phrase)
+    found.cause = lexicon.causes.get(found.cause_phrase) or lexicon.motions.get(found.cause_phrase)
     if found.verb and clause.manner:
         found.verb = replace(found.verb, manner=clause.manner)
     found.motion = found.verb or found.cause or found.motion

@@ -283,8 +283,8 @@ def _find_owner(reader: Reader, at: int) -> int:
     """Index of the word before a noun and its adjectives: "the kid's" of "the kid's big head"."""
     for before in range(at - 1, at - LONGEST_GAP, -1):
         text = reader.get_text(before)
-        plain = text not in LEXICON.words | LEXICON.agents | FORMS.keys() | reader.names
-        adjective = text in LEXICON.intensities or plain and text.isalpha()
+        known = any(text in each for each in (LEXICON.words, LEXICON.agents, FORMS, reader.names))
+        adjective = text in LEXICON.intensities or not known and text.isalpha()
         if before < 0 or reader.tokens[before].possessive or not adjective:
             return before
     return at - 1
