@@ -161,6 +161,15 @@ def test_what_is_bent_comes_back_upright_by_itself(verb, end):
     assert bent.kind is MotionKind.MOVE and bent.released and not reply.unsure
 
 
+@pytest.mark.parametrize(
+    "end", ["then they lift their hand", "and removes their fingers", "then takes her foot away"]
+)
+def test_the_hand_of_whoever_presses_is_taken_away_and_no_part_of_the_object(end):
+    reply = read(f"someone pushes down hard on the robot, {end} and it springs back", brief(world="ground"))
+    (pressed,) = reply.expectations
+    assert pressed.released and not reply.unsure and not reply.unknown_parts
+
+
 def test_what_is_lifted_and_held_there_for_a_time_is_up_there_so_long():
     raised, held, fall = read(
         "lift the robot, hold it there for a second, then let go", brief(world="ground", frames_fixed=False)

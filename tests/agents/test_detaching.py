@@ -56,6 +56,15 @@ def test_a_part_comes_off_and_the_rest_stays(sentence):
     assert expected.direction[2] < 0
 
 
+def test_a_piece_on_the_side_comes_off_outwards():
+    """A push would press what has no joint of its own into the rest."""
+    knob = make_part("handle", (-0.4, 0, 0), (-1, 0, 0)).model_copy(
+        update=dict(seated=True, name="knob", roles=())
+    )
+    (lead,) = read("the knob comes off and falls down", HEAD, knob, **GROUND).force_field.constraints
+    assert lead.vector[0] < -0.5
+
+
 def test_what_pops_off_goes_up_first():
     """A viewer is asked whether it goes up, and not whether it lies on the ground in the end."""
     falls, pops = (read(f"the head {words}", **GROUND) for words in ("falls off", "pops off"))

@@ -191,6 +191,17 @@ def test_a_free_object_is_braked_before_it_turns_back():
 
 
 @pytest.mark.parametrize(
+    "prompt",
+    ["a strong gust pushes it to the left, then it stops", "shove it to the left, then push it to the right"],
+)
+def test_friction_stops_what_is_shoved_along_the_ground(prompt):
+    """A gust the other way would blow it back: it overcomes friction anew."""
+    first, *later = read(prompt, brief(world="ground", anchored=None)).force_field.actions
+    assert first.vector[0] == -1 and first.gain > 1
+    assert all(each.active_time[0] >= 12 for each in later)
+
+
+@pytest.mark.parametrize(
     "prompt", ["shake the robot twice", "shake the robot", "sway the robot left and right three times"]
 )
 def test_what_swings_a_free_object_leaves_it_at_rest(prompt):

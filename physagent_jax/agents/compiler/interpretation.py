@@ -548,8 +548,8 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
         elif assumed and event.effect is Effect.SCALE and event.motion.sign > 0:
             _turn(event, limb.arm, ALONG)
         elif assumed and _meets_face(event, part, limb.arm, brief):  # "poke its eye"
-            way = scale(limb.arm, 1.0 if event.motion.pulls else -1.0)
-            _turn(event, way, "out of or into the part's face")
+            leaves = event.motion.pulls or event.motion.manner == "detach"
+            _turn(event, scale(limb.arm, 1.0 if leaves else -1.0), "out of or into the part's face")
         elif (
             event.effect is Effect.SCALE
             and event.motion.sign < 0

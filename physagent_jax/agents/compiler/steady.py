@@ -35,6 +35,7 @@ from physagent_jax.motion.windows import Window, halve, shorten
 SHORTEST_STROKE, _SHORTEST_SWING = 2.0, 4.0  # frames; faster ones alias in the pictures
 _PUSHED = 0.5  # of the way of what is shoved, along which it is pushed; it slides on
 _BEFORE_FALL = 0.65  # of the way, so that it has room to fall over behind it
+_RUBS = 0.3  # most of its direction that points upwards, for the ground to stop by friction what is shoved along it
 _DRIFTS = "The object is free and would drift on: it is braked"
 BRAKED_BEFORE = f"{_DRIFTS} before what follows."
 
@@ -169,16 +170,20 @@ class Task:
     @property
     def is_shoved(self) -> bool:
         """Return whether something on the ground is pushed briefly: it goes as far as if that lasted, and stops."""
-        event, builder = self.event, self.builder
+        event, builder, up = self.event, self.builder, self.brief.directions.up
         whole = builder.grounded and not (builder.anchored or event.region or event.limbs or event.when.lasts)
-        return event.effect is Effect.PUSH and event.motion.brief and whole and not self.needs_brake
+        kept = event.stays or self._is_measured or self._has_to_stop and dot(self.direction, up) > _RUBS
+        return event.effect is Effect.PUSH and event.motion.brief and whole and not kept
 
     @property
     def needs_brake(self) -> bool:
-        """Return whether a free object must be stopped before what comes next can be seen."""
-        up, grounded = self.brief.directions.up, self.builder.grounded
-        stops = self.event.stays or self._is_measured or has_to_stop(self.event, self.after, up, grounded)
-        return stops and not self.builder.anchored
+        """Return whether a free object must be stopped before what comes next can be seen; friction stops a shove."""
+        stops = self.event.stays or self._is_measured or self._has_to_stop
+        return stops and not (self.builder.anchored or self.is_shoved)
+
+    @property
+    def _has_to_stop(self) -> bool:
+        return has_to_stop(self.event, self.after, self.brief.directions.up, self.builder.grounded)
 
     @property
     def leaves_place(self) -> bool:
