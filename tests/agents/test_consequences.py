@@ -162,7 +162,7 @@ def test_what_is_bent_comes_back_upright_by_itself(verb, end):
 
 
 @pytest.mark.parametrize(
-    "end", ["then they lift their hand", "and removes their fingers", "then takes her foot away"]
+    "end", ["then they lift their hand", "and removes their fingers", "then pulls their foot away"]
 )
 def test_the_hand_of_whoever_presses_is_taken_away_and_no_part_of_the_object(end):
     reply = read(f"someone pushes down hard on the robot, {end} and it springs back", brief(world="ground"))
