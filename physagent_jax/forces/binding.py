@@ -18,7 +18,7 @@ from jax.core import Tracer
 
 from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
-from physagent_jax.forces.calibration import MAGNITUDE_MIN, RETREAT
+from physagent_jax.forces.calibration import GAIN_MIN, MAGNITUDE_MIN, RETREAT
 from physagent_jax.forces.opposition import RISES, find_balance, find_resistance, find_righting
 from physagent_jax.forces.parameters import ActionParameters, Array
 from physagent_jax.forces.regions import grade_part, make_region_mask
@@ -357,7 +357,7 @@ class Binding:
 
     def limit_rebound(self) -> list:
         """The force that lets the whole come up but slowly, against the entry's way, until it is let go."""
-        most = self.leaf(self._split()[0] * (RISES_BY / MAGNITUDE_MIN))
+        most = self.leaf(self._split()[0] * (RISES_BY / (MAGNITUDE_MIN * GAIN_MIN)))
         end = self.window[1] if self._held_until is None else self._held_until
         return [Touchdown(most, self.leaf(-self._way), self.window[0], end)]
 

@@ -882,6 +882,19 @@ def test_what_hides_or_contradicts_what_was_asked_still_fails():
         assert not passes(expected(), seen, ground)
 
 
+@pytest.mark.parametrize(("decay", "right"), [(0.08, True), (1.5, False)])
+def test_what_is_soft_is_seen_to_wobble_where_it_lands(decay, right):
+    """What crept back into shape passed as a wobble, as nothing looked for one."""
+
+    def squash(t):
+        since = t - 20
+        bent = 0.3 * math.exp(-decay * since) * math.cos(0.8 * since) + 0.1 * math.exp(-0.05 * since)
+        return np.multiply((0.3, 0.3, -0.6), bent if since >= 0 else 0.0)
+
+    seen = show(along(DOWN, 0.5, 0, 20), strain=squash)
+    assert passes(expected(KINDS.FALL, None, jiggles=True), seen) is right
+
+
 def test_what_lands_may_be_squashed_but_not_stay_so():
     """The deformation of a landing passes; what is out of shape from then on is not what was dropped."""
     fall, squash = expected(KINDS.FALL, None), (-0.35, -0.35, 0.6)

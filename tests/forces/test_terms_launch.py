@@ -7,8 +7,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from physagent_jax.forces.calibration import GAIN_MIN, MAGNITUDE_MIN
 from physagent_jax.forces.terms import Launch, Touchdown
 from physagent_jax.mpm import step
+from tests.forces.test_balance import compile_entries
 from tests.mpm.blocks import block
 
 
@@ -44,3 +46,11 @@ def test_a_rebound_is_slowed_and_a_fall_is_not(before, after, x64):
         state = run(model, state)
     assert np.allclose(state.v.mean(0), after, atol=1e-6)
     assert np.ptp(state.v, axis=0).max() < 1e-6
+
+
+@pytest.mark.parametrize("magnitude", [MAGNITUDE_MIN, 1.6])
+def test_the_speed_of_a_rebound_goes_by_the_magnitude_and_not_by_the_gain_that_marks_it(magnitude):
+    """It got up at 0.03 m/s: what is soft crept up where it had been pressed together, and did not wobble."""
+    stop = dict(constraint_type="enforce_particle_translation", vector=(0, 0, -1), magnitude=magnitude)
+    (limit,) = compile_entries(constraints=[stop | dict(gain=GAIN_MIN, active_time=(10, 11), held_until=40)])[0]
+    assert float(limit.value) == pytest.approx(0.35 * magnitude / MAGNITUDE_MIN)

@@ -56,6 +56,7 @@ _OVERTURNS, _TIPPED = (
     0.3,
 )  # cosine of a push and where it tips what it pushes; share of its way that is enough
 _ROCKS = 1.5  # of the way of what sways that the middle of what rocks may go: it tilts by as little
+_TREMBLES = 3  # turns of what is pressed together as it lands, comes up, and is pressed together again
 _SWING = 0.35  # of the amplitude: smaller turns are ripples
 _WILD = 0.5  # [body lengths] to either side that is still a wobble
 _RIPPLE = 0.4  # of the amplitude: what is soft rings down, and less is no wobble
@@ -253,6 +254,8 @@ def check_fall(asked: Asked) -> list[Check]:
         checks.append(compare_amount(asked, "how far does it fall?", tolerance, fallen, words))
     if motion.rebounds:
         checks.append(_count_bounces(asked, first, top))
+    if motion.jiggles:
+        checks.append(_check_trembling(asked, find_landing(course, down)))
     if fallen >= tolerance.low or view.force_field.default_drop or motion.window[0] >= 1:
         return checks
     fix = {"remedy": "set default_drop to true: nothing makes it fall"}
@@ -299,28 +302,56 @@ def _list_wobbles(asked: Asked) -> Iterator[list[Check]]:
     What falls first wobbles from where it lands on.
     """
     view, (first, last), table = asked.view, asked.span, asked.view.brief.directions
-    width, height, _ = view.brief.extents
     falls = [view.span(e) for e in view.expectations if e.kind is MotionKind.FALL and e.window[0] < first]
     for begin, until in falls[-1:]:
         fall = view.course(begin, max(until, last))
         first = min(first, find_landing(fall, table.down)) if fall else first
-    course, turns = view.course(first, last), view.turns(first, last)
+    course = view.course(first, last)
     paths = [[dot(p, axis) for _, p in course] for axis in (table.right, table.up, table.toward)]
-    paths += [
-        [math.radians(dot(v, axis)) * height / 2 for _, v in turns] for axis in (table.right, table.toward)
-    ]
-    for axis, length in ((table.right, width), (table.up, height)):
-        paths.append([strain * length / 2 for _, strain in view.strains(axis, first, last)])
     tolerance = tolerances.expect_sway(asked.motion, view.anchored)
     tolerance = replace(
         tolerance, low=max(tolerance.low, tolerances.VISIBLE), high=max(_WILD, tolerance.high)
     )
-    for path in paths:
+    for path in paths + _list_changes(view, first, last):
         amplitude = (max(path) - min(path)) / 2.0 if len(path) > 2 else 0.0
         if amplitude >= tolerance.low:
             words = f"{amplitude:.2g} body lengths to either side"
             count = count_turns(asked, path, max(_RIPPLE * amplitude, tolerances.VISIBLE))
             yield [compare_amount(asked, "how far does it wobble?", tolerance, amplitude, words), count]
+
+
+def _list_changes(view: View, first: int, last: int) -> list[list[float]]:
+    """How far the sides and the top go by its tilt, its breadth and its height, frame by frame [body lengths]."""
+    table, turns = view.brief.directions, view.turns(first, last)
+    width, height, _ = view.brief.extents
+    tilts = [
+        [math.radians(dot(v, axis)) * height / 2 for _, v in turns] for axis in (table.right, table.toward)
+    ]
+    sides = ((table.right, width), (table.up, height))
+    return tilts + [
+        [strain * length / 2 for _, strain in view.strains(axis, first, last)] for axis, length in sides
+    ]
+
+
+def _check_trembling(asked: Asked, landed: int) -> Check:
+    """The number of times that what is soft is seen to give and to come back where it has landed."""
+    paths = [path for path in _list_changes(asked.view, landed, asked.view.last) if path]
+    if not paths:
+        return make_unseen_check(asked, "its shape is not followed where it lands")
+    path = max(paths, key=lambda each: len(find_turning_points(each, tolerances.VISIBLE)))
+    return check_count(
+        asked,
+        "how often does it wobble where it lands?",
+        lambda limit: len(find_turning_points(path, limit)),
+        least=_TREMBLES,
+        most=math.ceil(len(path) / 2),
+        aim=2.0 * _TREMBLES,
+        threshold=tolerances.VISIBLE,
+        span=max(path) - min(path),
+        noise=math.sqrt(2.0) * estimate_jitter(path),
+        noun="turns",
+        fix="make it softer, and let nothing hold it where it lands",
+    )
 
 
 def _check_swing(asked: Asked) -> list[Check]:
