@@ -176,6 +176,7 @@ def list_names(brief: SceneBrief) -> frozenset[tuple[str, ...]]:
     sided = [(name[0], name[1:]) for name in whole if len(name) > 1 and name[0] in SIDES]
     turned = {(*rest, end) for side, rest in sided for end in (side, side[0])}  # as files have it: "Arm_L"
     whole |= turned | {(side[0], *rest) for side, rest in sided}
+    whole |= {(*name[:-1], name[-1] + "s") for name in names if len(name) > 1}  # "one of the ear cups"
     whole |= {tuple(part.name.split()) for part in brief.parts if part.stands_for}  # as the sentence has it
     last = {
         _drop_number(name)[-1] for name in names if not (name[-1].isdigit() and {*own}.issuperset(name[:-1]))

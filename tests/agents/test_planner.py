@@ -884,7 +884,7 @@ def test_what_hides_or_contradicts_what_was_asked_still_fails():
 
 @pytest.mark.parametrize(("decay", "right"), [(0.08, True), (1.5, False)])
 def test_what_is_soft_is_seen_to_wobble_where_it_lands(decay, right):
-    """What crept back into shape passed as a wobble, as nothing looked for one."""
+    """A creep back into shape passed as a wobble, as nothing looked for one."""
 
     def squash(t):
         since = t - 20

@@ -545,7 +545,7 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
             _turn(event, limb.swing, ACROSS)
         elif assumed and (event.motion.wrings or part.axle and event.effect is Effect.TURN):
             _turn(event, part.axle or limb.arm, "about the part's own line")
-        elif assumed and event.effect is Effect.SCALE and event.motion.sign > 0:
+        elif assumed and (event.motion.draws or event.effect is Effect.SCALE and event.motion.sign > 0):
             _turn(event, limb.arm, ALONG)
         elif assumed and _meets_face(event, part, limb.arm, brief):  # "poke its eye"
             leaves = event.motion.pulls or event.motion.manner == "detach"

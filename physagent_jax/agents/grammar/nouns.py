@@ -132,6 +132,11 @@ def read_part(reader: Reader, at: int) -> Mention | None:
 def _read_side(reader: Reader, at: int, size: int, phrase: str, names: Names) -> Mention | None:
     """Reads a side with the noun behind it, or alone where it is an end as well."""
     noun = reader.get_text(at + size)
+    for end in (at + size + 3, at + size + 2):  # "the left ear cup" is no ear
+        name = tuple(token.text for token in reader.tokens[at + size : end])
+        if name in reader.parts and end <= len(reader.tokens):
+            place = Place(names, LEXICON.part_nouns.get(name[-1], 2 / 3))
+            return reader.make_mention(MentionKind.PLACE, place, " ".join((phrase, *name)), range(at, end))
     # "From the left tips it over".
     plural = noun not in ("sides", "faces", *LEXICON.part_nouns) and FORMS.get(noun) is None
     part = noun.removesuffix("s") if plural else noun

@@ -31,12 +31,14 @@ class _Part:
         leads: Whether it moved by itself: "the horns bend".
         own: Whether the object itself moved it: "the horse lifts its leg".
         raised: Whether it is to be raised, lowered or bent.
+        away: Whether it is taken off or out of the rest.
     """
 
     mention: Mention
     leads: bool
     own: bool
     raised: bool
+    away: bool
 
     @property
     def several(self) -> bool:
@@ -68,14 +70,16 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
                 segment = [*segment[:verb], own, let, *segment[verb + 1 : place], *segment[place + 1 :]]
                 place, verb = verb, verb + 1
             leads = verb is not None and place < verb
-            segment = _let_droop(segment, place, verb, result) if leads and verb else segment
+            off = part is not None and part.away
+            segment = _let_droop(segment, place, verb, result, off) if leads and verb else segment
             before = {each.phrase for each in segment[:verb]} if verb is not None else set()
             itself = not before.isdisjoint(names | get_set("pronouns"))
             first = None if verb is None or leads else segment[verb].motion
             raised = bool(first and (first.bound and first.effect is Effect.PUSH or first.manner == "bend"))
+            away = verb is not None and _takes_off(segment[verb], segment[verb + 1 :])
             again = part is not None and segment[place].value == part.mention.value
             again &= _find(mentions[begin:end], MentionKind.PLACE) is None
-            part = part if again else _Part(segment[place], leads, itself and not leads, raised)
+            part = part if again else _Part(segment[place], leads, itself and not leads, raised, away)
         result += segment
     return result
 
@@ -128,6 +132,18 @@ def _name_one(segment: list[Mention], part: Mention) -> list[Mention]:
     return [name(each) if _is_one(each) else each for each in segment]
 
 
+def _takes_off(verb: Mention, behind: list[Mention]) -> bool:
+    """Return whether a part is taken off the rest, or out of it, and has not fallen by that."""
+    motion, forms = verb.motion, {*verb.phrase.split(), *(each.form for each in behind)}
+    if motion is None or motion.effect is not Effect.PUSH or motion.manner == "detach":
+        return False
+    return motion.draws or "off" in forms
+
+
+def _say(verb: Mention, phrase: str) -> Mention:
+    return replace(verb, value=LEXICON.motions[phrase], phrase=phrase)
+
+
 def _hangs(motion: Motion) -> bool:
     return motion.effect is Effect.HOLD and motion.holds == "top"
 
@@ -138,19 +154,28 @@ def _name_again(segment: list[Mention], part: _Part, names: frozenset[str]) -> l
     motion = None if verb is None else segment[verb].motion
     if verb is None or motion is None or place is not None and place < verb:
         return segment
-    told = segment[:verb] if motion.manner == "detach" else segment  # "tips over and falls off the cake"
+    # "Tips over and falls off the cake"; what is out of it may fall beside it.
+    told = segment[:verb] if motion.manner == "detach" or part.away else segment
     if not (motion.effect in _MOVED or _hangs(motion)) or any(each.phrase in names for each in told):
         return segment
     begins = not _has_subject(segment[:verb])
+    lets = begins and motion.effect is Effect.FALL and segment[verb].phrase.startswith("let ")
+    off = (
+        begins and part.away or _takes_off(segment[verb], segment[verb + 1 :])
+    )  # "unscrew the cap, lift it off"
     for at, each in enumerate(segment):
         if each.form in ("it", "they", "them"):
             alike = (each.form != "it") is part.several
             goes_on = part.several or part.own and (_hangs(motion) or begins and at > verb)
             goes_on |= part.raised and (_hangs(motion) or begins and at > verb)  # "raise its arm, lower it"
+            goes_on |= off and at > verb
             if not (alike and goes_on):
                 return segment  # "its head is hit, and it falls"
+            falls = part.away and at > verb and motion.effect is Effect.FALL
+            does = _say(segment[verb], "fall off") if falls else segment[verb]
+            segment = [*segment[:verb], does, *segment[verb + 1 :]]
             return [*segment[:at], replace(part.mention, first=each.first), *segment[at + 1 :]]
-    if not (part.leads and begins):
+    if not (part.leads and begins or part.away and lets):  # "lets it fall"
         return segment
     return [*segment[:verb], replace(part.mention, first=segment[verb].first), *segment[verb:]]
 
@@ -162,10 +187,13 @@ def _has_subject(before: list[Mention]) -> bool:
     return any(each.kind not in beside and each.form not in idle for each in before)
 
 
-def _let_droop(segment: list[Mention], place: int, verb: int, told: list[Mention]) -> list[Mention]:
+def _let_droop(
+    segment: list[Mention], place: int, verb: int, told: list[Mention], away: bool
+) -> list[Mention]:
     """Makes a droop of the fall of a part, or of its hanging; what it then rests on is no part that moves.
 
-    It comes off where it falls "off the edge"; what it "flops back" from was told before, or it goes to its back.
+    It comes off where it falls "off the edge", or was taken off before; what it "flops back" from was told before, or
+    it goes to its back.
     """
     motion, between = segment[verb].motion, segment[place + 1 : verb]
     if motion is None or any(each.kind not in _BESIDE for each in between):
@@ -176,8 +204,8 @@ def _let_droop(segment: list[Mention], place: int, verb: int, told: list[Mention
     back = motion.alone == "fall" and not (get_last_motion(told) or motion.lets_go)
     if not (falls or back or _hangs(motion)):
         return segment
-    phrase = "fall off" if "off" in segment[verb].phrase.split() else _LIMP
-    droop = replace(segment[verb], value=LEXICON.motions[phrase], phrase=phrase)
+    phrase = "fall off" if away or "off" in segment[verb].phrase.split() else _LIMP
+    droop = _say(segment[verb], phrase)
     way = dict(kind=MentionKind.DIRECTION, value=("away",), words="", phrase="back")
     rests = (MentionKind.PLACE, MentionKind.SIDES)
     behind = [empty(each) if each.kind in rests else each for each in segment[verb + 1 :]]

@@ -53,6 +53,7 @@ class Motion:
             visible one, with a note.
         sign: +1 stretches, -1 squeezes.
         pulls: Whether the cause stands where the object goes: "pulled from the left" moves left.
+        draws: Whether a part goes out of the rest, along itself.
         hauls: Whether what it takes a told way leaves its place, as what slides or is carried does.
         gravity: Whether gravity acts with it (a thrown thing comes down).
         strokes: Number of blows, unless the sentence counts.
@@ -94,6 +95,7 @@ class Motion:
     direction: str | None = None
     sign: int = 1
     pulls: bool = False
+    draws: bool = False
     hauls: bool = False
     gravity: bool = False
     cycles: int = 2

@@ -58,14 +58,18 @@ class Launch:
     """Brings the mean velocity along a way to a value by the end of a window, whatever it was when that began.
 
     What leaps again and again has landed by then, or comes up or down still: each leap is as high as the one before.
+    What springs up by itself as well would go higher, and the next leap would begin in the air: until it is at the top,
+    its mean velocity is at most that of free flight.
 
     Attributes:
         value: The velocity [m/s], shape (3,).
+        slows: The deceleration along it in free flight [m/s^2], scalar.
         start, end: Window [s], scalars.
         edge: Width of the window's smooth edges [s], scalar; None = hard.
     """
 
     value: jax.Array
+    slows: jax.Array
     start: jax.Array = dataclasses.field(metadata=START)
     end: jax.Array = dataclasses.field(metadata=END)
     edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
@@ -74,10 +78,15 @@ class Launch:
         """Mean over the substep [m/s^2], shape (n, 3)."""
         mean = sum_particles((mass[:, None] * v).sum(0)) / sum_particles(mass.sum())
         square = jnp.maximum((self.value**2).sum(), jnp.finfo(x.dtype).tiny)
-        missing = self.value * (1.0 - (mean * self.value).sum() / square)
+        reached, slows = (
+            (mean * self.value).sum() / square,
+            self.slows / jnp.sqrt(square),
+        )  # shares of the velocity
         share = window_fraction(time, dt, self.start, self.end, self.edge)
         left = jnp.maximum(self.end - jnp.maximum(time, self.start), dt)
-        return jnp.broadcast_to(share * missing / left, x.shape)
+        flies = window_fraction(time, dt, self.end, self.end + 1.0 / slows, self.edge)
+        excess = jnp.maximum(reached - (1.0 - slows * (time - self.end)), 0.0)
+        return jnp.broadcast_to(self.value * (share * (1.0 - reached) / left - flies * excess / dt), x.shape)
 
     def gradient(self, x, time, dt):
         """None: uniform."""

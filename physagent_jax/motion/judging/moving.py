@@ -321,7 +321,7 @@ def _list_wobbles(asked: Asked) -> Iterator[list[Check]]:
 
 
 def _list_changes(view: View, first: int, last: int) -> list[list[float]]:
-    """How far the sides and the top go by its tilt, its breadth and its height, frame by frame [body lengths]."""
+    """Ways of the sides and the top by its tilt, its breadth and its height, frame by frame [body lengths]."""
     table, turns = view.brief.directions, view.turns(first, last)
     width, height, _ = view.brief.extents
     tilts = [
