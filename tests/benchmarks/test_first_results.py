@@ -151,6 +151,7 @@ def test_the_sentences_are_many_different_and_of_every_kind():
         ("twentysecond", 20, 5, "379e99ee998ea9de"),
         ("twentythird", 20, 5, "15a6a474634063ef"),
         ("twentyfourth", 20, 5, "dff41fc2cb8ea1e2"),
+        ("twentyfifth", 20, 5, "0f0fbf016f430f65"),
     ],
 )
 def test_pairs_that_were_held_back_are_as_they_were_written(group, pairs, things, digest):

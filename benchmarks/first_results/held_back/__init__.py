@@ -29,6 +29,7 @@ from benchmarks.first_results.held_back import (
     thirteenth,
     twelfth,
     twentieth,
+    twentyfifth,
     twentyfirst,
     twentyfourth,
     twentysecond,
@@ -61,6 +62,7 @@ _LOTS = (
     twentysecond,
     twentythird,
     twentyfourth,
+    twentyfifth,
 )
 
 FILES: Mapping[str, PinnedFile] = {name: file for lot in _LOTS for name, file in lot.FILES.items()}
