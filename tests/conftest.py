@@ -9,9 +9,7 @@ import functools
 import gc
 import hashlib
 import os
-import shutil
 import sys
-import tempfile
 import threading
 import warnings
 from collections import OrderedDict
@@ -25,6 +23,7 @@ from jax._src.interpreters import mlir
 from jax._src.lib.mlir import ir
 
 from physagent_jax.kernels import programs
+from physagent_jax.kernels.folders import describe_processor, make_private_folder
 from physagent_jax.scene import body, burden
 from physagent_jax.scene.presets import PRESETS, PresetName
 
@@ -119,24 +118,47 @@ def keep_freed_memory() -> None:
         keep(-2, 1 << 24)  # M_TOP_PAD
 
 
+def share_programs() -> None:
+    """Read and keep the programs of a test run in a process that it has started; do nothing in others."""
+    if _SHARED in os.environ:
+        programs.keep_on_disk(Path(os.environ[_SHARED]))
+
+
 def compile_as_tests_do() -> None:
-    """Compile quickly in a process that a test run has started; do nothing in others."""
+    """Compile quickly, and nothing twice, in a process that a test run has started; do nothing in others."""
     if _SHARED in os.environ:
         gc.set_threshold(*RARELY)
         compile_quickly()
         compile_what_runs_once_least()
         lower_in_few_contexts()
         keep_freed_memory()
+        share_programs()
+
+
+KEPT = 2**30  # [bytes] of programs that stay for the next test run
+
+
+def forget_oldest(folder: Path, kept: int = KEPT) -> None:
+    """Delete those programs in ``folder`` that were written or read longest ago, beyond ``kept`` bytes."""
+    found = [(path, path.stat()) for path in folder.glob("*-cache")]
+    for path, about in sorted(found, key=lambda each: -max(each[1].st_mtime, each[1].st_atime)):
+        kept -= about.st_size
+        if kept < 0:
+            path.unlink(missing_ok=True)
 
 
 def pytest_configure(config):
-    """Share compiled programs between processes: most of the suite's time goes into compiling."""
+    """Share compiled programs between processes, and with later runs: most of a first run goes into compiling.
+
+    JAX knows a program by its text, by how it is compiled and by its own version: what has changed is compiled anew.
+    """
     gc.set_threshold(*RARELY)
     if _SHARED not in os.environ:
-        os.environ[_SHARED] = folder = tempfile.mkdtemp(prefix="physagent-tests-")
-        config.add_cleanup(lambda: shutil.rmtree(folder, ignore_errors=True))
+        folder = make_private_folder("tests", describe_processor())
+        os.environ[_SHARED] = str(folder)
+        config.add_cleanup(lambda: forget_oldest(folder))
+        config.add_cleanup(lambda: os.environ.pop(_SHARED, None))
     compile_as_tests_do()
-    programs.keep_on_disk(Path(os.environ[_SHARED]))
 
 
 def pytest_collection_finish():

@@ -13,6 +13,7 @@ import pytest
 
 from physagent_jax.kernels import programs
 from physagent_jax.mpm import Grid, Model, NeoHookean, State, simulate
+from tests.conftest import forget_oldest
 from tests.kernels.processes import ran
 
 MISMATCH = (
@@ -194,3 +195,12 @@ def test_a_program_for_another_processor_is_compiled_again(tmp_path, monkeypatch
         assert programs.compilation_cache.get_executable_and_time("key", None) == (None, None)
     assert re.search("processor with avx9", caplog.text) and reads == ["key"]
     assert not (tmp_path / "key-cache").exists()
+
+
+def test_of_what_tests_keep_the_programs_used_longest_ago_go_first(tmp_path):
+    for age, name in enumerate(("new", "read", "old", "older")):
+        path = tmp_path / f"{name}-cache"
+        path.write_bytes(bytes(10))
+        os.utime(path, (1e9 if name == "read" else 1e9 - age, 1e9 - age))
+    forget_oldest(tmp_path, kept=25)
+    assert {path.name for path in tmp_path.iterdir()} == {"new-cache", "read-cache"}

@@ -32,7 +32,7 @@ from physagent_jax.mpm.energy import angular_momentum, elastic_energy, momentum,
 from physagent_jax.mpm.frame import advance
 from physagent_jax.mpm.sharding import AXIS, ParticleLayout, find_specs
 from physagent_jax.mpm.timestep import kinematic_dt
-from tests.conftest import keep_freed_memory, lower_in_few_contexts
+from tests.conftest import keep_freed_memory, lower_in_few_contexts, share_programs
 from tests.mpm.blocks import block
 
 UP = jnp.array([0.0, 0.0, 1.0])
@@ -203,6 +203,7 @@ def main(which: str, file: str) -> None:
     gc.disable()  # next to none, and a tenth of the time goes into looking for it
     lower_in_few_contexts()
     keep_freed_memory()
+    share_programs()
     leaves = jax.tree.leaves_with_path(dict(quick=quick, thorough=thorough)[which]())
     np.savez(file, **{jax.tree_util.keystr(path, simple=True, separator="/"): leaf for path, leaf in leaves})
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import itertools
 from collections.abc import Iterator
 
@@ -33,9 +34,9 @@ class Node:
     following: dict[str, Node] = dataclasses.field(default_factory=dict)
 
 
-def _index_phrases() -> dict[str, Node]:
-    """All phrases of the lexicon by their words; at equal length the earlier table wins."""
-    lexicon = LEXICON
+def _sort_phrases() -> dict[str, list[tuple[int, str, MentionKind, object]]]:
+    """All phrases of the lexicon by their first word, with their place; at equal length the earlier table wins."""
+    lexicon, found = LEXICON, {}
     tables: tuple[tuple[MentionKind, dict], ...] = (
         (MentionKind.REPEAT, lexicon.repeats),
         (MentionKind.POSE, lexicon.poses),
@@ -62,19 +63,25 @@ def _index_phrases() -> dict[str, Node]:
         (MentionKind.FUNCTION, dict.fromkeys(lexicon.phrases)),
         (MentionKind.IGNORED, dict.fromkeys(get_set("ignored_phrases"))),
     )
+    phrases = ((phrase, kind, value) for kind, each in tables for phrase, value in each.items())
+    for place, (phrase, kind, value) in enumerate(phrases):
+        found.setdefault(phrase.partition(" ")[0], []).append((place, phrase, kind, value))
+    return found
+
+
+PHRASES = _sort_phrases()
+
+
+@functools.cache
+def _index_phrases(first: str) -> Node:
+    """The phrases that begin with a word, by the words that follow: a sentence needs few of the 40,000 nodes."""
     root = Node()
-    entries = [
-        (tuple(phrase.split()), kind, value) for kind, each in tables for phrase, value in each.items()
-    ]
-    for place, entry in enumerate(entries):
-        node = root
-        for word in entry[0]:
+    for place, phrase, kind, value in PHRASES[first]:
+        words, node = tuple(phrase.split()), root
+        for word in words[1:]:
             node = node.following.setdefault(word, Node())
-        node.entries.append((place, entry))
-    return root.following
-
-
-PHRASES = _index_phrases()
+        node.entries.append((place, (words, kind, value)))
+    return root
 
 
 def read_phrase(reader: Reader, at: int) -> Mention | None:
@@ -115,11 +122,8 @@ def _says_nothing(reader: Reader, entry: Entry, used: list[int]) -> bool:
     if kind is MentionKind.INTENSITY:
         return _is_describing_object(reader, at, len(used))
     if words == ("pinch",):  # "pinch the tip and bend it": a grip
-        ends = [
-            at + step
-            for step in range(1, _ADVERBS)
-            if text(at + step) == "and" and text(at + step + 2) == "it"
-        ]
+        places = range(at + 1, at + _ADVERBS)
+        ends = [end for end in places if text(end) == "and" and text(end + 2) == "it"]
         return any(reader.tokens[end + 1].lemma in LEXICON.motions for end in ends)
     if kind is not MentionKind.DIRECTION:
         return False
@@ -141,7 +145,7 @@ def match_phrases(reader: Reader, first: str, at: int) -> list[tuple[Entry, list
     """Phrases that begin with ``first`` at a token, in the order of the tables, and the tokens that each is made of."""
     if at in reader.used or first not in PHRASES:
         return []
-    found = _follow(reader, PHRASES[first], [at], at + 1)
+    found = _follow(reader, _index_phrases(first), [at], at + 1)
     return [(entry, used) for (_, entry), used in sorted(found, key=lambda match: match[0][0])]
 
 
@@ -200,8 +204,7 @@ def _is_in_noun_phrase(reader: Reader, at: int) -> bool:
 
 def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
     """Return whether this reading is wrong because the word stands as a noun, or is the object or an agent."""
-    words, kind, value = entry
-    at = used[0]
+    (words, kind, value), at = entry, used[0]
     if (done := _is_done(reader, at)) and kind is MentionKind.PLACE:
         return True
     before, text, behind = (reader.get_text(place) for place in (at - 1, at, used[-1] + 1))
@@ -229,9 +232,8 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
     if text == "beat" and (reader.is_after_determiner(at) or not (before.isalpha() or behind.isalpha())):
         return True  # "it waits for a beat", "Beat. Then it falls"
     if len(words) > 1:  # "push it over and over" does not push it over, "push it over the edge" neither
-        over = words[-2:] == (GAP, "over") and (
-            behind in get_set("determiners") or behind in NUMBERS or behind.isdigit()
-        )
+        told = behind in get_set("determiners") or behind in NUMBERS or behind.isdigit()
+        over = words[-2:] == (GAP, "over") and told
         over |= words[-2:] == (GAP, "over") and {behind, reader.get_text(used[-1] - 1)} <= set(_ENDS)
         # "knock it upside down"
         over |= words[-2:] == (GAP, "down") and reader.get_text(used[-1] - 1) == "upside"
@@ -252,9 +254,8 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
     if text == reader.tokens[at].lemma and reader.is_after_determiner(at):
         if behind in LEXICON.part_nouns or behind in reader.names:
             return True  # "on the narrow tip"
-    counted = before in NUMBERS and text.endswith("s") and reader.tokens[at].lemma in LEXICON.causes
-    if counted:  # "three blows"
-        return True
+    if before in NUMBERS and text.endswith("s") and reader.tokens[at].lemma in LEXICON.causes:
+        return True  # "three blows"
     if text in LEXICON.causes:  # "a hard blow", "an invisible force" are nouns, "they blow" a verb
         return reader.is_after_determiner(at) or described or reader.get_text(at - 2) in ("a", "an")
     if _is_past(reader, at) and reader.is_after_determiner(at) and behind not in reader.names:
@@ -303,8 +304,7 @@ def is_standing(reader: Reader, at: int, place: Place) -> bool:
         and motion.effect is Effect.PUSH
         and (motion.generic or motion.direction == "ahead")
     )
-    spot = goes and below
-    if rests or not spot:
+    if rests or not (goes and below):
         return rests and reader.get_preposition(at) == "on"
     at -= 1
     while reader.get_text(at) in get_set("determiners") | get_set("owners_of_feet") | {"one"}:

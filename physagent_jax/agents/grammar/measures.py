@@ -125,10 +125,9 @@ def match_quantity(words: Words, at: int) -> tuple[Quantity, int] | None:
     if not _begins_number(words.get(at)) and words.get(at) not in _BEGINNINGS:
         return None
     for pattern, row in _QUANTITIES:
-        match = words.match(pattern, at)
-        quantity = _make_quantity(row, match.groupdict(), match.group(), words, at) if match else None
-        if match and quantity:
-            return quantity, words.find_behind(at, match)
+        if match := words.match(pattern, at):
+            if quantity := _make_quantity(row, match.groupdict(), match.group(), words, at):
+                return quantity, words.find_behind(at, match)
     return None
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import islice
+from itertools import islice, tee
 
 from physagent_jax.agents.context import AgentContext, Round
 from physagent_jax.agents.hard_rules import Repair, apply_hard_rules
@@ -114,8 +114,9 @@ def _mend(
     for index, checks in failed.items():
         earlier = tuple(_list_gains(index, [each for each in rounds if each is not base]))
         case = Case(field, expectations[index], expectations, context.brief, checks, base.report, earlier)
-        spared = (each for change in _list_effective(case, context) if (each := kept.spare(change, field)))
-        options = list(islice(spared, depth + 1)) or list(islice(_list_effective(case, context), depth + 1))
+        effective, again = tee(_list_effective(case, context))
+        spared = (each for change in effective if (each := kept.spare(change, field)))
+        options = list(islice(spared, depth + 1)) or list(islice(again, depth + 1))
         if options:
             changes.append(options[-1])
             field = changes[-1].force_field

@@ -16,6 +16,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from tests.conftest import share_programs
 from tests.fuzz import seeds
 from tests.fuzz.classes import scenes
 from tests.fuzz.contract import Breach, Case, Fault
@@ -296,11 +297,13 @@ def _set_variables(changes: dict[str, str]) -> Iterator[None]:
 
     before = {name: os.environ.get(name) for name in changes}
     cache = jax.config.jax_compilation_cache_dir
+    jax.config.update("jax_compilation_cache_dir", None)  # as in a process that is the command's own
     os.environ.update(changes)
     try:
         yield
     finally:
         jax.config.update("jax_compilation_cache_dir", cache)
+        share_programs()  # the command may have put another folder in the place of the tests' own
         for name, value in before.items():
             if value is None:
                 del os.environ[name]
