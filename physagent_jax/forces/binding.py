@@ -58,6 +58,10 @@ ROCKS = math.radians(2)  # by which what slides may rock
 TILTED = math.radians(20)  # at which what is led over its foot stands on its edge, or by less
 _SLIGHT = math.radians(5)  # of which it is seen where that is
 FALLING = math.radians(40)  # from which on what is led over it and let go falls over
+EASES, EASED = (
+    0.6,
+    0.3,
+)  # [s] and share of a plate's retreat, for and at which what was pressed then comes up yet
 RISES_BY = 0.35  # [m/s] at which what has come down gets up again, for the least M
 _CARRIERS = 1024  # particles at most, whose mean motion a limb is carried by
 _EDGE = 0.02  # [L] around that point, in which particles tell where the edge is
@@ -408,7 +412,8 @@ class Binding:
         if opposition.tipping and abs(self._way[2]) < _LEVEL:
             balance, arm = find_balance(self._rest.astype(float), self._volume.astype(float), self._way)
             friction = jnp.maximum(friction, self.leaf(opposition.weight * arm))
-            limits = dict(balance=self.leaf(balance + PAST), rest=self.leaf(self._rest))
+            if not self._lies:  # what lies is rolled over one edge after another
+                limits = dict(balance=self.leaf(balance + PAST), rest=self.leaf(self._rest))
         return [TurnCompensation(self.leaf(way), friction, turn, drag, *self.window, **limits)]
 
     @property
@@ -575,13 +580,19 @@ class Binding:
         faces.append(HalfSpace(stop, normal, friction, until, until + time, velocity=back))
         return [MovingPlate(face, edges, depth) for face in faces]
 
-    def change_length(self, other: Binding | None, k: float | Array, sign: float) -> list[GradedTranslation]:
+    def change_length(
+        self, other: Binding | None, k: float | Array, sign: float, *, retreats: bool = False
+    ) -> list[GradedTranslation]:
         """The object gets longer or shorter evenly along the vector, as its two ends say, and then stays if held.
+
+        What presses and then retreats lets it come back no faster than that, until something else acts: what is soft
+        would throw itself off the ground.
 
         Args:
             other: The other end; None = it rests on the ground or is held. What stands gets longer upwards.
             k: Speed of both ends [m/s].
             sign: 1 if the vector points out of the object at this end, -1 if into it.
+            retreats: Whether the ends go back in `RETREAT`.
         """
         size, way = self._split()
         axis = self.leaf(way)
@@ -595,17 +606,18 @@ class Binding:
         elif self._stands and abs(self.upwards) > _UPRIGHT:  # the ground bears the lower end, which stays
             point = self.leaf(self._rest[self._rest[:, 2].argmin()])
         start, end = self.window
-        motions = [
-            GradedTranslation(axis=axis, speed=speed, length=length, point=point, start=start, end=end)
-        ]
+        lead = partial(GradedTranslation, axis=axis, point=point)
+        motions = [lead(speed=speed, length=length, start=start, end=end)]
+        change, still = speed * (end - start), self.leaf(np.zeros(()))
         if self._held_until is not None:
-            now = length + speed * (end - start)
-            still = self.leaf(np.zeros(()))
-            motions.append(
-                GradedTranslation(
-                    axis=axis, speed=still, length=now, point=point, start=end, end=self._held_until
-                )
-            )
+            motions.append(lead(speed=still, length=length + change, start=end, end=self._held_until))
+        if retreats:
+            begin, last = motions[-1].end, self.leaf(self._until)
+            back = jnp.minimum(begin + RETREAT, last)
+            eased = jnp.minimum(back + self.leaf(EASES), last)
+            speed = -change / self.leaf(RETREAT)
+            motions.append(lead(speed=speed, length=length + change, start=begin, end=back, limits=True))
+            motions.append(lead(speed=EASED * speed, length=length, start=back, end=eased, limits=True))
         return motions
 
     def wring(self, other: Binding | None, k: float | Array, sign: float) -> list[GradedRotation]:

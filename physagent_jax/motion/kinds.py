@@ -547,7 +547,10 @@ def _lead(wish: Wish) -> _Replaced:
     if spun is not None:
         stop = min(stop, first + brief.count_frames(find_spin_time(spun, expectation.strength)))
     size, until = spread_effort(effort, first, stop, share=MOVING if tilts else 1.0)
-    settles = over and lengthwise and not hands  # what lies rests on what it was turned onto
+    width, height, depth = brief.extents
+    across = depth if abs(cosine(way, brief.directions.right)) > _VERTICAL else width
+    # What is broad rests on what it was turned onto; what is tall and thin, as a fish, would fall onto its side.
+    settles = over and lengthwise and across >= height and not hands
     hand = _prescribe(causes[0], way, size, (first, until), None if settles else _find_next(wish, end))
     if tilts and expectation.released and end + until - first <= brief.last:
         hand = hand.model_copy(update={"held_until": end if end > until else None})

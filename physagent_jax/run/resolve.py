@@ -26,7 +26,16 @@ from physagent_jax.run.photo import make_photo
 from physagent_jax.run.postures import strip_postures
 from physagent_jax.run.prompt import read_mask
 from physagent_jax.run.provenance import hash_settings
-from physagent_jax.run.rigidity import RIGID_NOTE, STIFF_NOTE, is_hard, is_stiffened, keeps_shape, make_rigid
+from physagent_jax.run.rigidity import (
+    RIGID_NOTE,
+    STIFF_NOTE,
+    TURNED_NOTE,
+    is_hard,
+    is_stiffened,
+    is_turned_over,
+    keeps_shape,
+    make_rigid,
+)
 from physagent_jax.run.sentence_material import SaidMaterial, choose_said_material
 from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
 from physagent_jax.run.unknown_parts import UnknownPartError
@@ -166,9 +175,10 @@ class ResolvedRun:
         held = () if hold is None else check_hold(hold, template.anchor, body, reply, self.base_dir)
         said = self.find_material(reply).preset
         keeps = hold is None and keeps_shape(reply)
-        if keeps and is_hard(self.spec.material, self.template.matter, said, reply):
+        matter = (self.spec.material, self.template.matter, said, reply)
+        if keeps and ((hard := is_hard(*matter)) or is_turned_over(*matter)):
             template = make_rigid(template, reply.world.restitution)  # a softer stand-in's looks are not seen
-            told = (RIGID_NOTE,)
+            told = (RIGID_NOTE if hard else TURNED_NOTE,)
         standing, notes = make_stand(template, body, options)
         bearing = standing.bearing
         if keeps and bearing is not None and is_stiffened(self.spec.material, said, bearing):
@@ -180,7 +190,8 @@ class ResolvedRun:
     def _choose_support(self, reply: SemanticReply | None) -> Support:
         """The freedom that the user and the sentence leave to `make_stand`."""
         said = None if reply is None else self.find_material(reply).preset
-        hard = is_hard(self.spec.material, self.template.matter, said, reply)
+        matter = (self.spec.material, self.template.matter, said)
+        hard = is_hard(*matter, reply) or reply is not None and is_turned_over(*matter, reply)
         return Support(
             keep_material=self.spec.material.says_stiffness,
             keep_weight=reply is not None and reply.world.gravity is not None,

@@ -28,6 +28,11 @@ RIGID_NOTE = (
     "deform"
 )
 """The note for the user."""
+TURNED_NOTE = (
+    "the object moves as a rigid body: it is turned over onto what was not made to bear it, and nothing asks it to "
+    "deform; `material.youngs_modulus` makes it deform"
+)
+"""The same of what is not hard."""
 STIFF_NOTE = (
     "the object moves as a rigid body: parts of it would have to be {:.2g} times as stiff as its kind is to bear its "
     "weight, and nothing asks it to deform; `material.youngs_modulus` makes it deform"
@@ -35,6 +40,8 @@ STIFF_NOTE = (
 """The same of what is not hard."""
 _AS_A_WHOLE = frozenset((MotionKind.MOVE, MotionKind.FALL, MotionKind.ROTATE, MotionKind.STILL))
 _UPRIGHT = 0.9  # component of an axis about which nothing tips over
+_LEVEL, _OVER = 0.5, 120.0  # the same, and [degrees], from which on it ends on another side
+_FIRM = frozenset(("animal", "food", "toy", "robot", UNKNOWN))  # soft kinds that bear their own weight
 
 
 def keeps_shape(reply: SemanticReply) -> bool:
@@ -90,6 +97,27 @@ def is_hard(choice: MaterialChoice, kind: str, said: str | None, reply: Semantic
     if said is None or said in PRIORS:
         return priors.is_hard(said or kind)
     return materials.is_hard(materials.find_material(said).material)
+
+
+def is_turned_over(choice: MaterialChoice, kind: str, said: str | None, reply: SemanticReply) -> bool:
+    """Return whether it ends on another side, whose thin parts would buckle: a fish on the fin of its back.
+
+    Args:
+        choice: The user's choice.
+        kind: The object's kind.
+        said: As for `is_hard`.
+        reply: What the sentence says.
+    """
+    over = any(
+        each.kind is MotionKind.ROTATE
+        and each.direction is not None
+        and abs(each.direction[2]) < _LEVEL
+        and each.amount is not None
+        and each.amount.unit == "degrees"
+        and _OVER < each.amount.value % 360.0 < 360.0 - _OVER
+        for each in reply.expectations
+    )
+    return over and said is None and kind in _FIRM and not _is_chosen(choice)
 
 
 def is_stiffened(choice: MaterialChoice, said: str | None, bearing: Bearing | None) -> bool:

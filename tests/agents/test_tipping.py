@@ -455,3 +455,70 @@ def test_what_is_tall_falls_across_the_way_that_it_rolls(sentence):
     tips = reply.force_field.constraints[0].vector
     rolls = next(each for each in reply.expectations if each.kind is MotionKind.MOVE)
     assert abs(dot(tips, rolls.direction)) > 0.9  # it turns over about that line
+
+
+@pytest.mark.parametrize(
+    ("sentence", "way"),
+    [
+        ("knock it onto its side, then it rolls to the left", (-1, 0, 0)),
+        ("it tips over onto its side and rolls to the right", (1, 0, 0)),
+        (
+            "someone bumps into it so that it falls onto its side, then it rolls to the right and stops",
+            (1, 0, 0),
+        ),
+    ],
+)
+def test_its_side_is_across_the_way_that_it_then_rolls(sentence, way):
+    """Also of what is not tall; it rolls by as much as it goes, until friction stops it."""
+    reply = compile_whole(sentence, extents=(0.8, 0.85, 0.8))
+    led, (push, turn) = reply.force_field.constraints, reply.force_field.actions[-2:]
+    tips = led[0].vector if led else reply.force_field.actions[0].vector
+    assert abs(dot(tips, way)) > 0.9 and push.vector == pytest.approx(way)
+    assert abs(dot(turn.vector, way)) < 0.1 and turn.magnitude > 1.4 * push.magnitude
+    assert all(abs(dot(each.direction, way)) < 0.1 for each in reply.expectations[:1] if each.direction)
+
+
+@pytest.mark.parametrize(
+    ("sentence", "degrees"),
+    [
+        ("flip the statue over in the air and let it land", 180),
+        ("the statue flips in mid-air", 360),
+        ("turn the statue upside down in the air, then it drops to the floor", 180),
+        ("the statue spins in the air and comes down again", 360),
+        ("the statue does a somersault in midair", 360),
+    ],
+)
+def test_what_flips_in_the_air_leaps_for_it_and_comes_down(sentence, degrees):
+    """It hung in the air without weight, or turned over on its rim."""
+    reply = compile_whole(sentence, extents=BROAD)
+    leap, begin, stop = reply.force_field.actions
+    assert leap.action_type is ActionType.IMPULSE and leap.vector == (0.0, 0.0, 1.0)
+    assert begin.action_type is stop.action_type is ActionType.TORQUE
+    push = begin.magnitude * begin.gain * (begin.active_time[1] - begin.active_time[0])
+    turned = math.degrees(TURN) * 2 * push * (stop.active_time[0] - begin.active_time[0])
+    frames = REFERENCE_TIME / ON_THE_GROUND.frame_dt
+    assert turned / frames**2 == pytest.approx(degrees, rel=0.2)
+    kinds = [each.kind for each in reply.expectations]
+    assert kinds == [MotionKind.MOVE, MotionKind.FALL, MotionKind.ROTATE] and reply.world.gravity is None
+
+
+def test_what_it_does_after_a_flip_it_does_on_the_ground():
+    reply = compile_whole("the statue flips over in the air, lands and slides to the right", extents=BROAD)
+    assert reply.expectations[-1].window[0] >= reply.expectations[0].window[1]
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    ["it floats in the air and turns over", "hold it in the air and flip it", "it spins in mid-air"],
+)
+def test_what_is_held_or_floats_in_the_air_only_turns(sentence):
+    reply = compile_whole(sentence, extents=BROAD)
+    assert reply.world.gravity == "none" and [e.kind for e in reply.expectations] == [MotionKind.ROTATE]
+
+
+@pytest.mark.parametrize(("extents", "stays"), [((1.0, 0.5, 0.2), True), ((1.0, 0.3, 0.6), False)])
+def test_what_is_tall_and_thin_is_kept_as_it_was_turned_over(extents, stays):
+    """A fish was let go on the fin of its back, and fell onto its side."""
+    scene = dict(extents=extents, long_axis=(1.0, 0.0, 0.0))
+    (turn,) = compile_whole("flip the statue upside down", **scene).force_field.constraints
+    assert (turn.held_until is not None) is stays

@@ -11,7 +11,7 @@ from physagent_jax.forces import calibration
 from physagent_jax.forces.compilation import compile_force_field
 from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ForceField, Opposition, Response
-from physagent_jax.forces.terms import Balance, Landing, PushCompensation
+from physagent_jax.forces.terms import Balance, Landing, PushCompensation, TurnCompensation
 
 G, FRICTION, WIDTH, HEIGHT = calibration.GRAVITY, 0.4 * calibration.GRAVITY, 0.2, 1.0
 TOWER = np.array(list(itertools.product(*[np.linspace(-0.5, 0.5, 5)] * 3))) * [WIDTH, 0.3, HEIGHT]
@@ -270,3 +270,13 @@ def test_what_was_pressed_and_let_go_stands_upright_again():
 def test_what_is_thrown_aside_tumbles_and_what_leaps_aside_does_not():
     assert not find_balance(act("impulse", (0.53, 0.0, 0.848), 0, 1))
     assert find_balance(act("impulse", (0.38, 0.0, 0.925), 0, 1))
+
+
+@pytest.mark.parametrize(("fallen", "limited"), [(False, True), (True, False)])
+def test_what_lies_is_rolled_over_one_edge_after_another(fallen, limited):
+    """A can that had fallen over was not turned: as if it stood, its weight was overcome up to its balance alone."""
+    over = dict(constraint_type="enforce_particle_rotation", vector=(1, 0, 0), active_time=(0, 15))
+    roll = act("torque", (0, 1, 0), 30, 50)
+    forces, _ = compile_entries(roll, constraints=[dict(over, magnitude=1.6)] if fallen else [])
+    (turn,) = [each for each in forces if isinstance(each, TurnCompensation)]
+    assert (turn.balance is not None) is limited

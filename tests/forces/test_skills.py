@@ -417,7 +417,8 @@ def test_a_thin_neck_stretches_as_much_as_what_is_thick(x64):
     )[1]
     # The motion that the constraints impose: every section parts in proportion to its distance from the middle.
     (motion,) = constraints
-    change = motion.find_change(jnp.asarray(x), jnp.zeros_like(jnp.asarray(x)), jnp.asarray(x.mean(0)), 0.0)
+    nodes, mass = jnp.asarray(x), jnp.ones(len(x))
+    change = motion.find_change(nodes, jnp.zeros_like(nodes), nodes.mean(0), 0.0, mass)
     slope = np.asarray(change)[:, 0] / (x[:, 0] - x[:, 0].mean())
     np.testing.assert_allclose(slope, slope[0], rtol=1e-9)
     np.testing.assert_allclose(
@@ -481,6 +482,34 @@ def test_a_plate_stays_and_then_goes_back_slowly(x64):
             if face.velocity is not None
         )
         assert np.allclose(way, 0, atol=1e-6)
+
+
+@pytest.mark.parametrize("following", [None, 12])
+def test_what_was_pressed_is_led_evenly_back_until_something_else_acts(following):
+    """Soft matter kicked itself off the ground although the plate went back slowly."""
+    plates = [
+        dict(constraint_type="moving_plate", vector=[side, 0, 0], magnitude=1.0, active_time=[0, 4])
+        for side in (1, -1)
+    ]
+    push = (
+        [] if following is None else [dict(action_type="translation", vector=[0, 1, 0], active_time=[12, 19])]
+    )
+    x = np.random.default_rng(0).random((200, 3))
+    _, made = compile_force_field(
+        ForceField.model_validate(dict(constraints=plates, actions=push)),
+        SCALING,
+        x,
+        np.ones(len(x)),
+        frame_dt=FRAME_DT,
+        frame_count=FRAMES,
+    )
+    press, *back = [each for each in made if isinstance(each, GradedTranslation)]
+    assert not press.limits and len(back) == 2 and all(each.limits for each in back)
+    pressed = float(press.speed * (press.end - press.start))
+    assert float(back[0].speed) == pytest.approx(-pressed / RETREAT) and back[0].start == press.end
+    assert 0 < float(back[1].speed) < 0.5 * float(back[0].speed) and back[1].start == back[0].end
+    if following is not None:
+        assert float(back[1].end) == pytest.approx(FRAME_DT * following)
 
 
 @pytest.mark.parametrize(

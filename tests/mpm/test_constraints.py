@@ -9,7 +9,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from physagent_jax.mpm import PrescribedMotion, RigidBody, step
-from physagent_jax.mpm.constraints import rotate
+from physagent_jax.mpm.constraints import GradedTranslation, rotate
 from tests.mpm.blocks import block
 
 # Small blocks, whose programs take longer to compile than to run.
@@ -247,3 +247,22 @@ def test_particles_go_with_their_share(x64):
     ]
     np.testing.assert_allclose(moved.x, expected, atol=1e-9)
     np.testing.assert_array_equal(moved.x[0], state.x[0])
+
+
+@pytest.mark.parametrize(("stretching", "rate"), [(3.0, 0.5), (0.2, 0.2), (-1.0, -1.0)])
+def test_a_limit_of_growth_makes_it_even_and_no_faster(stretching, rate, x64):
+    """Whatever trembles beside that is taken out in both senses, so that it is not held down."""
+    model, state = block((4, 4, 8), dtype=np.float64, dt=1e-3)
+    numbers = dict(start=0.0, end=1.0, speed=0.5 * 0.2, length=0.2)
+    low = state.x.min(0)
+    limit = GradedTranslation(
+        axis=jnp.array([0.0, 0, 1]), point=low, limits=True, **{k: jnp.asarray(v) for k, v in numbers.items()}
+    )
+    nodes = model.grid.place_nodes(jnp.float64)
+    arm = (nodes - low)[..., 2]
+    mass = jnp.where((arm >= 0) & (arm <= 0.2), 1.0, 0.0)
+    tremble = jnp.where(jnp.arange(arm.shape[2]) % 2 == 0, 0.4, -0.4) * mass
+    even = (mass * arm * tremble).sum() / (mass * arm**2).sum()
+    velocity = jnp.zeros_like(nodes).at[..., 2].set((stretching - even) * arm + tremble)
+    change = limit.find_change(nodes, velocity, low, jnp.asarray(0.0), mass)
+    np.testing.assert_allclose((velocity + change)[..., 2], rate * arm, atol=1e-9)

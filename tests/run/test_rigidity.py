@@ -8,7 +8,7 @@ import trimesh
 
 from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.motion.schema import ExpectedMotion, MotionKind
+from physagent_jax.motion.schema import Amount, ExpectedMotion, MotionKind
 from physagent_jax.mpm import simulate
 from physagent_jax.run import rigidity
 from physagent_jax.run.reading import place_for_field, read_for_scene
@@ -232,3 +232,22 @@ def test_what_nobody_knows_anything_of_keeps_its_shape_where_it_falls(kind, said
     fall = ExpectedMotion(kind=motion, window=(0, 20))
     reply = SemanticReply(force_field=ForceField(default_drop=True), expectations=(fall,))
     assert rigidity.is_hard(MaterialChoice(), kind, said, reply) is hard
+
+
+@pytest.mark.parametrize(
+    ("kind", "said", "degrees", "axis", "turned"),
+    [
+        ("animal", None, 180.0, (0.0, 1.0, 0.0), True),
+        ("object", None, 540.0, (1.0, 0.0, 0.0), True),
+        ("animal", None, 360.0, (0.0, 1.0, 0.0), False),
+        ("animal", None, 180.0, (0.0, 0.0, 1.0), False),
+        ("animal", "natural_rubber", 180.0, (0.0, 1.0, 0.0), False),
+        ("jelly", None, 180.0, (0.0, 1.0, 0.0), False),
+    ],
+)
+def test_what_is_turned_over_onto_thin_parts_keeps_its_shape(kind, said, degrees, axis, turned):
+    """A fish buckled on the fin of its back."""
+    amount = Amount(value=degrees, unit="degrees")
+    turn = ExpectedMotion(kind=MotionKind.ROTATE, window=(0, 20), direction=axis, amount=amount)
+    reply = SemanticReply(force_field=ForceField(), expectations=(turn,))
+    assert rigidity.is_turned_over(MaterialChoice(), kind, said, reply) is turned

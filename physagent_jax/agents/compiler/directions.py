@@ -126,12 +126,8 @@ def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
         total = normalise(add([total, up]))  # "it takes off to the right"
     why = "the viewer's directions, added" if len(told) > 1 else "the viewer's direction"
     around = [each for each in event.clause.quantities if each.unit == "degrees" and each.value == _ALL_ROUND]
-    halfway = (
-        not (motion.tumbles or event.clause.inherited)
-        and total is not None
-        and dot(total, brief.directions.away) > _SAME
-        and (around or not event.is_back)
-    )
+    goes = total is not None and dot(total, brief.directions.away) > _SAME and (around or not event.is_back)
+    halfway = goes and not (motion.tumbles or event.clause.inherited)
     if motion.effect is Effect.TURN and halfway:  # "all the way round to the back"; "turn it back" returns
         quantities = [each for each in event.clause.quantities if each not in around]
         event.clause = event.clause.model_copy(update=dict(quantities=quantities))

@@ -49,7 +49,7 @@ _USELESS = {
 _WHOLE = (Effect.ROLL, Effect.BURST, Effect.TOPPLE, Effect.JUMP, Effect.FALL)
 _ONCE = (Effect.FALL, Effect.TOPPLE, Effect.ROLL, Effect.BURST, Effect.RELEASE, Effect.STILL)
 _STEEP = 0.7  # cosine to the vertical
-_TALL = 1.2  # height over its breadth, from which on what falls over can roll about its own line alone
+_TALL = 1.1  # height over its breadth, from which on what falls over can roll about its own line alone
 _UPRIGHT = 0.9  # the same, from which on a part lies above or below
 _OWN_PARTS = dict(
     {"give paw": "paw"}, nod="head", wag="tail", flap="wings", wave="arm", salute="arm", clap="arms"
@@ -154,6 +154,7 @@ def _choose_motion(event: Event, brief: SceneBrief, before: Event | None) -> tup
         event.clause = event.clause.model_copy(update=dict(pace=pace))
         return replace(motions["tip"], angle=_CHOP), phrase
     head, part = phrase.partition(" ")[0], event.parts[0].text.lower().split() if event.parts else [""]
+    severed = motion.manner == "detach" and not event.parts
     snaps = head == "snap" and not phrase.endswith("off") and (phrase != head or before is not None)
     sent = phrase == "swing" and not repeats and event.pick(WayKind.TO) and (event.parts or event.is_upwards)
     stops = effect is Effect.STILL and not (before and before.effect in GOING)
@@ -165,20 +166,17 @@ def _choose_motion(event: Event, brief: SceneBrief, before: Event | None) -> tup
         ("rock", swings and (effect is Effect.ROLL or motion.steps)),
         ("jump", motion.bounces and (counted or event.is_upwards)),  # "it bounces three times"
         ("roll", phrase == "tumble" and event.goes_aside and before is None),  # "tumbles to the right"
-        ("fall over", _is_felled(event, motion, brief)),
+        ("fall over", severed and head in _SEVERING and brief.object_kind == "plant"),  # "is sawn off"
         ("clack", phrase == "snap" and part[-1] in _BITING),  # "it snaps its claws"
         ("break", snaps and motion.manner and not event.parts),  # "the sword snaps in two"
-        (head, motion.manner == "detach" and not event.parts and head in motions),  # "the robot falls off"
+        (head, severed and head in motions),  # "the robot falls off"
         ("fly off", motion.manner == "detach" and event.is_in_wind),  # not up
         # "Swings its arm forward", "stretches its arms forward": once.
         ("raise" if event.is_upwards else "move", sent or _reaches_out(event, motion, brief)),
         ("flap", phrase == "beat" and not _WINGS.isdisjoint(part)),
         ("press", phrase == "push" and before is None and _is_pressed(event, brief)),  # "down from above"
         ("turn", phrase == "steer" and event.parts),  # "steer the front wheels to the left"
-        (
-            "wiggle",
-            (motion.steps or phrase in _SCURRYING) and _is_of_limbs(event, brief),
-        ),  # "its legs scuttle"
+        ("wiggle", (motion.steps or phrase in _SCURRYING) and _is_of_limbs(event, brief)),  # "legs scuttle"
         ("lower", _drops_limb(event, motion, brief)),  # "drops its arm"
         ("break off", phrase == "break" and event.parts and event.parts[0].place.names != ("down",)),
         ("move", motion.coasts and told),  # "it coasts to the left"
@@ -216,22 +214,12 @@ def _is_pressed(event: Event, brief: SceneBrief) -> bool:
 
 def _reaches_out(event: Event, motion: Motion, brief: SceneBrief) -> bool:
     """Return whether it brings its own limbs to where it stretches them: "it stretches both arms forward"."""
-    if (
-        motion.effect is not Effect.SCALE
-        or not event.parts
-        or not event.pick(WayKind.TO)
-        or event.clause.quantities
-    ):
+    told = event.parts and event.pick(WayKind.TO) and not event.clause.quantities
+    if motion.effect is not Effect.SCALE or not told:
         return False
     limb = find_roles(event.parts[0].phrase)[:1] in (["arm"], ["leg"], ["wing"])
     own = motion.sign > 0 and event.words.lower().endswith(("s", "ing"))
     return own and limb and bool(find_limbs(event.parts[0], brief))
-
-
-def _is_felled(event: Event, motion: Motion, brief: SceneBrief) -> bool:
-    """Return whether a plant is severed as a whole, so that it falls over: "the tree is sawn off"."""
-    severed = motion.manner == "detach" and not event.parts and event.phrase.split()[0] in _SEVERING
-    return severed and brief.object_kind == "plant"
 
 
 def _lifts_end(event: Event, motion: Motion, brief: SceneBrief) -> bool:
@@ -329,10 +317,8 @@ def _resolve_strength(event: Event, before: Event | None) -> None:
         elif max(absolute) <= 0.6:
             value = min(value, 0.7)
     event.strength = round(clamp(value, MAGNITUDE_MIN, MAGNITUDE_MAX), 3)
-    words, why = (
-        event.words,
-        "no intensity word: plain" if event.strength == 1.0 else "the word's own strength",
-    )
+    plain = event.strength == 1.0
+    words, why = event.words, "no intensity word: plain" if plain else "the word's own strength"
     if told:
         words, why = ", ".join([*clause.strength, *(each.text for each in shares)]), "intensity words"
     event.sources["magnitude"] = ValueSource(words, why)
@@ -385,10 +371,17 @@ def _turn(event: Event, vector: Vector | None, why: str) -> None:
     event.sources["vector"] = replace(event.sources["vector"], why=why)
 
 
+def _lies_on_its_side(event: Event) -> bool:
+    """Return whether it falls onto its side, and no other way is told."""
+    told = [way.names for way in event.pick(WayKind.TO)] or [(event.motion.direction,)]
+    return told == [("beside",)]
+
+
 def _roll_sideways(event: Event, before: Event, brief: SceneBrief) -> None:
     """Lets what is tall fall over across the way that it then rolls: it cannot roll along itself."""
     first, then = before.direction, event.direction
     fell, rolled = (each.sources["vector"].why.endswith(BY_DEFAULT) for each in (before, event))
+    fell |= _lies_on_its_side(before)  # whichever that is
     if first and then and (fell or rolled) and abs(cosine(then, first)) > _STEEP:
         changed, other = (before, then) if fell else (event, first)
         across = normalise(cross(other, brief.directions.up))
@@ -412,7 +405,8 @@ def _take_over_direction(event: Event, before: Event, brief: SceneBrief) -> None
     if event.notes and (likewise or driven or slides or carried):  # "it is hit from the left and slides"
         _turn(event, before.direction, "no direction given: as before")
     width, height, depth = brief.extents
-    if before.effect is Effect.TOPPLE and event.effect is Effect.ROLL and height > _TALL * max(width, depth):
+    rolls = before.effect is Effect.TOPPLE and event.effect is Effect.ROLL
+    if rolls and (height > _TALL * max(width, depth) or _lies_on_its_side(before)):
         _roll_sideways(event, before, brief)
     tumbles = event.effect is Effect.TURN and event.motion.tumbles and pushed
     assumed = event.sources["vector"].why.endswith(BY_DEFAULT)

@@ -111,7 +111,7 @@ def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, la
             if event.effect is Effect.TOPPLE and event.direction:
                 seconds = max(seconds, find_tipping_time(event.direction, event.strength, brief))
             effort = find_effort(event.amount, event.effect, brief)
-            flies = event.motion.leaps or any(each.motion.gravity for each in slot.events)
+            flies = event.motion.leaps and slot is slots[0] or any(e.motion.gravity for e in slot.events)
             effort = None if flies and event.effect is Effect.TURN else effort
             after = following.events if following else []
             stops = has_to_stop(event, after, brief.directions.up, grounded)

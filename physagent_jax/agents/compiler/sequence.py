@@ -130,7 +130,10 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     if stops and event.clause.order == "together" and any(each.effect in GOING for each in events):
         builder.notes.append(f"'{event.text}': what was set going comes to that by itself.")
         return  # "a gust pushes it, and it spins as it slides to a stop"
+    alike = [each for each in events[-2:] if each.direction == events[-1].direction]
     interpret(event, _find_measure(events, event), builder.brief)
+    for each in alike:  # what knocks it over goes the way that it falls
+        each.direction = events[-1].direction
     if steps := _set_down(event, events, builder):
         events += steps
         return
@@ -164,17 +167,12 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         slam.motion = replace(slam.motion, effect=Effect.STRIKE, gives=True)
         slam.strength, slam.doubts = MAGNITUDE_MAX, [*slam.doubts, *event.doubts]
         return  # "it crashes into the wall, and its front crumples": it is of what gives way
-    yields = (
-        event.motion.gives
-        or bool(events)
-        and events[-1].effect is Effect.FALL
-        and _yields(event, builder.soft)
-    )
+    fall = events[-1] if events and events[-1].effect is Effect.FALL else None
+    yields = event.motion.gives or fall and _yields(event, builder.soft)
     if yields and falls and any(each.effect not in _RESTING for each in events):
         events[-1].doubts += event.doubts
         events[-1].trembles |= builder.soft and not event.motion.gives
         return  # "it falls and shatters", "it falls and flattens"
-    fall = events[-1] if events and events[-1].effect is Effect.FALL else None
     bounces = event.verb is not None and event.verb.bounces and event.effect in (Effect.FALL, Effect.JUMP)
     if bounces or fall and event.effect is Effect.RELEASE and event.phrase.startswith("bounce"):
         bouncing = fall or event
@@ -231,6 +229,11 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     elif before and _sets_rocking(before, event) and builder.grounded and not (builder.anchored or poked):
         builder.notes.append(f"'{before.words}' sets it rocking: pushed as well, it would slide or fall.")
         event = _join_push(events.pop(), event)
+    if events and events[-1].motion.leaps and event.effect is Effect.FALL and not event.goes_aside:
+        events[-1].doubts += event.doubts
+        return  # "it flips in the air and lands"
+    if events and events[-1].motion.leaps and event.effect is not Effect.TURN and event.clause.order == "and":
+        event.clause = event.clause.model_copy(update=dict(order="then"))  # "... and slides"
     if event.motion.lands and [each.effect for each in events[-2:]] == [Effect.JUMP, Effect.TURN]:
         last = events[-1]  # "jumps up, spins around and lands"
         last.clause = last.clause.model_copy(update=dict(order="together"))

@@ -17,7 +17,7 @@ from physagent_jax.agents.compiler.events import WayKind
 from physagent_jax.agents.compiler.schedule import Slot
 from physagent_jax.agents.compiler.steady import Task, add_steady
 from physagent_jax.agents.lexicon import Effect, read_lexicon
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, QUICK, SWING
+from physagent_jax.forces.calibration import MAGNITUDE_MAX, QUICK, SWING, TURN
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.forces.skills import find_skill
 from physagent_jax.forces.slabs import make_end_region
@@ -145,17 +145,16 @@ def _compile_lean(task: Task) -> None:
     paces = event.clause.strength
     if paces and all(each.lower().startswith(_SLOW) for each in paces):  # as far as else, in more time
         event = replace(event, strength=max(event.strength, event.motion.strength))
-        task = replace(task, event=event)
     if event.motion.manner == "fold" and (event.region or event.limbs or brief.anchored):
-        # A part goes over, or what is rooted.
-        event = replace(event, motion=replace(event.motion, manner="bend"))
-        task = replace(task, event=event)
+        event = replace(
+            event, motion=replace(event.motion, manner="bend")
+        )  # a part goes over, or what is rooted
     bends = event.motion.manner == "bend" and not (event.region or event.is_in_wind)
     if bends and not event.limbs and any(way.phrase in read_lexicon().grounding for way in event.ways):
         across, told = reject(task.direction, brief.directions.up), event.amount
         amount = told if told and told.unit != "degrees" else Amount(value=_GROUNDED, unit="degrees")
         event = replace(event, direction=normalise(across) or brief.directions.left, amount=amount)
-        task = replace(task, event=event)
+    task = replace(task, event=event)
     vertical = abs(dot(task.direction, brief.directions.up)) >= 0.9
     way, lying, let_go = find_bend(task.direction, brief, task.builder.rooted), lies(brief), task.is_released
     lasts = task.window[1] > task.window[0]  # not in a clip of one frame
@@ -229,7 +228,8 @@ def _compile_turn(task: Task) -> None:
 
 def _turn_steadily(task: Task) -> None:
     motion, builder = task.event.motion, task.builder
-    if motion.leaps and builder.grounded and not builder.anchored and not builder.earlier:
+    whole = not (task.event.limbs or task.event.region)
+    if motion.leaps and whole and builder.grounded and not builder.anchored and not builder.earlier:
         jump, told = read_lexicon().motions["jump"], task.event.pick(WayKind.TO)
         # "Backwards" is how it turns.
         names = told[0].names if told and told[0].names != ("away",) else ("up",)
@@ -264,10 +264,11 @@ def _compile_twist(task: Task) -> None:
 
 
 def _compile_roll(task: Task) -> None:
-    """Travels along the direction while the top turns into it."""
-    event, axis = task.event, find_lean_axis(task.direction, task.brief)
+    """Travels along the direction while the top turns into it: what has fallen over, by as much as it goes."""
+    event, axis, brief = task.event, find_lean_axis(task.direction, task.brief), task.brief
     acted = add_steady(task, ActionType.TRANSLATION, task.direction, event.strength)
-    add_steady(task, ActionType.TORQUE, axis, event.strength)
+    girth = TURN * 0.25 * (brief.extents[0] + brief.extents[2]) / brief.size
+    add_steady(task, ActionType.TORQUE, axis, event.strength / (girth if task.rolls_on else 1.0))
     turns = event.amount is not None and event.amount.unit == "degrees"
     task.expect(MotionKind.MOVE, event.direction, acted, amount=None if turns else event.amount)
     task.expect(MotionKind.ROTATE, axis, acted, amount=event.amount if turns else None)

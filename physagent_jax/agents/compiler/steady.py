@@ -176,10 +176,16 @@ class Task:
         return event.effect is Effect.PUSH and event.motion.brief and whole and not kept
 
     @property
+    def rolls_on(self) -> bool:
+        """Return whether it rolls as it lies, having fallen over."""
+        fallen = Effect.TOPPLE in self.builder.earlier and self.builder.grounded
+        return fallen and self.event.effect is Effect.ROLL
+
+    @property
     def needs_brake(self) -> bool:
-        """Return whether a free object must be stopped before what comes next can be seen; friction stops a shove."""
+        """Return whether it must be stopped before what comes next can be seen; friction stops shoves and what lies."""
         stops = self.event.stays or self._is_measured or self._has_to_stop
-        return stops and not (self.builder.anchored or self.is_shoved)
+        return stops and not (self.builder.anchored or self.is_shoved or self.rolls_on)
 
     @property
     def _has_to_stop(self) -> bool:
@@ -247,11 +253,8 @@ def add_steady(task: Task, kind: ActionType, vector: Vector, magnitude: float) -
         builder.notes.append(BRAKED_BEFORE)
     else:
         task.act(kind, vector, magnitude, window, gains=gains)
-        if (
-            stops
-            and window[1] < builder.brief.last
-            and any(later.effect is Effect.STILL for later in task.after)
-        ):
+        rests = any(later.effect is Effect.STILL for later in task.after)
+        if stops and rests and window[1] < builder.brief.last:
             _brake_after(task, kind, vector, magnitude, window)
     return window
 

@@ -43,6 +43,7 @@ _REPLACED = {kind: (kind,) for kind in (MentionKind.PLACE, MentionKind.SENSE, Me
 _REST = {("nothing", "else"), ("everything", "else"), ("all", "else")}
 _UPPERMOST = ("top", "lid", "crown", "head")  # first roles of what is on top
 _HOVERING = (Effect.TURN, Effect.ROLL, Effect.STILL)
+_ALOFT = frozenset(("in the air", "in mid air", "in midair"))
 _NEAR = 6  # words from a part to the one that it is on
 _REBOUNDING = ("bounc", "rebound", "ricochet")
 _REACH = 20  # words before a correction in which the corrected ones stand
@@ -252,11 +253,8 @@ def read_corrections(mentions: list[Mention], _names: frozenset[str]) -> list[Me
         while stop < len(mentions) and mentions[stop].kind not in (MentionKind.JOIN, *MOTIONS):
             stop += 1
         said = mentions[begin + size : stop]
-        if (
-            stop < len(mentions)
-            and mentions[stop].kind is MentionKind.VERB
-            and {m.kind for m in said} <= {MentionKind.FUNCTION}
-        ):
+        plain = {m.kind for m in said} <= {MentionKind.FUNCTION}
+        if plain and stop < len(mentions) and mentions[stop].kind is MentionKind.VERB:
             last = max((i for i in range(begin) if mentions[i].kind is MentionKind.VERB), default=None)
             if last is not None and begin - last <= _REACH:  # "lift it, sorry, I meant drop it"
                 result[last : begin + size] = [empty(m) for m in mentions[last : begin + size]]
@@ -392,18 +390,28 @@ def read_returns(mentions: list[Mention], _names: frozenset[str]) -> list[Mentio
 
 
 def read_aloft(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
-    """Takes its weight from what only turns "in the air"; what rolls there turns about its own line."""
+    """Takes its weight from what only turns "in the air", where what rolls turns about its own line.
+
+    What is thrown or flips there keeps it, and what spins there and comes down again leaps for it.
+    """
     motions = [mention.motion for mention in mentions if mention.motion is not None]
-    aloft = any(each.phrase == "in the air" or each.value == "none" for each in mentions)
+    rises = any(e.gravity or e.effect is Effect.PUSH and e.direction == "up" or e.leaps for e in motions)
+    falls = rises or any(each.effect is Effect.FALL for each in motions)
+    falls &= not any(each.floats for each in motions)
+    aloft = any(each.phrase in _ALOFT or each.value == "none" for each in mentions)
     hovers = all(each.floats or each.effect in _HOVERING for each in motions) and bool(motions)
-    if not aloft or not hovers or any(mention.kind is MentionKind.PLACE for mention in mentions):
+    if not aloft or not (hovers or falls) or any(m.kind is MentionKind.PLACE for m in mentions):
         return mentions
+    turned = {Effect.ROLL: "roll over"}
+    if falls:
+        spins = motions[0].effect is Effect.TURN and not rises
+        turned = {Effect.TURN: "whirl in the air"} if spins else {}
 
     def lift(each: Mention) -> Mention:
-        if each.phrase == "in the air":
-            return replace(each, kind=MentionKind.GRAVITY, value="none")
-        rolls = each.motion is not None and each.motion.effect is Effect.ROLL
-        return replace(each, value=LEXICON.motions["roll over"], phrase="roll over") if rolls else each
+        if each.phrase in _ALOFT:
+            return empty(each) if falls else replace(each, kind=MentionKind.GRAVITY, value="none")
+        phrase = turned.get(each.motion.effect) if each.motion else None
+        return replace(each, value=LEXICON.motions[phrase], phrase=phrase) if phrase else each
 
     return list(map(lift, mentions))
 

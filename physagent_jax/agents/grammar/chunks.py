@@ -299,11 +299,8 @@ def is_standing(reader: Reader, at: int, place: Place) -> bool:
         at -= 2 + reader.is_after_determiner(at)  # "it balances on the end of its handle"
     below = place.names == ("down",) or place.role.startswith("leg")
     goes = motion is not None and (motion.bounces or motion.effect in _ON_FEET)
-    goes |= (
-        motion is not None
-        and motion.effect is Effect.PUSH
-        and (motion.generic or motion.direction == "ahead")
-    )
+    pushed = motion if motion is not None and motion.effect is Effect.PUSH else None
+    goes |= pushed is not None and (pushed.generic or pushed.direction == "ahead")
     if rests or not (goes and below):
         return rests and reader.get_preposition(at) == "on"
     at -= 1

@@ -167,9 +167,7 @@ def _read_weather(mentions: list[Mention], result: list[Mention], at: int, names
     for verb in (k for k in range(at + 1, min(at + _NEAR, len(mentions))) if not told):
         for more in (verb + 1, verb + 2):
             said = " ".join(each.phrase for each in mentions[verb:more])
-            if (
-                said in _WEATHER and get_phrase(mentions, more) not in own
-            ):  # "the wind picks up the boat" lifts it
+            if said in _WEATHER and get_phrase(mentions, more) not in own:  # "picks up the boat" lifts it
                 told = {said: (verb, more)}
         if mentions[verb].kind not in _BESIDE:
             break

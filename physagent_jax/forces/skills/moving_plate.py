@@ -31,7 +31,7 @@ class MovingPlate(Skill):
         """The plates, and the even squeeze of what lies between them."""
         k = bound.scaling.velocity * bound.width()
         plates = [*bound.press(k), *([] if other is None else other.press(k))]
-        return [*plates, *bound.change_length(other, k, sign)]
+        return [*plates, *bound.change_length(other, k, sign, retreats=True)]
 
     def draw_icon(self, reverse):
         """An arrow with the plate behind it."""

@@ -154,8 +154,10 @@ def _measure_speeds(signal: Signal) -> Signal:
 
 
 def _check_sudden(asked: Asked) -> list[Check]:
-    """After a blow the speed is there at once."""
+    """After a blow the speed is there at once; what is knocked over gathers it as it falls."""
     if not asked.motion.sudden or asked.kind not in (MotionKind.MOVE, MotionKind.ROTATE):
+        return []
+    if {MotionKind.ROTATE, MotionKind.FALL} <= {each.kind for each in asked.together}:
         return []
     view, (first, last) = asked.view, asked.span
     reach = first + max(round((last - first) / asked.motion.repeats), 3)

@@ -34,9 +34,9 @@ class _Graded(Constraint):
     edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
 
     def find_change(
-        self, nodes: jax.Array, velocity: jax.Array, centre: jax.Array, time: jax.Array
+        self, nodes: jax.Array, velocity: jax.Array, centre: jax.Array, time: jax.Array, mass: jax.Array
     ) -> jax.Array:
-        """The change to the wanted velocities [m/s], shape (..., 3), at nodes [m] of the same shape."""
+        """The change to the wanted velocities [m/s], shape (..., 3), at nodes [m] with masses [kg]."""
         raise NotImplementedError
 
     def on_grid(
@@ -50,8 +50,9 @@ class _Graded(Constraint):
     ) -> jax.Array:
         """Impose the motion on every node; particles take it from there exactly, since it is linear in the place."""
         del free
+        place = model.grid.place_nodes(velocity.dtype)
         centre = find_mass_centre(s.place_particles(model.grid), model.mass, model.axis)
-        change = self.find_change(model.grid.place_nodes(velocity.dtype), velocity, centre, time)
+        change = self.find_change(place, velocity, centre, time, node_mass)
         if self.edge is None:
             share = ((self.start <= time) & (time < self.end)).astype(velocity.dtype)
         else:
@@ -61,7 +62,7 @@ class _Graded(Constraint):
     def prescribe(self, model: Model, x: jax.Array) -> jax.Array:
         """The motion as it begins, along its directions [m/s]."""
         centre = find_mass_centre(x, model.mass, model.axis)
-        return self.find_change(x, jnp.zeros_like(x), centre, self.start)
+        return self.find_change(x, jnp.zeros_like(x), centre, self.start, model.mass)
 
 
 @register_dataclass
@@ -76,19 +77,27 @@ class GradedTranslation(_Graded):
         speed: Rate at which the length grows [m/s], scalar; 0 = it is held.
         length: At ``start`` [m], scalar.
         point: Place that stays [m], shape (3,); None = the present mass centre.
+        limits: Whether it only limits how fast the matter grows, evenly, static: it may grow more slowly, or
+            not at all. A limit of each node's own velocity would hold down what trembles.
     """
 
     speed: jax.Array
     length: jax.Array
     point: jax.Array | None = None
+    limits: bool = dataclasses.field(default=False, metadata=dict(static=True))
 
-    def find_change(self, nodes, velocity, centre, time):
+    def find_change(self, nodes, velocity, centre, time, mass):
         """The change of the component along the axis."""
         fixed = centre if self.point is None else self.point
         elapsed = jnp.clip(time - self.start, 0.0, self.end - self.start)
         rate = self.speed / jnp.maximum(self.length + self.speed * elapsed, 0.02 * self.length)
-        wanted = rate * ((nodes - fixed) @ self.axis)
-        return (wanted - velocity @ self.axis)[..., None] * self.axis
+        arm, along = (nodes - fixed) @ self.axis, velocity @ self.axis
+        if self.limits:
+            growth = (mass * arm * along).sum() / jnp.maximum(
+                (mass * arm**2).sum(), jnp.finfo(along.dtype).tiny
+            )
+            rate = jnp.minimum(rate, growth)
+        return (rate * arm - along)[..., None] * self.axis
 
 
 @register_dataclass
@@ -112,9 +121,9 @@ class GradedRotation(_Graded):
     offset: jax.Array
     point: jax.Array | None = None
 
-    def find_change(self, nodes, velocity, centre, time):
+    def find_change(self, nodes, velocity, centre, time, mass):
         """The change of the components across the axis."""
-        del time
+        del time, mass
         arm = nodes - (centre if self.point is None else self.point)
         reach = 0.5 * self.length if self.point is None else self.length
         share = (arm @ self.axis / reach)[..., None]
