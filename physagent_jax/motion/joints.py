@@ -165,7 +165,7 @@ class Turning:
     def swing(self) -> Vector:
         """The way across a limb that it swings to and fro: a tail and a head levelly, others across the sight."""
         table = self.brief.directions
-        level = not {"tail", "head"}.isdisjoint(self.part.roles[:1])
+        level = not {"tail", "head"}.isdisjoint((*self.part.roles[:1], *split_name(self.part.name)))
         way = normalise(cross(table.up if level else table.toward, self.arm)) or table.right
         return scale(way, -1.0) if dot(way, self.out if self.hangs else table.up) < 0 else way
 

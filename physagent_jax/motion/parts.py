@@ -138,7 +138,7 @@ def explain_guess(
     faint = any(parts[index].unsure for index in guessed)
     meant = next((role for role in roles if role in part.roles), _get_noun(text))
     lone = "handle" in roles and sum(each.origin == "shape" for each in parts) == 1
-    own = lone or meant not in PLACES or meant == roles[0]
+    own = lone or meant not in PLACES or [meant] == [*roles[:1]]
     alike = [index for index, each in enumerate(parts) if meant in each.roles]
     said = own and (alike == sorted(guessed) or len(alike) == 2 and {*guessed} <= {*alike})
     clear = (said or set(part.roles[:1]).isdisjoint(PLACES)) and not faint

@@ -24,7 +24,7 @@ from physagent_jax.run.sentence_material import tell_material
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.template import SceneTemplate
 
-_ANY_END = re.compile(r"(?:one|an?) (?:end|edge|side|corner|half)\b", re.IGNORECASE)
+_ANY_END = re.compile(r"\b(?:one|an?) (?:end|edge|side|corner|half)\b", re.IGNORECASE)
 Ask = Callable[[AgentContext], Reply[SemanticReply]]
 
 
@@ -80,7 +80,7 @@ def tell_parts(reply: SemanticReply, prompt: str, brief: SceneBrief) -> Semantic
     acted = [brief.parts[each.limb] for each in reply.expectations if each.limb is not None]
     taken = [f"'{part.name}' is taken to be '{part.stands_for}'." for part in acted if part.stands_for]
     ends = {
-        each.words for each in reply.evidence if each.field.endswith("region") and _ANY_END.match(each.words)
+        each.words for each in reply.evidence if each.field.endswith("region") and _ANY_END.search(each.words)
     }
     taken += [f"'{words}' is taken to be the one on the right, which is seen well." for words in sorted(ends)]
     unknown = list_acted(reply.unknown_parts, prompt)

@@ -19,6 +19,7 @@ from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.holds import Hold, HoldOrigin, find_blow
 from physagent_jax.motion.schema import AnchorRequest, MotionKind, WorldRequest
 from physagent_jax.run.brief import make_brief
+from physagent_jax.run.coloured import find_coloured_words
 from physagent_jax.run.holding import UP, check_hold, find_hold
 from physagent_jax.run.material import find_matter, resolve_material
 from physagent_jax.run.models import warn_of_licences
@@ -50,7 +51,7 @@ from physagent_jax.scene.config.material import MODEL_PARAMETERS
 from physagent_jax.scene.config.photo import ELEVATION
 from physagent_jax.scene.load import hash_file, is_photo
 from physagent_jax.scene.part_view import find_part_motion, turn_to_parts
-from physagent_jax.scene.parts import Frame, find_aliases, find_places, guess_parts
+from physagent_jax.scene.parts import Frame, find_aliases, find_coloured, find_places, guess_parts
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import (
     PRIORS,
@@ -59,6 +60,7 @@ from physagent_jax.scene.priors import (
     choose_damping_ratio,
     find_kind,
     guess_kind,
+    list_nouns,
 )
 from physagent_jax.scene.standing import Support, explain_tilt, hold_upright, level, make_stand
 from physagent_jax.scene.template import SceneTemplate
@@ -125,6 +127,12 @@ class ResolvedRun:
         guessed = guess_parts(body.shape, known, words, viewer, body.shells, name, prompt, body.colours)
         known = (*known, *guessed)
         places = find_places(body.shape, known, words, name, viewer, body.shells)
+        others = {*split_name(name), *list_nouns(self.template.source.kind)}
+        others |= {word for part in (*known, *places) if part.name for word in split_name(part.name)}
+        places = (
+            *places,
+            *find_coloured(body.shape, body.colours, find_coloured_words(prompt, others)),
+        )
         told = (*guessed, *places)
         return (*known, *places, *find_aliases(body.shape, told, prompt, name, viewer.toward))
 

@@ -215,6 +215,18 @@ def test_a_tail_wags_to_and_fro_across_itself():
     assert abs(cross(tuple(constraints[0].vector), TAIL.arm)[0]) > 0.19  # sideways, not up
 
 
+@pytest.mark.parametrize(
+    "how", ["bend its tail to one side", "push the tail sideways", "the tail is bent over aside"]
+)
+@pytest.mark.parametrize("arm", [(0.2, 0, 0), (0.17, 0.05, -0.1)])
+def test_a_tail_that_is_bent_aside_goes_across_itself_to_the_viewer(how, arm):
+    """Its tip went along itself, or up, where the tail is seen from its side."""
+    tail = make_part("tail", arm, (1, 0, 0))
+    (motion, *_) = read(f"{how}, then let it go", tail).expectations
+    assert motion.direction is not None and abs(motion.direction[2]) < 0.4
+    assert dot(motion.direction, brief().directions.toward) > 0.5
+
+
 def test_a_part_that_is_not_there_is_asked_for():
     reply = read("it wags its tail")
     assert any("'tail'" in doubt and "arm, head" in doubt for doubt in reply.unsure)

@@ -49,3 +49,32 @@ def test_what_the_subject_of_a_later_pronoun_does_is_not_lost(noun, rest):
 def test_another_thing_stays_another_thing():
     reply = read("the robot falls over while a bird flies past it", brief(world="ground"))
     assert {each.kind.value for each in reply.expectations} == {"rotate", "fall"}
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "the dish spins on the spot",
+        "the dish is made of rubber and it slides to the left",
+        "the bucket is pressed flat",
+    ],
+)
+@pytest.mark.parametrize("name", ["tajine", "bathtub"])
+def test_a_noun_for_a_part_that_the_object_lacks_is_the_object(name, sentence):
+    """A dish was taken for an antenna of which nobody knows the place."""
+    scene = brief(object_name=name, object_kind="object", object_nouns=list_nouns("object"), world="ground")
+    reply = read(sentence, scene)
+    assert not (reply.unknown_parts or reply.unsure)
+    assert all(each.part is None and not each.partial for each in reply.expectations)
+
+
+def test_a_noun_for_a_part_stays_one_beside_the_object_or_on_top_of_it():
+    scene = brief(
+        object_name="tajine", object_kind="object", object_nouns=list_nouns("object"), world="ground"
+    )
+    for sentence in (
+        "bend the dish on top of it to the left",
+        "the dish of the tajine bends",
+        "the head turns",
+    ):
+        assert read(sentence, scene).unknown_parts or read(sentence, scene).expectations[0].part

@@ -522,3 +522,20 @@ def test_what_is_tall_and_thin_is_kept_as_it_was_turned_over(extents, stays):
     scene = dict(extents=extents, long_axis=(1.0, 0.0, 0.0))
     (turn,) = compile_whole("flip the statue upside down", **scene).force_field.constraints
     assert (turn.held_until is not None) is stays
+
+
+@pytest.mark.parametrize(
+    ("raised", "axis"),
+    [
+        ("lift the left side of the thing", RIGHT),
+        ("lift its right end", LEFT),
+        ("pull the left edge upwards", RIGHT),
+        ("raise the rim on the right", LEFT),
+        ("pinch the brim at one side and pull it up", LEFT),
+    ],
+)
+def test_what_is_raised_at_one_side_until_it_tips_leans_to_the_other(raised, axis):
+    """It leant to the left, whatever side was raised."""
+    (tilt, *_) = read_sentence(f"{raised} until it tips, then let go", stand()).expectations
+    assert tilt.kind is MotionKind.ROTATE and tilt.limb is None and tilt.part is None
+    assert dot(tilt.direction or (), axis) > 0.9

@@ -109,6 +109,21 @@ def test_a_comparison_chooses_one_of_several(phrase, index):
         assert list_parts((*parts, alias)) == list_parts(parts)  # it is none of its own
 
 
+@pytest.mark.parametrize(
+    ("phrase", "index"),
+    [("middle drawer", 1), ("central panel", 1), ("middlemost spike", 1), ("outermost peg", 2)],
+)
+def test_the_middle_one_of_several_is_found_by_its_place(phrase, index):
+    noun = phrase.split()[-1]
+    parts = make_parts(*[f"{noun} {k}" for k in range(3)])
+    (alias,) = [each for each in find_aliases(POINTS, parts, f"pull the {phrase} out", "thing", TOWARD)]
+    assert alias.name == phrase
+    if index == 1:
+        assert alias.moved == parts[1].moved
+    assert phrase not in find(parts[:2], f"pull the {phrase} out")  # of two, none is the middle one
+    assert f"middle {noun}" not in find(parts, f"press in the middle of the {noun}")
+
+
 def test_a_plain_adjective_needs_parts_that_differ():
     one = make_parts("wheel 1")[0]
     alike = (one, one.model_copy(update=dict(name="wheel 2")))

@@ -153,6 +153,23 @@ def test_what_no_rule_tells_has_no_wrong_name():
     assert not {"head", "ear", "tail", "leg", "wing"} & set(list_roles(make(HAND)))
 
 
+@pytest.mark.parametrize(
+    "tail",
+    [
+        [((-0.6, 0, 0.08), (0.13, 0.03, 0.24))],
+        [
+            ((-0.56, 0, 0.02), (0.12, 0.03, 0.12)),
+            *(((-0.56, 0, 0), (-0.68, 0, z), 0.025) for z in (0.22, -0.2)),
+        ],
+    ],
+    ids="blade fork".split(),
+)
+def test_the_tail_of_a_fish_that_lies_on_its_fins_is_no_head(tail):
+    fins = [((x, 0.1 * k, -0.14), (x - 0.1, 0.2 * k, -0.24), 0.03) for k in SIDES for x in (0.3, -0.15)]
+    body = [((0, 0, 0), (0.45, 0.13, 0.2)), ((-0.35, 0, 0.03), (-0.5, 0, 0.03), 0.06)]
+    assert list_roles(make([*body, *tail, *fins])) == ["leg", "leg", "leg", "leg", "tail"]
+
+
 def test_wings_are_the_pair_in_front_of_the_tail():
     places = {part.roles[0]: part.side[0] for part in find_parts(make(PLANE))}
     assert places["tail"] < -0.5 < places["wing"]

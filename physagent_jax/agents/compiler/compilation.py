@@ -149,8 +149,7 @@ def _is_soft(presets: tuple[str, ...], intent: Intent, brief: SceneBrief) -> boo
 
 def _is_of(presets: tuple[str, ...], intent: Intent) -> bool:
     """Return whether the sentence says that the object is of one of some presets."""
-    meanings = map(find_meaning, intent.materials)
-    return any(each is not None and each.preset in presets for each in meanings)
+    return any(each and each.preset in presets for each in map(find_meaning, intent.materials))
 
 
 def _refuse(unknown: list[Event], brief: SceneBrief) -> UserError:

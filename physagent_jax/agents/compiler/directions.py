@@ -181,8 +181,7 @@ def _find_blow(event: Event, brief: SceneBrief) -> Heading | None:
         return None
     part = event.parts[0]
     if part.phrase in read_lexicon().fronts:
-        why = "a blow on the front drives it away"
-        return Heading(brief.directions.away, event.words, why)
+        return Heading(brief.directions.away, event.words, "a blow on the front drives it away")
     side = find_side(part, brief)
     if side and dot(side, brief.directions.down) > _FOOT:
         return None  # it stands on the ground

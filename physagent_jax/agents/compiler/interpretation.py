@@ -49,6 +49,7 @@ _USELESS = {
 _WHOLE = (Effect.ROLL, Effect.BURST, Effect.TOPPLE, Effect.JUMP, Effect.FALL)
 _ONCE = (Effect.FALL, Effect.TOPPLE, Effect.ROLL, Effect.BURST, Effect.RELEASE, Effect.STILL)
 _STEEP = 0.7  # cosine to the vertical
+_ALONG = 0.85  # cosine to a limb from which on a way leads along it
 _TALL = 1.1  # height over its breadth, from which on what falls over can roll about its own line alone
 _UPRIGHT = 0.9  # the same, from which on a part lies above or below
 _OWN_PARTS = dict(
@@ -468,10 +469,9 @@ def _resolve_again(event: Event, before: Event | None) -> None:
     )
     if before is None or before.direction is None or not alike:
         event.doubts.append(f"Which way '{ways[0].text}' is, is not understood.")
-    elif same:
-        _turn(event, before.direction, "the same way as before")
     else:
-        _turn(event, scale(before.direction, -1.0), "the other way than before")
+        why = "the same way as before" if same else "the other way than before"
+        _turn(event, scale(before.direction, 1.0 if same else -1.0), why)
 
 
 def _find_unused(event: Event) -> list[str]:
@@ -506,8 +506,7 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
     opposite = event.effect is Effect.TURN and len({each.place.names for each in event.parts}) == 2
     texts = dict.fromkeys(each.text for each in named)
     if len(texts) > 1 and not opposite:  # "one end against the other"
-        words = ", ".join(texts)
-        event.doubts.append(f"Of several parts ({words}) only the first is used.")
+        event.doubts.append(f"Of several parts ({', '.join(texts)}) only the first is used.")
     whole = event.effect in (Effect.FALL, Effect.TOPPLE)
     if not named or whole and named[0].place.names == ("down",) and event.parts:
         return  # "lands on its feet", as it stood
@@ -523,8 +522,7 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
         text, roles = named[0].text, find_roles(named[0].phrase)
         doubt = explain_guess(text, brief.parts, event.limbs, plural=is_plural(text), roles=roles)
         # It only has to stay where it is.
-        told = event.notes if event.effect is Effect.STILL else event.doubts
-        told += filter(None, [doubt])
+        (event.notes if event.effect is Effect.STILL else event.doubts).extend(filter(None, [doubt]))
         part = brief.parts[event.limbs[0]]
         event.region, event.part = part.moved, part.side
         event.sources["region"] = ValueSource(named[0].text, part.moved.label or "a part of the object")
@@ -534,9 +532,15 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
         assumed = event.sources["vector"].why.endswith(BY_DEFAULT)
         beside = any("side to side" in each.text.lower() for each in event.clause.repetitions)
         assumed |= beside and not {"tail", "head"}.isdisjoint(roles[:1])  # to its own sides
+        wide = "tail" in (*roles[:1], *part.roles[:1]) and bool(event.pick(WayKind.PLANE))
+        wide |= event.effect is Effect.LEAN and abs(dot(event.direction or limb.swing, limb.arm)) > _ALONG
+        flattens = abs(dot(event.direction or limb.out, brief.directions.up)) > _STEEP
         kicks = event.effect is Effect.STRIKE and "leg" in roles[:1] and not event.pick(*WAYS)
         if kicks or assumed and event.effect is Effect.SWAY and (beside or event.motion.direction is None):
             _turn(event, limb.swing, ACROSS)
+        elif wide and not flattens and event.effect in (Effect.LEAN, Effect.PUSH):  # no bend along itself
+            near = dot(limb.swing, brief.directions.toward) >= 0
+            _turn(event, scale(limb.swing, 1.0 if near else -1.0), "across the part, to who looks")
         elif assumed and (event.motion.wrings or part.axle and event.effect is Effect.TURN):
             _turn(event, part.axle or limb.arm, "about the part's own line")
         elif assumed and (event.motion.draws or event.effect is Effect.SCALE and event.motion.sign > 0):
@@ -545,9 +549,7 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
             leaves = event.motion.pulls or event.motion.manner == "detach"
             _turn(event, scale(limb.arm, 1.0 if leaves else -1.0), "out of or into the part's face")
         elif (
-            event.effect is Effect.SCALE
-            and event.motion.sign < 0
-            and abs(dot(event.direction or limb.out, brief.directions.up)) > _STEEP
+            event.effect is Effect.SCALE and event.motion.sign < 0 and flattens
         ):  # a part gives way downwards
             event.motion = replace(event.motion, effect=Effect.PUSH, sign=1, skill=None)
             down = brief.directions.down
@@ -617,10 +619,9 @@ def resolve_obstacles(
     found = []
     for solid in solids:
         sides = normalise(sum_directions(solid.sides, brief)) or way
-        for direction in (sides, normalise(sum_directions(solid.opposite, brief))):
-            if direction is not None:
-                words = solid.text or solid.kind
-                found.append(ObstacleRequest(kind=solid.kind, direction=direction, words=words))
+        ways = filter(None, (sides, normalise(sum_directions(solid.opposite, brief))))
+        words = solid.text or solid.kind
+        found += [ObstacleRequest(kind=solid.kind, direction=each, words=words) for each in ways]
     return found
 
 

@@ -122,9 +122,9 @@ def _says_nothing(reader: Reader, entry: Entry, used: list[int]) -> bool:
     if kind is MentionKind.INTENSITY:
         return _is_describing_object(reader, at, len(used))
     if words == ("pinch",):  # "pinch the tip and bend it": a grip
-        places = range(at + 1, at + _ADVERBS)
-        ends = [end for end in places if text(end) == "and" and text(end + 2) == "it"]
-        return any(reader.tokens[end + 1].lemma in LEXICON.motions for end in ends)
+        behind = itertools.takewhile(lambda k: reader.tokens[k].is_word, range(at, len(reader.tokens)))
+        ends = [k + 1 for k in behind if text(k) == "and" and text(k + 2) == "it"]
+        return any(reader.tokens[end].lemma in LEXICON.motions for end in ends)
     if kind is not MentionKind.DIRECTION:
         return False
     if words == ("up",):  # "from ridiculously high up"
@@ -178,8 +178,7 @@ def read_word(reader: Reader, at: int) -> Mention:
     behind = (reader.get_text(at + step) for step in (1, 2, 3))
     counts = text in NUMBERS and any(word.removesuffix("s") in LEXICON.part_nouns for word in behind)
     told = text in LEXICON.words or counts  # "its six little legs"
-    kind = MentionKind.FUNCTION if told else MentionKind.UNKNOWN
-    return reader.make_mention(kind, None, text, [at])
+    return reader.make_mention(MentionKind.FUNCTION if told else MentionKind.UNKNOWN, None, text, [at])
 
 
 def _skip_gap(reader: Reader, position: int, until: str) -> int:

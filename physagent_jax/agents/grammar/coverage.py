@@ -180,8 +180,7 @@ def ignore_captions(mentions: list[Mention]) -> list[Mention]:
         return mentions
     result = list(mentions)
     for begin, end in list_segments(mentions):
-        kinds = {mention.kind for mention in mentions[begin:end]}
-        if kinds <= {MentionKind.QUANTITY, MentionKind.UNKNOWN}:
+        if {each.kind for each in mentions[begin:end]} <= {MentionKind.QUANTITY, MentionKind.UNKNOWN}:
             for at in range(begin, end):
                 if mentions[at].kind is MentionKind.QUANTITY:
                     words = mentions[at].words
@@ -355,8 +354,7 @@ def _is_describing(spot: _Spot) -> bool:
     if noun is None:
         return False
     known = noun.phrase in spot.names | get_set("stand_ins") or noun.form in LEXICON.scene_nouns
-    known = known or noun.kind is MentionKind.PLACE
-    return known or noun.motion is not None and noun.motion.wind
+    return known or noun.kind is MentionKind.PLACE or noun.motion is not None and noun.motion.wind
 
 
 def _is_predicate(spot: _Spot) -> bool:

@@ -183,8 +183,7 @@ def _find_timing(clause: Clause) -> intent.Timing:
             timing = timing.model_copy(update={"starts": told.starts.model_copy(update=text)})
         if told.lasts is not None:
             lasts = told.lasts.model_copy(update=text)
-            shared = dict(lasts=lasts, within=told.within, overall=told.overall)
-            timing = timing.model_copy(update=shared)
+            timing = timing.model_copy(update=dict(lasts=lasts, within=told.within, overall=told.overall))
     return timing
 
 
@@ -236,8 +235,7 @@ def _list_choices(mentions: list[Mention]) -> list[str]:
 
 
 def _find_held(clauses: list[Clause]) -> intent.Held | None:
-    found = (mention for clause in clauses for mention in clause.select(MentionKind.ANCHOR))
-    mention = next(found, None)
+    mention = next((each for clause in clauses for each in clause.select(MentionKind.ANCHOR)), None)
     if mention is None:
         return None
     return intent.Held.model_validate(dict(end=mention.value, described=True, text=_cut(mention.words)))

@@ -8,6 +8,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
+from physagent_jax.agents.compiler.events import KnownPart
+from physagent_jax.agents.compiler.limbs import find_limbs
 from physagent_jax.agents.grammar.chunks import PHRASES, begins_longer_phrase, is_standing
 from physagent_jax.agents.grammar.mentions import MOTIONS, Mention, MentionKind, Reader
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
@@ -43,17 +45,26 @@ def collect_names(sentence: str, brief: SceneBrief) -> frozenset[str]:
     places = [at for at, text in enumerate(texts) if text in own]
     if not places:
         found = nouns.intersection(texts)
-        return frozenset(own | (found - get_set("persons") or found))  # "a man pushes the statue"
+        found = found - get_set("persons") or found or _find_wholes(texts, brief)  # "a man pushes the statue"
+        return frozenset(own | found)
     beside = set()
     for at in places:
-        beside.update(texts[max(at - 1, 0) : at])
-        if texts[at - 1 : at] == ["of"]:
-            beside.update(texts[max(at - 2, 0) : at - 1])
-        if not tokens[at].possessive:
-            beside.update(texts[at + 1 : at + 2])
-        if texts[at + 1 : at + 2] == ["of"]:
-            beside.update(texts[at + 2 : at + 3])
+        before, behind = texts[max(at - 2, 0) : at], texts[at + 1 : at + 3]
+        beside |= {*before[-1 - (before[-1:] == ["of"]) :]}
+        beside |= {*behind[tokens[at].possessive : 1 + (behind[:1] == ["of"])]}
     return frozenset(own | (beside & nouns))
+
+
+def _find_wholes(texts: list[str], brief: SceneBrief) -> set[str]:
+    """Nouns for a part that the object lacks, and that are all of others: "the dish tips"; no leaf, no head."""
+    known = {word: place for word in brief.object_nouns if (place := LEXICON.parts.get(word))}
+    return {
+        noun
+        for article, noun, behind in zip(texts, texts[1:], [*texts[2:], ""])
+        if article == "the" and noun in known and "up" not in known[noun].names and behind != "on"
+        if not (known[noun].names and FORMS.get(behind) in ("stay", "remain", "keep"))  # the pot of a plant
+        if not find_limbs(KnownPart(known[noun], noun, noun), brief)
+    }
 
 
 def _is_a_head(parts: Sequence[Part]) -> bool:
@@ -78,9 +89,8 @@ def _find_halves(name: Iterable[str], texts: list[str]) -> set[str]:
     found = set()
     for word in name:
         found |= {half for pair in pairwise(texts) if "".join(pair) == word for half in pair}
-        halves = {text for text in texts if _LEAST <= len(text) <= len(word) - 3}
-        ends = {text for text in halves if word.startswith(text) or word.endswith(text)}
-        found |= {text for text in ends if not _has_other_meaning(text)}
+        ends = {text for text in texts if word.startswith(text) or word.endswith(text)}
+        found |= {t for t in ends if _LEAST <= len(t) <= len(word) - 3 and not _has_other_meaning(t)}
         found |= {text for text in texts if _LEAST <= len(word) <= len(text) - 3 and text.endswith(word)}
     return found
 
@@ -243,10 +253,8 @@ def _find_where(reader: Reader, at: int, match: re.Match[str]) -> tuple[str, int
     name = name or {"front": "toward", "back": "away", "rear": "away"}.get(
         beside or match["side"] or "", beside or match["side"]
     )
-    whole = reader.words.find_behind(at, match)
-    told = bool(match["place"] or beside)
-    length = whole if told else whole - (match["where"] or "").count(" ")
-    return name or "", length
+    behind = reader.words.find_behind(at, match)
+    return name or "", behind - (0 if match["place"] or beside else (match["where"] or "").count(" "))
 
 
 def _convert_collision(reader: Reader) -> None:

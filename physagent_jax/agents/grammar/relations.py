@@ -333,10 +333,16 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
         _absorb(cause, effect)
         return []
     # "Lift its front until it stands on its back end, or tips": but by a handle, it tilts about the other side.
-    raised = first.effect is Effect.PUSH and first.bound
+    upwards = [m for m in cause.select(*WAYS) if m.value == ("up",)]
+    raised = first.effect is Effect.PUSH and (first.bound or bool(upwards))
     if second.effect is Effect.LEAN and (second.angle or raised):
-        grips = [] if second.angle else list(filter(sticks_out, cause.select(MentionKind.PLACE)))
-        cause.modifiers = [m for m in cause.modifiers if m.kind is not MentionKind.PLACE or m in grips]
+        places = cause.select(MentionKind.PLACE)
+        grips = [] if second.angle else list(filter(sticks_out, places))
+        kept = [m for m in cause.modifiers if m not in (*upwards, *places) or m in grips]
+        led = second.direction or any(m.kind in WAYS for m in (*kept, *effect.modifiers))
+        names = [] if led else [getattr(m.value, "names", ()) for m in places if m not in grips]
+        sides = [each for each in names if {*each} - {"up", "down"}]
+        cause.modifiers = kept + [replace(places[0], kind=MentionKind.FROM, value=each) for each in sides[:1]]
     if second.effect is Effect.TOPPLE and cause.has(*DRIVING) and not cause.select(*WAYS):
         cause.modifiers += effect.select(*WAYS)  # "push it until it tips over to the right"
     # "Twist it until it snaps in two".
@@ -411,11 +417,10 @@ def _is_falling_over(topple: Clause, clause: Clause) -> bool:
 def _sort_clauses(clauses: list[Clause]) -> list[Clause]:
     """Puts "B after A" and "before B, A" in the order of time; a list is a sequence to its last "and"."""
     ordered: list[Clause] = []
-    held_back: Clause | None = None
+    if len(clauses) > 1 and clauses[0].join is Join.BEFORE:
+        clauses[0].join = Join.THEN
+        clauses = [clauses[1], clauses[0], *clauses[2:]]
     for index, clause in enumerate(clauses):
-        if clause.join is Join.BEFORE and index == 0 and len(clauses) > 1:
-            held_back = clause
-            continue
         if index == 1 and clauses[0].join is Join.WHILE and clause.join is Join.COMMA:
             clause.join = Join.WHILE  # "while it falls, it rotates"
         if clause.join is Join.AFTER and ordered:
@@ -423,10 +428,6 @@ def _sort_clauses(clauses: list[Clause]) -> list[Clause]:
             clause.join, ordered[-1].join = ordered[-1].join, Join.THEN
         else:
             ordered.append(clause)
-        if held_back is not None:
-            held_back.join = Join.THEN
-            ordered.append(held_back)
-            held_back = None
     for before, clause in pairwise(ordered):
         if clause.join is Join.AND and before.join is Join.COMMA and before is not ordered[0]:
             clause.join = Join.COMMA

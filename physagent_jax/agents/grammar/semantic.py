@@ -56,8 +56,8 @@ def read_intent(prompt: str, brief: SceneBrief) -> Intent:
         UserError: It is no text, too little of it is understood, or it names no motion of the object.
     """
     _check_text(prompt)
-    materials = find_materials(prompt, brief)
-    names, text = collect_names(prompt, brief), mask_materials(prompt, materials)
+    text = mask_materials(prompt, materials := find_materials(prompt, brief))
+    names = collect_names(text, brief)
     mentions = ignore_captions(read_mentions(text, names, list_names(brief)))
     coverage = sort_words(mentions, names, brief)
     if is_mostly_unknown(mentions, coverage):

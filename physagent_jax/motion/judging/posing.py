@@ -24,7 +24,7 @@ _ON_ITS_FEET = re.compile(
     r"\b(on|onto|to) (its|his|her|their|all|both) (own )?(four |two )?"
     r"(feet|foot|legs|paws|wheels|hooves|base|bottom|fours)\b"
 )
-_ON_ITS_SIDE = re.compile(r"\b(on|onto) (its|his|her|their|one) (left |right )?side\b")
+_ON_ITS_SIDE = re.compile(r"(?<!rim )(?<!edge )\b(on|onto) (its|his|her|their|one) (left |right )?side\b")
 _LEAPS = re.compile(r"\b(jump|hop|leap)(s|ing|ed|ping|ped|t)?\b")
 _LEVEL = 0.5  # sine of a way's slope
 _STANDS = 45.0  # [degrees] from upright at the end of what is left standing

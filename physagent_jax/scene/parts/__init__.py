@@ -13,6 +13,8 @@ the names that a sentence has for them. `store` keeps what was found on disk.
 from physagent_jax.scene.parts.aliases import find_aliases as find_aliases
 from physagent_jax.scene.parts.branches import branch_numbered as branch_numbered
 from physagent_jax.scene.parts.branches import join_chains as join_chains
+from physagent_jax.scene.parts.coloured import find_coloured as find_coloured
+from physagent_jax.scene.parts.coloured import list_hues as list_hues
 from physagent_jax.scene.parts.guesses import guess_parts as guess_parts
 from physagent_jax.scene.parts.marking import find_parts as find_parts
 from physagent_jax.scene.parts.named import choose_parts as choose_parts

@@ -11,12 +11,12 @@ import functools
 import re
 from collections.abc import Callable, Sequence
 from importlib import resources
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import yaml
 
-from physagent_jax.forces.part import MOST_LETTERS, SIDES, Part, get_singular, split_name
+from physagent_jax.forces.part import MOST_LETTERS, SIDES, Part, PartRole, get_singular, split_name
 from physagent_jax.forces.regions import make_region_mask
 
 _WORD = re.compile(r"[^\W\d_]+")
@@ -153,7 +153,11 @@ def _is_compound(words: Sequence[str], at: int, own: set[str]) -> bool:
 def _find_adjective(words: Sequence[str], at: int) -> int | None:
     """The place of an adjective that compares, before a noun and its other adjectives."""
     places = range(at - 1, max(at - 2 - _BETWEEN, -1), -1)
-    return next((k for k in places if words[k] in _read_comparisons()), None)
+    if f"middle{get_singular(words[at])}" in get_args(PartRole):  # "the middle finger" is one by its name
+        return None
+    found = next((k for k in places if words[k] in _read_comparisons()), None)
+    midst = found is not None and _read_comparisons()[words[found]].endswith("middle")
+    return None if midst and "of" in words[found:at] else found  # "in the middle of the wheels"
 
 
 def _find_sided(parts: Sequence[Part], words: Sequence[str], at: int) -> list[tuple[str, int]]:
@@ -233,8 +237,14 @@ def _choose(
 ) -> int | None:
     """The one of several parts that an adjective tells; None if there is none, or it tells none apart."""
     key = _read_comparisons()[adjective]
-    measure = _MEASURES[key.removeprefix("-")]
-    sizes = [measure(points[~make_region_mask(parts[k].rest, points)], toward) for k in candidates]
+    own = [points[~make_region_mask(parts[k].rest, points)] for k in candidates]
+    if key.endswith("middle"):
+        if len(own) < 3 or any("middle" in split_name(parts[k].name) for k in candidates):
+            return None  # of two, none is
+        middle = np.mean([each.mean(0) for each in own], axis=0)
+        sizes = [-float(np.linalg.norm(each.mean(0) - middle)) for each in own]
+    else:
+        sizes = [_MEASURES[key.removeprefix("-")](each, toward) for each in own]
     least = key.startswith("-")
     ranked = sorted(zip(sizes, candidates), key=lambda each: each[0] if least else -each[0])
     if not ranked or adjective in _PLAIN and not _differ(*(size for size, _ in ranked[:2])):

@@ -9,14 +9,13 @@ from typing import Any
 
 import numpy as np
 
-HUES = dict(green=(70.0, 175.0), brown=(8.0, 48.0))
-"""Lowest and highest hue of the measures of colour [degrees]."""
+from physagent_jax.scene.parts.coloured import HUES, find_hue
+
 _LARGE = 0.08  # share of the object from which on a part is large
 _GROUND = 0.2  # of the height, from which on a part's lowest place is off the ground
 _SIDES = np.array([(1.0, 0, 0), (-1.0, 0, 0), (0, 1.0, 0), (0, -1.0, 0)])
 _SEEN = 0.2  # cosine to the viewer of a side that is seen
 _COLUMNS = 24  # along the longest side, from above
-_COLOURED = 0.15  # saturation from which on a colour has a hue
 _MOSTLY = 0.5  # share of a part in a hue, from which on it has that
 _TELLING = 0.02, 0.97  # shares of the object in a hue, between which it tells parts apart
 
@@ -107,11 +106,7 @@ class Looks:
         """The particles of each hue that a part of the object has and another has not, shape (n,) each."""
         if self.colours is None:
             return {}
-        red, green, blue = self.colours.T
-        most, least = self.colours.max(1), self.colours.min(1)
-        hue = np.degrees(np.arctan2(np.sqrt(3) * (green - blue), 2 * red - green - blue)) % 360
-        coloured = most - least > _COLOURED * most
-        found = {key: coloured & (low < hue) & (hue < high) for key, (low, high) in HUES.items()}
+        found = {key: find_hue(self.colours, key) for key in HUES}
         low, high = _TELLING
         return {key: has for key, has in found.items() if low < has[self.whole].mean() < high}
 

@@ -35,6 +35,8 @@ _EAR_END, _TOP = 0.15, 0.75  # of the length from the middle, and of the height,
 _BROW = 0.4  # of the height, above which the ears and horns of what is all head are
 _ALIKE = 0.9  # likeness to its image from which on an object is clearly its own
 _TINY = 0.03  # share of the object, above which nothing is an ear of a head that is not found
+_FIN, _FIN_END = 0.15, 0.35  # share of the object, at most, and place of a fish's tail
+_SHEET = 0.45  # its thickness over its breadth, at most
 _UNDER = 0.15  # of the length, by which the feet of what stands on two legs may be off its middle
 _FOOT, _BORNE = (
     0.15,
@@ -71,6 +73,7 @@ class Roles:
             ((k, j) for k, j in enumerate(self.partners) if j is not None and k < j),
             key=lambda pair: -sum(limbs[k].share for k in pair),
         )  # larger ones first
+        self.fin = self._find_fin()
         self.legs = self._find_legs()
         self.back = self._find_back()
         self.head = self._find_head()
@@ -93,12 +96,32 @@ class Roles:
             return self.things.assign({})
         found |= self._name_horns(self._name_pairs(found))
         tail = self._find_tail(found)
+        if tail is None and self.head is None and self.legs and self.fin not in found:
+            tail = self.fin  # of a fish that lies on its fins
         if tail is not None:
             found[tail] = ("tail",)
             found |= self._name_across(tail, found)
         found |= dict.fromkeys(self._find_nose(found), ("nose",))
         # What stands on legs and is no figure has other things on it, too: a lander its dish.
         return self.things.assign(found) if all(each == ("leg",) for each in found.values()) else found
+
+    def _find_fin(self) -> int | None:
+        """The thin blade on the mirror plane at one end of what has pairs of limbs, as a fish's tail is; else None."""
+        fins = [
+            k
+            for k, limb in enumerate(self.limbs)
+            if self.pairs and self._is_long() and self._is_middle(limb) and not limb.loop
+            if abs(self._find_place(limb)) > _FIN_END and limb.share < _FIN and self.partners[k] is None
+            if self._is_thin(limb)
+        ]
+        fins = [k for k in fins if not set(list_outer(self.limbs, k)) & set(fins)]
+        return fins[0] if len(fins) == 1 else None
+
+    def _is_thin(self, limb: Limb) -> bool:
+        """Return whether a limb is a sheet in the mirror plane, where a head is thick."""
+        own = self.places[limb.nodes]
+        spread = np.linalg.eigvalsh(np.cov(own[:, 2], own @ self.axis)) if len(own) > 2 else np.zeros(2)
+        return bool(np.std(own @ self.mirror.normal) < _SHEET * np.sqrt(max(spread[0], 0.0)))
 
     def _find_legs(self) -> list[int]:
         """Limbs that stand on the ground, two or more alike; or the feet that bear all."""
@@ -111,7 +134,8 @@ class Roles:
             and limb.share < LARGEST
             if self._find_way(limb)[2] < -0.5
         ]
-        outer = [k for k in standing if not set(list_outer(self.limbs, k)) & set(standing)]
+        fin = set() if self.fin is None else {self.fin, *list_inner(self.limbs, self.fin)}
+        outer = [k for k in standing if k not in fin and not set(list_outer(self.limbs, k)) & set(standing)]
         legs = [k for k in outer if any(k != j and are_alike(self.limbs[k], self.limbs[j]) for j in outer)]
         return legs if self.bear(legs) else self._find_feet()
 
@@ -168,6 +192,8 @@ class Roles:
         if limb.share > most or limb.loop or self.partners[index] is not None or not self._is_middle(limb):
             return False
         if self.things.is_grounded(limb) or holds_arms(self.limbs, self.partners, index):
+            return False
+        if self.fin is not None and self.fin in (index, *list_outer(self.limbs, index), *inner):
             return False
         slim = [
             self.limbs[k]
@@ -307,7 +333,12 @@ class Roles:
         fitting = [
             k
             for k, limb in enumerate(self.limbs)
-            if figure and k not in found and self.partners[k] is None and not limb.loop and not limb.children
+            if figure
+            and k not in found
+            and self.fin not in list_outer(self.limbs, k)
+            and self.partners[k] is None
+            and not limb.loop
+            and not limb.children
             if limb.share < _TRUNK and _TAIL < limb.length and limb.slimness > _NOSE and self._is_middle(limb)
             if limb.joint[2] > self.middle[2] and not self.things.is_grounded(limb)
             if abs(self._find_place(limb)) > _END
