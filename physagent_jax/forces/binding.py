@@ -58,10 +58,6 @@ ROCKS = math.radians(2)  # by which what slides may rock
 TILTED = math.radians(20)  # at which what is led over its foot stands on its edge, or by less
 _SLIGHT = math.radians(5)  # of which it is seen where that is
 FALLING = math.radians(40)  # from which on what is led over it and let go falls over
-EASES, EASED = (
-    0.6,
-    0.3,
-)  # [s] and share of a plate's retreat, for and at which what was pressed then comes up yet
 RISES_BY = 0.35  # [m/s] at which what has come down gets up again, for the least M
 _CARRIERS = 1024  # particles at most, whose mean motion a limb is carried by
 _EDGE = 0.02  # [L] around that point, in which particles tell where the edge is
@@ -612,12 +608,9 @@ class Binding:
         if self._held_until is not None:
             motions.append(lead(speed=still, length=length + change, start=end, end=self._held_until))
         if retreats:
-            begin, last = motions[-1].end, self.leaf(self._until)
-            back = jnp.minimum(begin + RETREAT, last)
-            eased = jnp.minimum(back + self.leaf(EASES), last)
-            speed = -change / self.leaf(RETREAT)
+            begin, speed = motions[-1].end, -change / self.leaf(RETREAT)
+            back = jnp.minimum(begin + RETREAT, self.leaf(self._until))
             motions.append(lead(speed=speed, length=length + change, start=begin, end=back, limits=True))
-            motions.append(lead(speed=EASED * speed, length=length, start=back, end=eased, limits=True))
         return motions
 
     def wring(self, other: Binding | None, k: float | Array, sign: float) -> list[GradedRotation]:

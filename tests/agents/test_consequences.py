@@ -107,6 +107,33 @@ def test_what_bounces_back_up_is_thrown_up_again_and_that_is_looked_for(prompt, 
     assert len(reply.force_field.actions) == count and not reply.force_field.constraints
 
 
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "throw the robot down onto the floor so that it bounces back up",
+        "it is hurled to the ground and bounces",
+    ],
+)
+def test_what_is_thrown_down_bounces(prompt):
+    """It was thrown up first, or fell twice."""
+    reply = read(prompt, brief(world="ground"))
+    (fall,) = reply.expectations
+    assert fall.kind is MotionKind.FALL and fall.rebounds and reply.force_field.default_drop
+
+
+@pytest.mark.parametrize(
+    ("prompt", "kinds"),
+    [
+        ("the robot falls down and bursts into pieces", [MotionKind.FALL]),
+        ("the robot falls and explodes", [MotionKind.FALL, MotionKind.STRETCH]),
+    ],
+)
+def test_what_falls_and_bursts_does_so_where_it_lands(prompt, kinds):
+    reply = read(prompt, brief(world="ground"))
+    assert [each.kind for each in reply.expectations] == kinds
+    assert all(each.window[0] > 10 for each in reply.expectations[1:])
+
+
 def test_what_is_soft_wobbles_by_itself_as_it_lands():
     """Led to and fro, it hung where it had bounced to."""
     scene = brief(object_name="jelly", object_kind="jelly", world="ground")

@@ -43,6 +43,9 @@ def list_limbs(reply):
         ("the robot raises its left arm, then drops the arm", [(MOVE, 0), (MOVE, 0)]),
         ("raise its left arm, hold it, then lower it again", [(MOVE, 0), (MOVE, 0)]),
         ("the robot drops its right arm", [(MOVE, 1)]),
+        ("pull its left arm out and drop it next to the robot", [(MOVE, 0), (MOVE, 0)]),
+        ("its left arm is pulled out and falls over beside the robot", [(MOVE, 0), (MOVE, 0)]),
+        ("take its head off and let it fall", [(MOVE, 2), (MOVE, 2)]),
         ("raise both arms above its head", [(MOVE, 0), (MOVE, 1)]),
         ("both arms sag down", [(MOVE, 0), (MOVE, 1)]),
         ("its left arm wiggles as if the head were stuck", [(SWAY, 0)]),
@@ -349,3 +352,22 @@ def test_what_is_lowered_until_it_hangs_goes_on_down():
 def test_a_part_that_moves_meanwhile_is_not_asked_to_be_still_and_that_is_said():
     reply = read("its left arm waves, its left arm perfectly still")
     assert list_limbs(reply) == [(SWAY, 0)] and any("not asked to be still" in note for note in reply.notes)
+
+
+@pytest.mark.parametrize(
+    "sentence",
+    ["its left arm is pulled out", "someone pulls out its left arm", "yank its left arm out of the robot"],
+)
+def test_what_is_pulled_out_goes_along_itself(sentence):
+    """It bent to the left, as what is pulled does."""
+    (motion,) = read(sentence).expectations
+    assert motion.kind is MOVE and cosine(motion.direction, LEFT_ARM.arm) > 0.95
+
+
+@pytest.mark.parametrize(
+    "sentence", ["pull its left arm off and drop it", "its head is lifted off and falls down"]
+)
+def test_what_was_taken_off_falls_by_itself(sentence):
+    """It hung down from what it was off, or all of it fell."""
+    *_, fall = read(sentence).expectations
+    assert fall.manner == "detach"

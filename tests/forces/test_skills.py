@@ -503,13 +503,11 @@ def test_what_was_pressed_is_led_evenly_back_until_something_else_acts(following
         frame_dt=FRAME_DT,
         frame_count=FRAMES,
     )
-    press, *back = [each for each in made if isinstance(each, GradedTranslation)]
-    assert not press.limits and len(back) == 2 and all(each.limits for each in back)
-    pressed = float(press.speed * (press.end - press.start))
-    assert float(back[0].speed) == pytest.approx(-pressed / RETREAT) and back[0].start == press.end
-    assert 0 < float(back[1].speed) < 0.5 * float(back[0].speed) and back[1].start == back[0].end
-    if following is not None:
-        assert float(back[1].end) == pytest.approx(FRAME_DT * following)
+    press, back = [each for each in made if isinstance(each, GradedTranslation)]
+    assert not press.limits and back.limits and back.start == press.end
+    pressed, until = float(press.speed * (press.end - press.start)), float(press.end) + RETREAT
+    assert float(back.speed) == pytest.approx(-pressed / RETREAT)
+    assert float(back.end) == pytest.approx(until if following is None else min(until, FRAME_DT * following))
 
 
 @pytest.mark.parametrize(

@@ -25,6 +25,7 @@ class ForceFieldBuilder:
         brief, anchored: The scene, with the clip's length.
         rooted: Whether its foot is held, whoever says so.
         soft: Whether a finger goes into it.
+        breaks: Whether it is said to go to pieces.
         gravity: What the sentence says about gravity: "down", "up", "none"; None = nothing.
         room: Frame at which what follows the present event is over: its brake ends there.
         earlier: What the slots before do.
@@ -44,6 +45,7 @@ class ForceFieldBuilder:
     attitude: tuple[float, float] | None = None
     rooted: bool = False
     soft: bool = False
+    breaks: bool = False
     actions: list[Action] = field(default_factory=list)
     constraints: list[VelocityConstraint] = field(default_factory=list)
     expectations: list[ExpectedMotion] = field(default_factory=list)

@@ -80,7 +80,7 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     anchored = held or (brief.anchored is not None and anchor.kind != "none")
     rooted = anchored and "top" not in (anchor.kind or brief.anchored or "")
     builder = ForceFieldBuilder(brief, anchored, intent.surroundings.gravity, rooted=rooted)
-    builder.soft = _is_soft(GIVING, intent, brief)
+    builder.soft, builder.breaks = _is_soft(GIVING, intent, brief), _is_of(("brittle",), intent)
     builder.notes += intent.notes
     builder.obstacles += resolve_obstacles(intent.surroundings.solids, None, brief)
     slots, frame_count, remarks = schedule(make_events(clauses, builder), brief, anchored)

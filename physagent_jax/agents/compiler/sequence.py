@@ -168,13 +168,19 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         slam.strength, slam.doubts = MAGNITUDE_MAX, [*slam.doubts, *event.doubts]
         return  # "it crashes into the wall, and its front crumples": it is of what gives way
     fall = events[-1] if events and events[-1].effect is Effect.FALL else None
-    yields = event.motion.gives or fall and _yields(event, builder.soft)
+    bursts = fall and event.effect is Effect.BURST
+    if bursts and not builder.breaks:
+        event.clause = event.clause.model_copy(update=dict(order="then"))  # "it falls and explodes"
+    yields = event.motion.gives or bursts and builder.breaks or fall and _yields(event, builder.soft)
     if yields and falls and any(each.effect not in _RESTING for each in events):
         events[-1].doubts += event.doubts
         events[-1].trembles |= builder.soft and not event.motion.gives
         return  # "it falls and shatters", "it falls and flattens"
     bounces = event.verb is not None and event.verb.bounces and event.effect in (Effect.FALL, Effect.JUMP)
-    if bounces or fall and event.effect is Effect.RELEASE and event.phrase.startswith("bounce"):
+    springs = bounces or event.effect is Effect.RELEASE and event.phrase.startswith("bounce")
+    if springs and events and events[-1].effect is Effect.STRIKE and _lands(events[-1], builder.brief):
+        fall = events[-1] = _make_another(events[-1], "drop")  # "it is thrown down and bounces back up"
+    if bounces or fall and springs:
         bouncing = fall or event
         bouncing.rebounds, bouncing.repeat = event.repeat.count or _REBOUNDS, event.repeat
         if fall:
@@ -350,6 +356,11 @@ def _is_crushed(before: Event, event: Event) -> bool:
     meets = bool(before.clause.solids) and before.effect in (Effect.PUSH, Effect.STRIKE) and not before.parts
     shapes = event.effect in (Effect.SCALE, Effect.SWELL) and event.motion.sign < 0
     return meets and (shapes or event.motion.gives) and not event.ways
+
+
+def _lands(event: Event, brief: SceneBrief) -> bool:
+    """Return whether it is thrown down."""
+    return event.motion.gravity and dot(event.direction or (0, 0, 0), brief.directions.down) > _LEVEL
 
 
 def _trembles(event: Event) -> bool:

@@ -146,7 +146,7 @@ def _read_side(reader: Reader, at: int, size: int, phrase: str, names: Names) ->
         name = tuple(token.text for token in reader.tokens[at + size : end])
         if name in reader.parts and end <= len(reader.tokens):
             place = Place(names, LEXICON.part_nouns.get(name[-1], 2 / 3))
-            return reader.make_mention(MentionKind.PLACE, place, " ".join((phrase, *name)), range(at, end))
+            return reader.make_mention(MentionKind.PLACE, place, " ".join((phrase, *name)), [*range(at, end)])
     # "From the left tips it over".
     plural = noun not in ("sides", "faces", *LEXICON.part_nouns) and FORMS.get(noun) is None
     part = noun.removesuffix("s") if plural else noun
