@@ -123,7 +123,7 @@ def _pair(row: Row, remark: Remark | None, sheet: str) -> list:
     return [*head, verdict, row.get("iterations", ""), f"{row['seconds']:.0f}", frames]
 
 
-_LONGEST = 180  # characters of a message that are kept
+_LONGEST = 120  # characters of a message that are kept
 
 
 def _find_message(row: Row) -> str:
@@ -260,12 +260,12 @@ def condense(result: Result) -> Result:
 
 
 def _round(value: Any) -> Any:
-    """The value with its numbers to five digits: the tables show three."""
+    """The value with its numbers to four digits: the tables show three."""
     if isinstance(value, dict):
         return {key: _round(each) for key, each in value.items()}
     if isinstance(value, list):
         return [_round(each) for each in value]
-    return float(f"{value:.5g}") if isinstance(value, float) else value
+    return float(f"{value:.4g}") if isinstance(value, float) else value
 
 
 PAGE = Page(

@@ -426,7 +426,7 @@ def _make_source(
     spec: RunSpec, card: ObjectCard, path: Path, sha256: str, up: SignedAxis, photo: Photo | None
 ) -> Source:
     name = card.name or path.stem.replace("_", " ")
-    kind = card.kind or guess_kind(name)
+    kind = card.kind or guess_kind(name, spec.prompt or "")
     if spec.object.kind is not None:
         kind = find_kind(spec.object.kind, "`object.kind`")
     return Source(

@@ -312,13 +312,13 @@ def find_kind(name: str, what: str = "the kind") -> str:
     raise explain_unknown_name(what, name, by_word, do=f"Kinds: {', '.join(PRIORS)}")
 
 
-def guess_kind(name: str) -> str:
+def guess_kind(name: str, sentence: str = "") -> str:
     """The kind that a name or noun tells: "ficus_02.ply" -> "plant"; `UNKNOWN` if it tells none.
 
     Words are compared whole (a plural is allowed), so that "carpet" is no car. A name of several nouns goes
     by the last known one before any preposition, its head: "toy robot", "a loaf of rye", "plant in a pot". An
     amount does not count: "a pile of sand" is sand. A substance before another noun tells what that is for: "coffee
-    grinder" tells nothing.
+    grinder" tells nothing. Where ``sentence`` calls a substance something else, "honey.obj" is a jar.
     """
     words = re.findall(r"[a-z]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", name).lower())
     amounts = [
@@ -331,7 +331,10 @@ def guess_kind(name: str) -> str:
         for kind, prior in PRIORS.items():
             if {word, word.removesuffix("s"), word.removesuffix("es")} & set(prior.words):
                 before_noun = behind > 0 and words[-1].removesuffix("s") not in _AMOUNTS
-                return UNKNOWN if before_noun and kind in _SUBSTANCES else kind
+                if kind not in _SUBSTANCES:
+                    return kind
+                said = _find_said_kind(re.findall(r"[a-z]+", sentence.lower()), ())
+                return UNKNOWN if before_noun else said or kind
     return UNKNOWN
 
 

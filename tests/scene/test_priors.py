@@ -112,6 +112,20 @@ def test_clay_and_metal_stand_under_their_weight_and_are_dented_by_a_fall(kind):
     assert material.density * gravity * length < material.yield_stress < 0.5 * impact
 
 
+@pytest.mark.parametrize(
+    ("name", "sentence", "kind"),
+    [
+        ("honey.gltf", "tip the jar over and let it roll away", "vessel"),
+        ("oil.obj", "someone knocks the oil bottle over", "vessel"),
+        ("honey.gltf", "the honey flows over the floor", "liquid"),
+        ("water.ply", "it splashes", "liquid"),
+    ],
+)
+def test_what_is_called_by_a_substance_is_what_the_sentence_calls_it(name, sentence, kind):
+    """A jar of honey was a liquid, and burst."""
+    assert guess_kind(name, sentence) == kind
+
+
 def test_sound_in_the_liquid_is_ten_times_as_fast_as_its_fall():
     material = choose_material("liquid")
     speed = math.sqrt(material.bulk_modulus / material.density)
