@@ -237,7 +237,7 @@ class _Finder:
 
     def _find_make(self, owner: int) -> int | None:
         """The "make" before the object, if that is what stands here."""
-        verb = self._back(owner, self.before | self.names)
+        verb = self._back(owner, self.before | self.names | self.own)  # "make the honey jar of rubber"
         meant = self._is_object(owner) or self._get(owner) in self.around["objects"]
         return verb if meant and self._get(verb) in self.around["make"] else None
 

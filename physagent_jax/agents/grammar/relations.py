@@ -338,10 +338,12 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
     if second.effect is Effect.LEAN and (second.angle or raised):
         places = cause.select(MentionKind.PLACE)
         grips = [] if second.angle else list(filter(sticks_out, places))
-        kept = [m for m in cause.modifiers if m not in (*upwards, *places) or m in grips]
-        led = second.direction or any(m.kind in WAYS for m in (*kept, *effect.modifiers))
+        kept = [m for m in cause.modifiers if m not in places or m in grips]
+        told = [m for m in (*kept, *effect.modifiers) if m not in upwards]
+        led = second.direction or any(m.kind in WAYS for m in told)
         names = [] if led else [getattr(m.value, "names", ()) for m in places if m not in grips]
         sides = [each for each in names if {*each} - {"up", "down"}]
+        kept = kept if grips else [m for m in kept if m not in upwards]
         cause.modifiers = kept + [replace(places[0], kind=MentionKind.FROM, value=each) for each in sides[:1]]
     if second.effect is Effect.TOPPLE and cause.has(*DRIVING) and not cause.select(*WAYS):
         cause.modifiers += effect.select(*WAYS)  # "push it until it tips over to the right"
