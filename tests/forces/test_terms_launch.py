@@ -17,7 +17,7 @@ from tests.mpm.blocks import block
 @pytest.mark.parametrize("before", [0.0, -2.0, 0.9, 4.0])
 def test_it_ends_with_its_speed_whatever_went_before(before, x64):
     model, state = block((3, 3, 3), dtype=np.float64, kernels="reference")
-    launch = Launch(jnp.array([0.0, 0.0, 1.5]), jnp.array(1e-9), jnp.array(0.01), jnp.array(0.03))
+    launch = Launch(jnp.array([0.0, 0.0, 1.5]), jnp.array(0.01), jnp.array(0.03))
     model = dataclasses.replace(model, forces=(launch,))
     first = jnp.array([0.3, 0.0, before])
     state, run = dataclasses.replace(state, v=jnp.broadcast_to(first, state.x.shape)), jax.jit(step)
@@ -33,7 +33,7 @@ def test_it_ends_with_its_speed_whatever_went_before(before, x64):
 def test_what_springs_up_by_itself_as_well_goes_no_higher(speed, after, x64):
     """Rubber went on with its own rebound, and was thrown up again before it had come down."""
     up = jnp.array([0.0, 0.0, 1.0])
-    launch = Launch(1.5 * up, jnp.array(9.8), jnp.array(0.0), jnp.array(0.02))
+    launch = Launch(1.5 * up, jnp.array(0.0), jnp.array(0.02), jnp.array(9.8))
     x, mass = jnp.zeros((4, 3)), jnp.ones(4)
     change = launch.acceleration(x, jnp.broadcast_to(speed * up, x.shape), mass, 0.07, 1e-3) * 1e-3
     assert np.allclose(speed * up + change, after * up)

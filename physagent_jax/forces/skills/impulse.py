@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from physagent_jax.forces.calibration import GRAVITY, TRAVEL
+from physagent_jax.forces.calibration import TRAVEL
 from physagent_jax.forces.skills.base import Skill
 from physagent_jax.forces.skills.icons import draw_arrow
 
@@ -78,8 +78,9 @@ class Impulse(Blow):
         (start, end), leaps = bound.window, bound.whole and bound.upwards >= STEEP
         speed = bound.along(self.find_speed(bound))
         if leaps and bound.again:  # it may rebound, or fall, as the next leap begins
-            slows = bound.leaf(bound.upwards * GRAVITY)
-            return [Launch(speed, slows, start, end), *bound.keep_balance()]
+            weight = 0.0 if bound.opposition is None else bound.upwards * bound.opposition.weight
+            slows = bound.leaf(weight) if weight else None
+            return [Launch(speed, start, end, slows), *bound.keep_balance()]
         blow = UniformAcceleration(speed / (end - start), start, end, self.find_weight(bound))
         return [blow, *(bound.keep_balance() if leaps else [])]
 

@@ -63,30 +63,29 @@ class Launch:
 
     Attributes:
         value: The velocity [m/s], shape (3,).
-        slows: The deceleration along it in free flight [m/s^2], scalar.
         start, end: Window [s], scalars.
+        slows: The deceleration along it in free flight [m/s^2], scalar; None = there is no weight, and no limit.
         edge: Width of the window's smooth edges [s], scalar; None = hard.
     """
 
     value: jax.Array
-    slows: jax.Array
     start: jax.Array = dataclasses.field(metadata=START)
     end: jax.Array = dataclasses.field(metadata=END)
+    slows: jax.Array | None = None
     edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
 
     def acceleration(self, x, v, mass, time, dt):
         """Mean over the substep [m/s^2], shape (n, 3)."""
         mean = sum_particles((mass[:, None] * v).sum(0)) / sum_particles(mass.sum())
         square = jnp.maximum((self.value**2).sum(), jnp.finfo(x.dtype).tiny)
-        reached, slows = (
-            (mean * self.value).sum() / square,
-            self.slows / jnp.sqrt(square),
-        )  # shares of the velocity
+        reached = (mean * self.value).sum() / square  # share of the velocity
         share = window_fraction(time, dt, self.start, self.end, self.edge)
-        left = jnp.maximum(self.end - jnp.maximum(time, self.start), dt)
-        flies = window_fraction(time, dt, self.end, self.end + 1.0 / slows, self.edge)
-        excess = jnp.maximum(reached - (1.0 - slows * (time - self.end)), 0.0)
-        return jnp.broadcast_to(self.value * (share * (1.0 - reached) / left - flies * excess / dt), x.shape)
+        change = share * (1.0 - reached) / jnp.maximum(self.end - jnp.maximum(time, self.start), dt)
+        if self.slows is not None:
+            slows = self.slows / jnp.sqrt(square)
+            flies = window_fraction(time, dt, self.end, self.end + 1.0 / slows, self.edge)
+            change -= flies * jnp.maximum(reached - (1.0 - slows * (time - self.end)), 0.0) / dt
+        return jnp.broadcast_to(self.value * change, x.shape)
 
     def gradient(self, x, time, dt):
         """None: uniform."""
