@@ -524,7 +524,8 @@ def _lead(wish: Wish) -> _Replaced:
     level = turns and abs(cosine(way, brief.directions.up)) < _VERTICAL
     lengthwise = abs(cosine(way, brief.long_axis or _NO_WAY)) > _VERTICAL
     spun = find_spin(expectation.amount, expectation.manner, way if turns else None, brief)
-    spins = turns and (lengthwise and _stands_alone(wish) or not level and _stands_again(wish))
+    floats = brief.world == "free" and spun is not None
+    spins = turns and (lengthwise and _stands_alone(wish) or not level and (floats or _stands_again(wish)))
     if turns:
         usually = expect_rotation(expectation.model_copy(update=dict(manner="")), False, seconds=usual)
         angle = _SPUN * usually.high if spins and level else usually.target

@@ -339,14 +339,22 @@ def test_what_is_tilted_stops_and_stays_or_is_brought_back_and_what_is_tipped_ov
     assert compiled("tilt it to the left").force_field.actions  # in the air nothing makes it fall
 
 
+@pytest.mark.parametrize("world", ["ground", "free"])
 @pytest.mark.parametrize("prompt", ["it spins around on the ground", "spin it all the way round"])
-def test_what_stands_is_led_as_it_spins(prompt):
-    """A torque on what rests on its tip or on small feet let it fall over."""
-    field = compiled(prompt, brief(world="ground")).force_field
+def test_what_stands_or_floats_is_led_as_it_spins(prompt, world):
+    """A torque on what rests on its tip or on small feet let it fall over, and tumble what has no weight."""
+    field = compiled(prompt, brief(world=world)).force_field
     (hand,) = field.constraints
     assert not field.actions and hand.constraint_type == "enforce_particle_rotation"
     assert abs(hand.vector[2]) == 1 and (hand.held_until or hand.active_time[1]) >= 47
-    assert compiled(prompt, brief()).force_field.actions or "all the way" in prompt
+    first, until = hand.active_time
+    assert 90 * hand.gain * abs(hand.magnitude) * (until - first) / 48 == pytest.approx(360, rel=0.01)
+
+
+def test_what_floats_is_led_as_it_spins_after_it_was_pushed():
+    field = compiled("the wind pushes it to the left, then it spins around", brief(world="free")).force_field
+    (push,), (hand,) = field.actions, field.constraints
+    assert hand.constraint_type == "enforce_particle_rotation" and push.active_time[1] <= hand.active_time[0]
 
 
 @pytest.mark.parametrize(
