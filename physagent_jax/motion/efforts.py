@@ -90,7 +90,7 @@ def find_spin(
         return None
     if amount is not None and amount.unit == "degrees":
         return amount.value if amount.value > _FAR else None
-    return SPIN if manner == "spin" else None
+    return SPIN if manner == "spin" and brief.world == "ground" else None
 
 
 def find_spin_time(degrees: float, strength: float) -> float:

@@ -51,7 +51,7 @@ from physagent_jax.motion.matching import (
 )
 from physagent_jax.motion.pressing import find_pressed
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
-from physagent_jax.motion.tolerances import expect_rotation, expect_wrung, find_told
+from physagent_jax.motion.tolerances import SPIN, expect_rotation, expect_wrung, find_told
 from physagent_jax.motion.vectors import clamp, cosine, norm, scale
 from physagent_jax.motion.windows import divide
 from physagent_jax.motion.wishes import Wish, replace_items
@@ -524,8 +524,9 @@ def _lead(wish: Wish) -> _Replaced:
     level = turns and abs(cosine(way, brief.directions.up)) < _VERTICAL
     lengthwise = abs(cosine(way, brief.long_axis or _NO_WAY)) > _VERTICAL
     spun = find_spin(expectation.amount, expectation.manner, way if turns else None, brief)
-    floats = brief.world == "free" and spun is not None
-    spins = turns and (lengthwise and _stands_alone(wish) or not level and (floats or _stands_again(wish)))
+    floats = not level and brief.world == "free" and expectation.manner == "spin"
+    spun = SPIN if floats and not told else spun
+    spins = turns and (lengthwise and _stands_alone(wish) or floats or not level and _stands_again(wish))
     if turns:
         usually = expect_rotation(expectation.model_copy(update=dict(manner="")), False, seconds=usual)
         angle = _SPUN * usually.high if spins and level else usually.target

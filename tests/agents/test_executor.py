@@ -102,7 +102,7 @@ def test_the_fixed_mapping_wins_over_what_is_seen():
 
 @pytest.mark.parametrize(
     ("prompt", "wrong", "right"),
-    [("spin it", "push it left", "torque"), ("push it left", "spin it", "translation"),
+    [("spin it", "push it left", "enforce_particle_rotation"), ("push it left", "spin it", "translation"),
      ("stretch it", "push it left", "enforce_particle_translation"), ("kick it left", "squeeze it", "impulse")],
 )  # fmt: skip
 def test_wrong_kind_is_a_discrete_leap(prompt, wrong, right):

@@ -66,7 +66,7 @@ class ToyWorld:
         places, angles, strains = [], [], []
         effects = self._list_effects(field, self._find_strokes(field))
         for step in range(last * STEPS + 1):
-            push, torque, strain, drive = _sum_effects(effects, max(step - 0.5, 0.0) / STEPS)
+            push, torque, strain, drive, spin = _sum_effects(effects, max(step - 0.5, 0.0) / STEPS)
             if self.scene.anchored is not None:
                 place, angle = scale(push, 0.5 * HELD * (step > 0)), scale(torque, 0.3 * (step > 0))
             if step % STEPS == 0:
@@ -79,7 +79,7 @@ class ToyWorld:
             speed = add([speed, scale(push, dt), scale(gravity, dt)])
             turning = add([turning, scale(torque, dt)])
             place = add([place, scale(add([speed, drive]), dt)])
-            angle = add([angle, scale(turning, dt)])
+            angle = add([angle, scale(add([turning, spin]), dt)])
         return places, angles, strains
 
     def _find_strokes(self, field: ForceField):
@@ -94,7 +94,7 @@ class ToyWorld:
     def _list_effects(self, field: ForceField, strokes):
         """The effect of each action from its first frame until its last: (first, last, what, amount at a frame).
 
-        Accelerations, angular accelerations [degrees], strain diagonals and prescribed velocities.
+        Accelerations, angular accelerations [degrees], strain diagonals, prescribed velocities and spins [degrees].
         """
         count, effects = self.scene.frame_count, []
         for index, item in enumerate((*field.actions, *field.constraints)):
@@ -132,6 +132,8 @@ class ToyWorld:
             turn = calibration.TURN / calibration.HELD_TIME * effort * self.scene.frame_dt
             way = scale(cross(item.vector, self.scene.directions.up), 0.15 * turn / (0.5 * HELD))
             return "push", lambda frame: scale(way, min(frame, last) - first)
+        if kind is ConstraintType.PARTICLE_ROTATION:
+            return "spin", _always(scale(item.vector, math.degrees(calibration.TURN) * effort))
         if not isinstance(item.region, HalfSpaceRegion):
             return "drive", _always(scale(item.vector, calibration.PRESCRIBED_TRAVEL * effort))
         # one of two end slabs: prescribed, whatever the stiffness
@@ -145,8 +147,8 @@ def _always(amount):
 
 
 def _sum_effects(effects, frame: float):
-    """Acceleration, angular acceleration [degrees], strain diagonal and prescribed velocity at a frame."""
-    acting = {"push": [], "torque": [], "strain": [], "drive": []}
+    """Acceleration, angular acceleration [degrees], strain diagonal, prescribed velocity and spin at a frame."""
+    acting = {"push": [], "torque": [], "strain": [], "drive": [], "spin": []}
     for first, last, what, amount in effects:
         if first <= frame < last:
             acting[what].append(amount(frame))

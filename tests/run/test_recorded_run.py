@@ -28,9 +28,9 @@ def test_a_run_read_by_a_real_model(tmp_path, robot_path, capsys):
     told = " ".join(capsys.readouterr().err.split())
     assert "Read by" in told and "qwen2.5-coder-1.5b, by-clause" in told
     reply = SemanticReply.model_validate_json((out / "semantic.json").read_text())
-    push, *turn = reply.force_field.actions
+    (push,), (turn,) = reply.force_field.actions, reply.force_field.constraints
     assert (push.action_type.value, push.vector) == ("translation", (-1.0, 0.0, 0.0)) and push.magnitude > 1.2
-    assert {each.action_type.value for each in turn} == {"torque"}
+    assert (turn.constraint_type.value, turn.vector) == ("enforce_particle_rotation", (0.0, 0.0, -1.0))
     manifest = Manifest.model_validate_json((out / "manifest.json").read_text())
     asked = manifest.agents[0]
     assert (
