@@ -15,7 +15,12 @@ from physagent_jax.run.spec import MaterialChoice
 from physagent_jax.scene.config import Material, MaterialModel, Source
 from physagent_jax.scene.config.material import MODEL_PARAMETERS, WITHOUT_STRESS
 from physagent_jax.scene.materials import LIBRARY, count_substeps, find_material, soften_material, stable_step
-from physagent_jax.scene.materials.soften import explain_softening, find_contrast, find_softening
+from physagent_jax.scene.materials.soften import (
+    explain_softening,
+    find_contrast,
+    find_softening,
+    limit_poissons_ratio,
+)
 from physagent_jax.scene.physgm import import_physgm
 from physagent_jax.scene.presets import Preset
 from physagent_jax.scene.priors import PRIORS, UNKNOWN, choose_material, find_hard_kind
@@ -68,6 +73,7 @@ def resolve_material(
         longer = 1.0 if choice.soften == "auto" else math.sqrt(max(duration / _SHORT, 1.0))
         most = round(longer * AFFORDABLE)
         material = soften_material(material, find(material, dx=dx, duration=duration, at_most=most))
+        material = material if choice.soften == "auto" else limit_poissons_ratio(material)
     elif choice.soften is not None:
         material = soften_material(material, choice.soften)
     if (seen := explain_softening(hard, material)) is not None:

@@ -24,6 +24,8 @@ STIFFEST = 1e7
 """[m] E / rho g of the stiffest matter: ceramics."""
 HARD = 1e5
 """[m] E / rho g from which on nobody sees a body deform under its weight, pushes or falls: plastics, wood, metals."""
+BULKY = 0.45
+"""[1] nu from which on nobody sees that the volume stays: at 0.49 sound is twice as fast, and the step half as long."""
 STANDARD_GRAVITY = 9.80665
 """[m/s^2]."""
 _SCALED = ("yield_stress", "hardening_modulus", "softening_modulus", "plastic_viscosity", "bulk_modulus")
@@ -131,6 +133,16 @@ def find_contrast(material: Material, *, dx: float, duration: float, at_most: in
     factor = borne / (SOFT * (borne / SOFT) ** power)
     digits = 10 ** (math.floor(math.log10(factor)) - 1)
     return max(least, math.ceil(factor / digits - 1e-9) * digits)
+
+
+def limit_poissons_ratio(material: Material) -> Material:
+    """A stand-in for pictures whose nu is `BULKY` at most: of the same E, it bends and stretches as before."""
+    nu = material.poissons_ratio
+    if nu is None or nu <= BULKY:
+        return material
+    return material.changed(
+        poissons_ratio=BULKY, reason=f"{_join(material.reason)}nu {BULKY:g} in place of {nu:g}"
+    )
 
 
 def explain_softening(before: Material, after: Material, *, length: float = 1.0) -> str | None:
