@@ -88,6 +88,17 @@ def test_its_side_is_across_its_own_line():
             assert [abs(c) for c in turn.direction] == [abs(c) for c in axis]
 
 
+@pytest.mark.parametrize(
+    "prompt",
+    ["lay the bottle down on the floor", "it gets laid on the table", "it is laid flat on its back"],
+)
+def test_what_stands_is_laid_down_by_tipping_it_over(prompt):
+    """It went down into the floor that it stood on; what is held up is put down instead."""
+    assert [each.kind.value for each in read(prompt, ground()).expectations] == ["rotate", "fall"]
+    lifted = read(f"pick it up, and then {prompt}", ground()).expectations
+    assert [each.kind.value for each in lifted] == ["move", "rotate", "move"]
+
+
 def test_what_turns_over_is_led():
     """A torque about a level line makes it tumble about others, and one about the vertical topples what is slender."""
     for prompt in ("it rolls over in the air", "spin it by 90 degrees"):
