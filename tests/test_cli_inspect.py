@@ -15,6 +15,7 @@ import physagent_jax as pa
 from physagent_jax.cli import main
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians import GaussianCloud, write_ply
+from physagent_jax.run import preview
 from physagent_jax.run.preview import HEIGHT, WIDTH, is_preview
 from physagent_jax.run.spec import RunSpec
 from physagent_jax.scene.procedural import PROCEDURAL
@@ -30,6 +31,16 @@ FIELDS = set(
 def in_a_folder(monkeypatch, tmp_path):
     monkeypatch.setenv("PHYSAGENT_COMPILE_CACHE", "off")
     monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def small_picture(monkeypatch):
+    """Draw a picture that nobody looks at with a tenth of its pixels."""
+    monkeypatch.setattr(preview, "WIDTH", WIDTH // 4)
+    monkeypatch.setattr(preview, "HEIGHT", HEIGHT // 3)
+
+
+drawn_small = pytest.mark.usefixtures("small_picture")
 
 
 @pytest.fixture
@@ -59,6 +70,7 @@ def find_facts(path, **options):
 
 
 @quickly
+@drawn_small
 def test_the_json_object(robot_path, tmp_path, capsys):
     """The command prints what `inspect_object` returns, and writes the picture that it names."""
     said = json.loads(inspect(capsys, robot_path, "--json"))
@@ -106,6 +118,7 @@ def test_the_command_line_begins_a_run(robot_path, tmp_path, capsys, monkeypatch
     assert source.opacity_threshold == 0.1 and str(out) == "runs/a robot's copy"
 
 
+@drawn_small
 def test_gaussians_in_words(robot_path, tmp_path, capsys):
     """The card is heeded; a thousandth of the size can be told in the corners."""
     out = inspect(capsys, robot_path)
@@ -119,6 +132,7 @@ def test_gaussians_in_words(robot_path, tmp_path, capsys):
 
 
 @quickly
+@drawn_small
 def test_what_is_not_known_is_said(robot_path, tmp_path, capsys):
     """A floating object without a card: the usual axis is tried, and called a try."""
     (tmp_path / "thing.ply").write_bytes(robot_path.read_bytes())
@@ -180,6 +194,7 @@ def test_gaussians_that_are_out_of_the_ordinary(tmp_path):
 
 
 @quickly
+@drawn_small
 def test_far_from_the_origin(tmp_path, capsys):
     """Positions in double precision at map coordinates: the origin is told, and the corners are those of the file."""
     from plyfile import PlyData, PlyElement
@@ -235,6 +250,8 @@ def compare_ends(view):
     return widths[: len(widths) // 3].mean() / widths[-len(widths) // 3 :].mean()
 
 
+@quickly
+@drawn_small
 def test_the_picture_is_a_valid_png_with_its_mark(robot_path, capsys):
     """Every chunk's checksum holds."""
     inspect(capsys, robot_path)
@@ -250,6 +267,7 @@ def test_the_picture_is_a_valid_png_with_its_mark(robot_path, capsys):
 
 
 @quickly
+@drawn_small
 def test_a_preview_is_replaced_and_nothing_else(robot_path, tmp_path, capsys):
     """Another picture of that name stays, unless told otherwise; an earlier preview makes way."""
     mine = io.BytesIO()
@@ -293,6 +311,7 @@ def test_options_that_mean_nothing(options, robot_path, tmp_path, capsys):
     assert options[0] in error and not list(tmp_path.glob("*.png"))
 
 
+@drawn_small
 def test_a_run_that_would_be_refused(robot_path, monkeypatch, capsys):
     """The facts and the picture are there all the same, with the reason."""
     monkeypatch.setattr("physagent_jax.scene.cost.read_machine_memory", lambda: 1e8)
@@ -300,6 +319,7 @@ def test_a_run_that_would_be_refused(robot_path, monkeypatch, capsys):
     assert "\nrefused   this would take at least" in out and "\npicture" in out and "\ncommand" not in out
 
 
+@quickly
 def test_from_python(robot_path, tmp_path):
     """The same by `inspect_object`, which draws nothing unless asked, and warns of nothing."""
     found = pa.inspect_object(robot_path)
