@@ -21,6 +21,7 @@ from physagent_jax.run.holding import UP
 from physagent_jax.run.postures import list_acted
 from physagent_jax.run.resolve import LET_GO, ResolvedRun
 from physagent_jax.run.sentence_material import tell_material
+from physagent_jax.run.sides import put_sides_first
 from physagent_jax.scene.body import Body
 from physagent_jax.scene.template import SceneTemplate
 
@@ -57,7 +58,8 @@ def read_for_scene(run: ResolvedRun, body: Body, ask: Ask) -> Reply[SemanticRepl
     ask = _carry(ask, run, body)
     held, free = describe(), describe(LET_GO)
     supported = held.anchored is not None and run.template.anchor.kind == "none"
-    context = AgentContext(run.spec.prompt, free if supported else held, describe_skills())
+    prompt = put_sides_first(run.spec.prompt or "")
+    context = AgentContext(prompt, free if supported else held, describe_skills())
     reading = ask(context)
     release = find_release(run, body, reading.value)
     if supported and release and not _let_go(release).world.gravity:  # read as it then is
@@ -72,7 +74,7 @@ def read_for_scene(run: ResolvedRun, body: Body, ask: Ask) -> Reply[SemanticRepl
         context = dataclasses.replace(context, brief=describe(_let_go(release)))
         reading = read_let_go(reading, release, context, ask)
     told = tell_material(run.spec.prompt, context.brief, run.spec.material, reading.value)
-    return Reply(tell_parts(told, run.spec.prompt or "", context.brief), reading.trace)
+    return Reply(tell_parts(told, prompt, context.brief), reading.trace)
 
 
 def tell_parts(reply: SemanticReply, prompt: str, brief: SceneBrief) -> SemanticReply:

@@ -38,6 +38,7 @@ from physagent_jax.run.rigidity import (
     make_rigid,
 )
 from physagent_jax.run.sentence_material import SaidMaterial, choose_said_material
+from physagent_jax.run.sides import put_sides_first
 from physagent_jax.run.spec import AnchorChoice, CameraChoice, RunSpec
 from physagent_jax.run.unknown_parts import UnknownPartError
 from physagent_jax.run.up_axis import UPRIGHT, explain_up, find_up
@@ -51,7 +52,14 @@ from physagent_jax.scene.config.material import MODEL_PARAMETERS
 from physagent_jax.scene.config.photo import ELEVATION
 from physagent_jax.scene.load import hash_file, is_photo
 from physagent_jax.scene.part_view import find_part_motion, turn_to_parts
-from physagent_jax.scene.parts import Frame, find_aliases, find_coloured, find_places, guess_parts
+from physagent_jax.scene.parts import (
+    Frame,
+    find_aliases,
+    find_coloured,
+    find_places,
+    guess_parts,
+    list_wholes,
+)
 from physagent_jax.scene.presets import PRESETS, Preset
 from physagent_jax.scene.priors import (
     PRIORS,
@@ -116,13 +124,12 @@ class ResolvedRun:
     def _list_parts(self, body: Body) -> tuple[Part, ...]:
         table = find_viewer_directions(self.template.camera)
         viewer = Frame(toward=np.asarray(table["toward"]), right=np.asarray(table["right"]))
-        prompt, name = strip_postures(self.spec.prompt or ""), self.template.source.name
+        prompt, name = put_sides_first(strip_postures(self.spec.prompt or "")), self.template.source.name
         known = (*body.parts, *find_aliases(body.shape, body.parts, prompt, name, viewer.toward))
         named = {
             word for part in known if part.stands_for and " " in part.name for word in split_name(part.name)
         }
-        if self.template.source.kind == "pillow":  # one body: "the cushion" is all of it
-            named |= set(PRIORS["pillow"].words)
+        named |= list_wholes(name, self.template.source.kind)
         words = [word for word in split_name(prompt) if word not in named]
         guessed = guess_parts(body.shape, known, words, viewer, body.shells, name, prompt, body.colours)
         known = (*known, *guessed)

@@ -154,11 +154,27 @@ def test_what_topples_is_not_let_fall_from_above(world):
     assert not reply.force_field.default_drop or reply.world.drop_height == 0.0
 
 
-def test_what_is_thrown_to_the_ground_falls_fast():
+@pytest.mark.parametrize(
+    "way",
+    [
+        "throw the statue to the ground",
+        "the statue is hurled at the hard floor",
+        "it gets chucked on the ground",
+        "toss it down onto the table",
+        "it is pitched against the floor",
+    ],
+)
+def test_what_is_thrown_to_the_ground_falls_fast(way):
     """It stood on the ground, where a blow downwards shows nothing."""
-    field = compile_whole("throw the statue to the ground").force_field
+    field = compile_whole(way).force_field
     assert field.default_drop
     assert [each.vector for each in field.actions] == [(0.0, 0.0, -1.0)]
+
+
+@pytest.mark.parametrize("way", ["slammed onto the table", "banged on the counter", "smashed down hard"])
+def test_what_is_slammed_down_falls(way):
+    (fall,) = compile_whole(f"the statue is {way}").expectations
+    assert fall.kind is MotionKind.FALL
 
 
 def test_what_is_thrown_aside_is_seen_to_fly_and_lands_about_as_far():

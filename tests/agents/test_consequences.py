@@ -197,6 +197,25 @@ def test_the_hand_of_whoever_presses_is_taken_away_and_no_part_of_the_object(end
     assert pressed.released and not reply.unsure and not reply.unknown_parts
 
 
+@pytest.mark.parametrize(
+    ("prompt", "kinds"),
+    [
+        ("a heavy block squashes the robot, then it is taken away again", "squeeze"),
+        ("the robot is pressed down by a big stone which then rolls off", "squeeze"),
+        ("an elephant sits on the robot and gets up again", "squeeze"),
+        ("a thumb presses the robot flat, then the thumb is withdrawn", "squeeze"),
+        ("a palm comes down and flattens the robot, then it pulls back", "squeeze"),
+        ("a hand squeezes the robot and lifts it away", "squeeze move"),
+        ("someone squashes the robot, then it is lifted away", "squeeze move"),
+        ("the robot gets pressed flat and is then lifted off the ground", "squeeze move"),
+    ],
+)
+def test_what_presses_and_goes_away_is_not_the_object(prompt, kinds):
+    reply = read(prompt, brief(world="ground"))
+    assert " ".join(each.kind.value for each in reply.expectations) == kinds
+    assert reply.expectations[0].released == (kinds == "squeeze") and not reply.unsure
+
+
 def test_what_is_lifted_and_held_there_for_a_time_is_up_there_so_long():
     raised, held, fall = read(
         "lift the robot, hold it there for a second, then let go", brief(world="ground", frames_fixed=False)

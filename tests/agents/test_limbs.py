@@ -823,3 +823,55 @@ def find_degrees(turn):
     """The angle of a rotation [degrees]."""
     seconds = (turn.active_time[1] - turn.active_time[0]) * brief().frame_dt
     return 90 * turn.magnitude * turn.gain * seconds / HELD_TIME
+
+
+@pytest.mark.parametrize(
+    ("sentence", "like"),
+    [
+        ("it holds its left arm up", "it raises its left arm and keeps it raised"),
+        ("it holds up its left arm", "it raises its left arm and keeps it raised"),
+        ("it stands with both arms in the air", "it raises both arms and keeps them raised"),
+        ("it sits there with its arms held high", "it raises both arms and keeps them raised"),
+        ("it keeps its arms spread wide", "it spreads its arms and keeps them spread"),
+        ("it stands with its arms stretched out", "it spreads its arms and keeps them spread"),
+    ],
+)
+def test_a_posture_is_taken_and_kept(sentence, like):
+    posture, told = (read(each, *HANGING, HEAD) for each in (sentence, like))
+    assert not posture.unsure and all(each.stays for each in posture.expectations)
+    assert posture.force_field.constraints == told.force_field.constraints
+
+
+def test_arms_are_held_out_in_front():
+    for each in (
+        "holds both arms straight out in front",
+        "stands with its arms stretched out in front of it",
+    ):
+        reply = read(f"the robot {each}", *HANGING, HEAD)
+        assert not reply.unsure and all(m.stays and m.direction[1] < 0 for m in reply.expectations)
+
+
+@pytest.mark.parametrize("sentence", ["it spins with arms raised", "it jumps with its arms out"])
+def test_a_posture_of_what_moves_is_no_motion(sentence):
+    assert all(each.limb is None for each in read(sentence, *HANGING, HEAD).expectations)
+
+
+def test_the_leftmost_limb_is_so_in_the_picture():
+    """Whatever the file calls it."""
+    for names in (("", ""), ("right arm", "left arm")):
+        arms = [arm.model_copy(update=dict(name=n, origin="file")) for arm, n in zip(HANGING, names)]
+        (motion,) = read("the leftmost arm is raised", *(arms if names[0] else HANGING), HEAD).expectations
+        assert motion.limb == 0
+
+
+@pytest.mark.parametrize("where", ["at the front", "at the tip", "at the end"])
+def test_the_end_at_which_a_limb_bends_is_no_second_part(where):
+    reply = read(f"its left arm droops {where}")
+    assert not reply.unsure and [each.limb for each in reply.expectations] == [0]
+
+
+@pytest.mark.parametrize("word", ["white", "blue", "shiny"])
+def test_an_adjective_of_a_part_is_not_the_object(word):
+    assert (
+        word in read(f"the {word} part lifts", HEAD, object_name="nes", object_kind="object").not_understood
+    )

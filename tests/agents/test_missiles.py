@@ -17,6 +17,8 @@ from tests.agents.tellings import ground, read, tell
         ("a ball is thrown at him", "hit left"),
         ("roll a barrel into the robot", "hit left"),
         ("a coconut flies into the robot", "hit left"),
+        ("something heavy falls onto the robot", "hit down"),
+        ("something is slammed down on it", "hit down"),
     ],
 )
 def test_a_thing_that_meets_the_object_hits_it(prompt, told):

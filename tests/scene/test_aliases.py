@@ -5,7 +5,7 @@ import pytest
 
 from physagent_jax.forces.part import list_parts
 from physagent_jax.scene.parts import named
-from physagent_jax.scene.parts.aliases import find_aliases, read_groups
+from physagent_jax.scene.parts.aliases import find_aliases, list_wholes, read_groups
 from physagent_jax.scene.parts.cells import fit_part
 from tests.scene.test_part_roles import make
 
@@ -259,3 +259,22 @@ def test_a_part_on_top_is_no_lower_one():
 )
 def test_a_half_is_one_of_two_cases(names, sentence, found):
     assert find(make_parts(*names), sentence) == found
+
+
+@pytest.mark.parametrize(
+    ("names", "sentence", "name", "found"),
+    [
+        (("bezier curve", "cube"), "the cable swings to the left", "controller", {"cable": "bezier curve"}),
+        (("hot dog", "sausage", "sauce"), "squeeze the bun", "hot-dog", {"bun": "hot dog"}),
+        (("cake", "cherry"), "the wrapper comes off", "cake", {"wrapper": "cake"}),
+        (("cake",), "the wrapper comes off", "cake", {}),
+        (("bread", "cheese"), "the bun comes off", "sandwich", {}),
+    ],
+)
+def test_the_part_that_bears_the_own_name_is_what_bears_the_others(names, sentence, name, found):
+    assert find(make_parts(*names), sentence, name) == found
+
+
+def test_a_taxi_is_a_cab_and_a_truck_has_one():
+    assert "cab" in list_wholes("yellow-taxi", "vehicle") and "cushion" in list_wholes("thing", "pillow")
+    assert not list_wholes("truck", "vehicle")

@@ -238,3 +238,15 @@ def test_a_hat_may_be_more_than_half_of_a_head_that_the_file_names():
     told = dict(shells=SimpleNamespace(candidates=shells, are_cut=bool))
     (part,) = guess_parts(points, [head], ["hat"], VIEWER, **told)
     assert part.share == pytest.approx(hat.mean(), abs=0.01) and not part.unsure
+
+
+def test_twin_pieces_that_nothing_else_is_like_are_certain():
+    """Of two handles alike "one of the handles" was unsure."""
+    points = np.random.default_rng(0).uniform((-1.0, -0.2, 0.0), (1.0, 0.2, 0.4), (20000, 3))
+    slim = (np.abs(points[:, 2] - 0.3) < 0.05) & (np.abs(points[:, 1]) < 0.05)
+    left, right = (slim & (points[:, 0] * s > 0.4) for s in (-1, 1))
+    shells = [left, right, np.abs(points[:, 0]) < 0.2]
+    told = dict(shells=SimpleNamespace(candidates=shells, are_cut=bool))
+    for word, count in (("handles", 2), ("handle", 1)):
+        found = guess_parts(points, [], [word], VIEWER, **told)
+        assert len(found) == count and not any(each.unsure for each in found)

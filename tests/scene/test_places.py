@@ -226,3 +226,12 @@ def test_the_cap_of_a_mushroom_is_what_is_broad_above_its_foot():
         bends[inside].mean() > 0.98 and not bends[points[:, 2] < 0].any()
     )  # it bears the cap, and its foot stays
     assert find_places(make([((0, 0, 0), (0.4, 0.4, 0.5))]), (), ("cap", "stem"), "egg", VIEWER) == ()
+
+
+def test_a_part_whose_name_ends_with_a_number_is_no_region(known):
+    """ "Both arms" were one of "left arm 2" and "right arm 2", and a region beside it."""
+    points, parts = known["man"]
+    body = [part for part in parts if not {"arm", "wing"} & {*part.roles}]
+    named = [part.model_copy(update=dict(name=f"{part.roles[0]} wing 2")) for part in body[:1]]
+    assert find_places(points, body, ["wing"], "thing", VIEWER)
+    assert not find_places(points, [*named, *body[1:]], ["wing"], "thing", VIEWER)

@@ -94,24 +94,18 @@ class Task:
     def expect(self, kind: MotionKind, direction: Vector | None, window: Window, **more) -> None:
         """Adds once what a viewer should see: the event's values but for ``more``."""
         event, builder = self.event, self.builder
-        values = {
-            "strength": event.strength,
-            "partial": event.region is not None,
-            "part": event.part,
-            "excludes_part": event.excludes_part,
-            "stays": event.stays,
-            "manner": event.motion.manner,
-            "jiggles": event.motion.jiggles or event.trembles,
-            "means": event.means,
-            "counted": any(each.times is not None for each in event.clause.repetitions),
-            "even": (event.clause.pace == "even" or event.motion.floats or event.is_quick)
-            and kind in (MotionKind.MOVE, MotionKind.ROTATE),
-            "put_back": event.motion.puts_back or event.is_back and window[0] > 0,
-            "may_stop_short": event.motion.loose
-            and not (event.clause.quantities or event.clause.repetitions),
-            "amount": event.amount or self._find_duration(),
-            "to_ground": any(way.phrase in read_lexicon().grounding for way in event.ways),
-        }
+        clause, motion = event.clause, event.motion
+        even = clause.pace == "even" or motion.floats or event.is_quick
+        values = dict(
+            strength=event.strength, part=event.part, excludes_part=event.excludes_part, stays=event.stays,
+            partial=event.region is not None, manner=motion.manner, jiggles=motion.jiggles or event.trembles,
+            means=event.means, counted=any(each.times is not None for each in clause.repetitions),
+            even=even and kind in (MotionKind.MOVE, MotionKind.ROTATE),
+            put_back=motion.puts_back or event.is_back and window[0] > 0,
+            may_stop_short=motion.loose and not (clause.quantities or clause.repetitions),
+            amount=event.amount or self._find_duration(),
+            to_ground=any(way.phrase in read_lexicon().grounding for way in event.ways),
+        )  # fmt: skip
         for limb in event.limbs or (None,):
             part = event.part if limb is None else builder.brief.parts[limb].side
             own = event.radial and part and normalise(scale((part[0], part[1], 0.0), event.radial))

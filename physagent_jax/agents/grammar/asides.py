@@ -23,15 +23,23 @@ from physagent_jax.agents.grammar.mentions import (
     get_phrase,
     has_motion,
     list_segments,
+    read_as,
 )
 from physagent_jax.agents.grammar.missiles import read_missiles
 from physagent_jax.agents.grammar.outcomes import read_aims, read_ends, read_outcomes, read_tumbles
 from physagent_jax.agents.grammar.poses import read_landings, read_poses
-from physagent_jax.agents.grammar.sequels import read_captions, read_debris, read_lulls, read_trends
+from physagent_jax.agents.grammar.sequels import (
+    read_captions,
+    read_debris,
+    read_exits,
+    read_lulls,
+    read_trends,
+)
 from physagent_jax.agents.grammar.subjects import read_lists, read_subjects, sticks_out
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
 from physagent_jax.agents.intent import Quantity, Solid
 from physagent_jax.agents.lexicon import Effect, Join, Motion, Place, Repeat
+from physagent_jax.forces.part import is_plural
 
 OTHER = "other"
 """Phrase of emptied words that are said of something else than the object."""
@@ -438,11 +446,11 @@ def read_results(mentions: list[Mention], names: frozenset[str]) -> list[Mention
         if word is None or not grows and (describes or at == 0):
             continue
         if LEXICON.motions[word].sign == scaled.sign:
-            result[at], own = _read_as(mention, word), True
+            result[at], own = read_as(mention, word), True
         else:
             result[at], others[at] = empty(mention), word
     for at, word in list(others.items())[: not own]:
-        result[at] = _read_as(mentions[at], read_sections()["made_by"][word])
+        result[at] = read_as(mentions[at], read_sections()["made_by"][word])
     sizes = [each.value for each in mentions if isinstance(each.value, Quantity)]
     shaped = own or bool(others) or any(each.relation == "is" for each in sizes)  # "until it's half as tall"
     return _drop_uppermost(result) if scaled.sign < 0 and shaped else result
@@ -474,7 +482,11 @@ def read_locations(mentions: list[Mention], _names: frozenset[str]) -> list[Ment
         ended = mention.motion or ended
         on = placed and mention.form in ("on", "over", "above", "behind", "beside")
         severed = ended is not None and ended.manner == "detach"
-        on |= severed and mention.form in ("in", "at")  # "it snaps in the middle"
+        bends = ended is not None and ended.effect is Effect.LEAN and _count_places(mentions[:at]) > 0
+        on |= (severed or bends) and mention.form in (
+            "in",
+            "at",
+        )  # "it snaps in the middle", "droops at the tip"
         on |= ended is not None and mention.phrase in ("beside", "next to", "right next to")
         if not on and not (hinged and mention.form in ("onto", "against", "over")):
             continue
@@ -548,18 +560,43 @@ def read_looks(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]
 
 
 def read_stances(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
-    """Empties how a part is held while the whole is moved: "spins with its arms out"."""
-    result, stances, moved = list(mentions), get_set("stances"), False
+    """Empties how a part is held by what moves, "with its arms out"; "stands with its arms up" brings it there."""
+    result, rests = list(mentions), True
     for at, mention in enumerate(mentions):
-        owned = mention.form == "with" and mentions[at + 1 : at + 2]
-        moved |= mention.kind in MOTIONS
-        if not owned or owned[0].form not in get_set("pronouns_of_owners") or not moved:
-            continue
-        near = range(at + 2, min(at + _NEAR, len(mentions)))
-        last = next((here for here in near if mentions[here].form in stances), at)
-        if any(mentions[here].kind is MentionKind.PLACE for here in range(at, last)):
-            result[at : last + 1] = [empty(m) for m in mentions[at : last + 1]]
+        owned, motion = mention.form == "with", mention.motion
+        holds = mention.form in get_set("holding") and not has_motion(mentions[:at])
+        holds |= owned and rests and has_motion(mentions[:at])
+        rests &= motion is None or motion.effect is Effect.STILL and motion.generic
+        end = next((k for k in range(at + 1, len(mentions)) if mentions[k].kind is MentionKind.JOIN), None)
+        near = range(at + 1, min(at + _NEAR + 2, len(mentions) if end is None else end))
+        place = next((k for k in near if mentions[k].kind is MentionKind.PLACE), None)
+        if place is not None and holds and sticks_out(mentions[place]):
+            _take_stance(result, at, place, near.stop)
+        elif place is not None and owned and not rests:
+            last = next((k for k in near if mentions[k].form in get_set("stances")), at)
+            owned = place == at + 1 or mentions[at + 1].form in get_set("pronouns_of_owners")
+            result[at : last + owned] = [empty(m) for m in mentions[at : last + owned]]
     return result
+
+
+def _take_stance(mentions: list[Mention], at: int, place: int, end: int) -> None:
+    """Makes a motion of how the part at ``place`` is held: of a verb behind it, or of the word at ``at``."""
+    behind = range(place + 1, end)
+    words = {word for k in range(at, end) for word in f"{mentions[k].phrase} {mentions[k].form}".split()}
+    front = next((k for k in behind if mentions[k].phrase in ("front", "in front of")), None)
+    ways = {mentions[k].kind for k in behind} & {*WAYS, MentionKind.PLANE, MentionKind.SIDES}
+    spread = front is None and not ways and is_plural(mentions[place].words)
+    phrase = "raise" if words & get_set("raised") else "spread out" if spread else "hold ~ out"
+    if not words & (get_set("stances") - {"down"} | get_set("raised")):
+        return
+    if front is not None:
+        ahead = replace(mentions[front], kind=MentionKind.DIRECTION, value=("toward",), phrase="forward")
+        mentions[front:end] = [ahead, *map(empty, mentions[front + 1 : end])]
+    verb = next((k for k in behind if mentions[k].kind is MentionKind.VERB), place - 1)
+    if verb < place or getattr(mentions[verb].motion, "effect", None) in (Effect.SCALE, Effect.HOLD):
+        mentions[verb] = read_as(mentions[verb], phrase)
+    if at != verb:
+        mentions[at] = replace(empty(mentions[at]), form="keep")
 
 
 def read_grips(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
@@ -670,48 +707,16 @@ def read_stillness(mentions: list[Mention], _names: frozenset[str]) -> list[Ment
         if begin and segment[-1].kind is MentionKind.NOT:
             result[begin:end] = [empty(each) for each in segment]
         if segment[-1].form == "still":
-            result[end - 1] = _read_as(segment[-1], "stay still")
+            result[end - 1] = read_as(segment[-1], "stay still")
             if begin and mentions[begin - 1].value in (Join.COMMA, Join.BUT):
                 result[begin - 1] = replace(mentions[begin - 1], value=Join.WHILE)
     return result
 
 
-def _read_as(mention: Mention, word: str) -> Mention:
-    """The mention as the verb that a word is."""
-    return replace(mention, kind=MentionKind.VERB, value=LEXICON.motions[word], phrase=word)
-
-
 PASSES = (
-    read_grips,
-    read_trends,
-    read_debris,
-    read_lulls,
-    read_captions,
-    read_echoes,
-    read_exclamations,
-    read_missiles,
-    drop_others,
-    read_corrections,
-    mark_exceptions,
-    read_comparisons,
-    read_aims,
-    read_outcomes,
-    read_ends,
-    read_tumbles,
-    read_stillness,
-    read_returns,
-    read_rebounds,
-    read_heights,
-    read_landmarks,
-    read_poses,
-    read_landings,
-    read_grounding,
-    read_aloft,
-    read_results,
-    read_locations,
-    read_stands,
-    read_stances,
-    read_looks,
-    read_subjects,
-    read_lists,
-)
+    read_grips, read_trends, read_debris, read_lulls, read_exits, read_captions, read_echoes,
+    read_exclamations, read_missiles, drop_others, read_corrections, mark_exceptions, read_comparisons,
+    read_aims, read_outcomes, read_ends, read_tumbles, read_stillness, read_returns, read_rebounds,
+    read_heights, read_landmarks, read_poses, read_landings, read_grounding, read_aloft, read_results,
+    read_locations, read_stands, read_stances, read_looks, read_subjects, read_lists
+)  # fmt: skip

@@ -38,31 +38,22 @@ def _sort_phrases() -> dict[str, list[tuple[int, str, MentionKind, object]]]:
     """All phrases of the lexicon by their first word, with their place; at equal length the earlier table wins."""
     lexicon, found = LEXICON, {}
     tables: tuple[tuple[MentionKind, dict], ...] = (
-        (MentionKind.REPEAT, lexicon.repeats),
-        (MentionKind.POSE, lexicon.poses),
-        (MentionKind.VERB, lexicon.motions),
-        (MentionKind.CAUSE, lexicon.causes),
-        (MentionKind.GRAVITY, lexicon.gravity),
-        (MentionKind.ANCHOR, lexicon.anchors),
-        (MentionKind.SENSE, lexicon.senses),
-        (MentionKind.VIEW, lexicon.views),
-        (MentionKind.AXIS, lexicon.axes),
-        (MentionKind.PLANE, lexicon.planes),
+        (MentionKind.REPEAT, lexicon.repeats), (MentionKind.POSE, lexicon.poses),
+        (MentionKind.VERB, lexicon.motions), (MentionKind.CAUSE, lexicon.causes),
+        (MentionKind.GRAVITY, lexicon.gravity), (MentionKind.ANCHOR, lexicon.anchors),
+        (MentionKind.SENSE, lexicon.senses), (MentionKind.VIEW, lexicon.views),
+        (MentionKind.AXIS, lexicon.axes), (MentionKind.PLANE, lexicon.planes),
         (MentionKind.SIDES, {phrase: side == "all" for phrase, side in lexicon.sides.items()}),
-        (MentionKind.PLACE, lexicon.parts),
-        (MentionKind.DIRECTION, lexicon.directions),
-        (MentionKind.COMPARATIVE, lexicon.comparatives),
-        (MentionKind.INTENSITY, lexicon.intensities),
-        (MentionKind.DEGREE, lexicon.degrees),
-        (MentionKind.JOIN, lexicon.joins),
-        (MentionKind.REVERSAL, lexicon.reversals),
-        (MentionKind.PACE, lexicon.paces),
+        (MentionKind.PLACE, lexicon.parts), (MentionKind.DIRECTION, lexicon.directions),
+        (MentionKind.COMPARATIVE, lexicon.comparatives), (MentionKind.INTENSITY, lexicon.intensities),
+        (MentionKind.DEGREE, lexicon.degrees), (MentionKind.JOIN, lexicon.joins),
+        (MentionKind.REVERSAL, lexicon.reversals), (MentionKind.PACE, lexicon.paces),
         (MentionKind.EXCEPT, dict.fromkeys(lexicon.exceptions)),
         (MentionKind.TIME, {p: make_moment(m.starts, m.lasts) for p, m in lexicon.moments.items()}),
         (MentionKind.NOT, dict.fromkeys(lexicon.negations)),
         (MentionKind.FUNCTION, dict.fromkeys(lexicon.phrases)),
-        (MentionKind.IGNORED, dict.fromkeys(get_set("ignored_phrases"))),
-    )
+        (MentionKind.IGNORED, dict.fromkeys(get_set("ignored_phrases")))
+    )  # fmt: skip
     phrases = ((phrase, kind, value) for kind, each in tables for phrase, value in each.items())
     for place, (phrase, kind, value) in enumerate(phrases):
         found.setdefault(phrase.partition(" ")[0], []).append((place, phrase, kind, value))

@@ -133,8 +133,9 @@ def sort_words(mentions: list[Mention], names: frozenset[str], brief: SceneBrief
     found: dict[str, list[str]] = {"ignored": [], "doubtful": [], "parts": [], "taken": []}
     seen: set[str] = set()
     for spot in _list_spots(mentions, names, brief):
-        look = is_look(spot.word) and not (_is_telling_a_part(spot) or _is_moved_part(spot))
-        unnamed = nameless or own and not (look or _is_a_part(spot))
+        tells = _is_telling_a_part(spot)
+        look = is_look(spot.word) and not (tells or _is_moved_part(spot))
+        unnamed = nameless or own and not (look or tells or _is_a_part(spot))
         if unnamed and spot.word.isalpha() and _is_named_here(spot, named, found["taken"]):
             kind = "taken"
         elif look or mentions[spot.index].kind is MentionKind.IGNORED:

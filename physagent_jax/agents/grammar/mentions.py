@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 from physagent_jax.agents.grammar.measures import Words
-from physagent_jax.agents.grammar.tables import get_set
+from physagent_jax.agents.grammar.tables import LEXICON, get_set
 from physagent_jax.agents.grammar.tokens import correct_spelling, tokenise
 from physagent_jax.agents.lexicon import Effect, Motion
 
@@ -82,6 +82,11 @@ class Mention:
 def empty(mention: Mention, why: str = "aside") -> Mention:
     """The mention without what it says; ``why`` stands for its phrase."""
     return replace(mention, kind=MentionKind.FUNCTION, value=None, phrase=why, form=why)
+
+
+def read_as(mention: Mention, word: str) -> Mention:
+    """The mention as the verb that a word is."""
+    return replace(mention, kind=MentionKind.VERB, value=LEXICON.motions[word], phrase=word)
 
 
 def get_phrase(mentions: list[Mention], index: int) -> str:

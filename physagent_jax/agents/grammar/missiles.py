@@ -67,7 +67,7 @@ def _find_target(behind: list[Mention], names: frozenset[str]) -> bool | None:
 def _is_thing(segment: list[Mention], at: int, names: frozenset[str], owned: bool) -> bool:
     """Return whether a mention is a noun for another thing: one that is known, or after "a" any that is not."""
     noun = segment[at]
-    if noun.phrase in LEXICON.agents and noun.phrase not in names:
+    if noun.phrase in LEXICON.agents | {"something"} and noun.phrase not in names:
         return True
     before = next((m for m in reversed(segment[:at]) if m.kind not in LOOSE), None)
     last = at + 1 == len(segment) or segment[at + 1].kind not in LOOSE

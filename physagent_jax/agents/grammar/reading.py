@@ -226,19 +226,7 @@ def _read_count(reader: Reader, at: int) -> Mention | None:
 
 
 _READERS: tuple[Callable[[Reader, int], Mention | None], ...] = (
-    _read_least,
-    read_solid,
-    _read_once,
-    _read_inversion,
-    _read_nothing,
-    _read_load,
-    _read_prevention,
-    _read_state,
-    _read_manner,
-    _read_quantity,
-    _read_ordinal,
-    read_part,
-    _read_time,
-    _read_count,
-    read_phrase,
-)
+    _read_least, read_solid, _read_once, _read_inversion, _read_nothing, _read_load, _read_prevention,
+    _read_state, _read_manner, _read_quantity, _read_ordinal, read_part, _read_time, _read_count,
+    read_phrase
+)  # fmt: skip

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import unicodedata
-from dataclasses import replace
 
 from physagent_jax.agents.compiler import compile_forces, compile_intent
 from physagent_jax.agents.compiler.compilation import EXAMPLES
@@ -13,12 +12,11 @@ from physagent_jax.agents.grammar.asides import OTHER
 from physagent_jax.agents.grammar.clauses import Clause, mark_displacements
 from physagent_jax.agents.grammar.coverage import Coverage, ignore_captions, is_mostly_unknown, sort_words
 from physagent_jax.agents.grammar.intent import make_intent
-from physagent_jax.agents.grammar.mentions import MOTIONS, WAYS, Mention, MentionKind
+from physagent_jax.agents.grammar.mentions import MOTIONS, WAYS, Mention, read_as
 from physagent_jax.agents.grammar.nouns import collect_names
 from physagent_jax.agents.grammar.patterns import suggest_patterns
 from physagent_jax.agents.grammar.reading import read_mentions
 from physagent_jax.agents.grammar.relations import read_clauses
-from physagent_jax.agents.grammar.tables import LEXICON
 from physagent_jax.agents.grammar.tokens import correct_spelling, describe_corrections, tokenise
 from physagent_jax.agents.intent import Intent
 from physagent_jax.agents.materials import find_materials, mask_materials
@@ -97,7 +95,7 @@ def _assume_push(clauses: list[Clause]) -> list[Clause]:
         return clauses
     for clause in clauses:
         for way in clause.select(*WAYS)[:1]:
-            clause.verb = replace(way, kind=MentionKind.VERB, value=LEXICON.motions["push"], phrase="push")
+            clause.verb = read_as(way, "push")
     return clauses
 
 

@@ -17,6 +17,7 @@ from physagent_jax.agents.grammar.mentions import (
     get_phrase,
     has_motion,
     list_segments,
+    read_as,
 )
 from physagent_jax.agents.grammar.tables import LEXICON, get_set
 from physagent_jax.agents.lexicon import Effect, Join
@@ -158,6 +159,35 @@ def read_lulls(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
                 result[k] = empty(mentions[k]) if mentions[k].kind is MentionKind.PLACE else result[k]
                 if mentions[k].kind is MentionKind.SOLID:
                     result[at] = empty(mention)  # "until a wall stops it": it goes there
+    return result
+
+
+def read_exits(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
+    """Makes a release of what pressed on it and leaves: "a hand presses it flat, then it is lifted away"."""
+    result, pressed, acts, things = list(mentions), False, False, set[str]()
+    acting, own = LEXICON.agents | {"something"}, names | get_set("pronouns")
+    for begin, end in list_segments(mentions):
+        segment = mentions[begin:end]
+        verb = next((k for k, each in enumerate(segment) if each.motion), end - begin)
+        said = [{m.phrase, f"{m.phrase} {get_phrase(segment, k + 1)}"} for k, m in enumerate(segment)]
+        leaves = next((k for k, words in enumerate(said) if words & get_set("departures")), end)
+        doer = next((k for k, each in enumerate(segment) if each.form == "by"), 0)
+        told = segment[doer : doer + _NEAR] if doer else segment[: min(verb, leaves)]
+        nouns = {m.phrase for m in told if m.kind is MentionKind.UNKNOWN or m.phrase in acting} - names
+        acts |= get_phrase(mentions, begin - 1) == "which"
+        parts = {m.phrase for m in segment if m.kind is MentionKind.PLACE}
+        if leaves <= verb and parts <= things:
+            it, up = {m.phrase for m in told} & own, any(m.value == ("up",) for m in segment)
+            by_it = bool(things) and not (it & names or up) if it else acts
+            if pressed and (nouns <= things if nouns else by_it):
+                result[begin:end] = map(empty, segment)
+                result[begin + leaves] = read_as(segment[leaves], "let go")
+                result[begin - 1] = replace(mentions[begin - 1], value=Join.THEN, phrase="then")
+        elif verb < end - begin and (motion := segment[verb].motion) is not None:
+            down = motion.effect is Effect.PUSH and any(m.value == ("down",) for m in segment[verb:])
+            pressed |= motion.effect is Effect.SCALE and motion.sign < 0 or down
+            if told:
+                things, acts = things | nouns, not doer and all(m.phrase not in own for m in told)
     return result
 
 

@@ -12,6 +12,7 @@ from physagent_jax.agents.grammar.mentions import (
     empty,
     get_last_motion,
     has_motion,
+    read_as,
 )
 from physagent_jax.agents.grammar.tables import LEXICON, get_set
 from physagent_jax.agents.lexicon import NAMED, Effect, Motion, Place
@@ -140,10 +141,6 @@ def _takes_off(verb: Mention, behind: list[Mention]) -> bool:
     return motion.draws or "off" in forms
 
 
-def _say(verb: Mention, phrase: str) -> Mention:
-    return replace(verb, value=LEXICON.motions[phrase], phrase=phrase)
-
-
 def _hangs(motion: Motion) -> bool:
     return motion.effect is Effect.HOLD and motion.holds == "top"
 
@@ -172,7 +169,7 @@ def _name_again(segment: list[Mention], part: _Part, names: frozenset[str]) -> l
             if not (alike and goes_on):
                 return segment  # "its head is hit, and it falls"
             falls = part.away and at > verb and motion.effect is Effect.FALL
-            does = _say(segment[verb], "fall off") if falls else segment[verb]
+            does = read_as(segment[verb], "fall off") if falls else segment[verb]
             segment = [*segment[:verb], does, *segment[verb + 1 :]]
             return [*segment[:at], replace(part.mention, first=each.first), *segment[at + 1 :]]
     if not (part.leads and begins or part.away and lets):  # "lets it fall"
@@ -205,7 +202,7 @@ def _let_droop(
     if not (falls or back or _hangs(motion)):
         return segment
     phrase = "fall off" if away or "off" in segment[verb].phrase.split() else _LIMP
-    droop = _say(segment[verb], phrase)
+    droop = read_as(segment[verb], phrase)
     way = dict(kind=MentionKind.DIRECTION, value=("away",), words="", phrase="back")
     rests = (MentionKind.PLACE, MentionKind.SIDES)
     behind = [empty(each) if each.kind in rests else each for each in segment[verb + 1 :]]

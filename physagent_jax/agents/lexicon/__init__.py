@@ -15,18 +15,6 @@ from physagent_jax.agents.lexicon.types import (
 )
 
 __all__ = [
-    "NAMED",
-    "Effect",
-    "Join",
-    "Lexicon",
-    "LexiconError",
-    "Moment",
-    "Motion",
-    "Names",
-    "Place",
-    "Repeat",
-    "inflect",
-    "make_lexicon",
-    "read_forms",
-    "read_lexicon",
-]
+    "NAMED", "Effect", "Join", "Lexicon", "LexiconError", "Moment", "Motion", "Names", "Place", "Repeat",
+    "inflect", "make_lexicon", "read_forms", "read_lexicon"
+]  # fmt: skip

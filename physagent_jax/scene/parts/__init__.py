@@ -11,6 +11,7 @@ the names that a sentence has for them. `store` keeps what was found on disk.
 """
 
 from physagent_jax.scene.parts.aliases import find_aliases as find_aliases
+from physagent_jax.scene.parts.aliases import list_wholes as list_wholes
 from physagent_jax.scene.parts.branches import branch_numbered as branch_numbered
 from physagent_jax.scene.parts.branches import join_chains as join_chains
 from physagent_jax.scene.parts.coloured import find_coloured as find_coloured

@@ -58,6 +58,12 @@ def _read_limbs() -> dict[str, tuple[str, ...]]:
     return {word: tuple(roles.split()) for words, roles in rows for word in words.split()}
 
 
+def list_wholes(name: str, kind: str) -> set[str]:
+    """Words for parts of other things that are all of an object of a name or a kind: a taxi is a cab."""
+    own = {kind, *split_name(name)}
+    return {word for word, owners in _read("choices")["wholes"].items() if own & {*owners.split()}}
+
+
 def find_aliases(
     points: np.ndarray, parts: Sequence[Part], sentence: str, name: str, toward: np.ndarray
 ) -> tuple[Part, ...]:
@@ -119,6 +125,12 @@ def _find_at(
             continue  # "the rotor on top" is not that of the tail
         before, after = _find_rest(parts[index])
         found.append((" ".join(each for each in (*before, first, said, *after) if each), index))
+    named = [
+        (k, {get_singular(word) for word in _drop_number(part)}) for k, part in enumerate(parts) if part.name
+    ]
+    bodies = [k for k, words in named if words <= own]
+    if not found and noun in _read("choices")["bodies"].split() and len(bodies) == 1 < len(named):
+        return [(said, bodies[0])]
     return found
 
 

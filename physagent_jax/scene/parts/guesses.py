@@ -155,12 +155,12 @@ class _Search:
             several: Whether all that are alike are meant.
             whole: Whether all that turns about its axle is meant.
         """
-        for least, candidates in ((_LEAST_SHELL, self._shells), (_LEAST, self._limbs)):
+        for faintest, candidates in ((_LEAST_SHELL, self._shells), (_LEAST, self._limbs)):
             own_pieces = candidates is self._shells  # whose borders are the file's, and no guess
             scores = self._looks.score([each.mask for each in candidates], row, coloured=own_pieces)
             best = int(np.argmax(scores)) if scores else -1
             fits = self._looks.knows(row) if own_pieces else row.get("limb")
-            if best < 0 or scores[best] < least or not fits:
+            if best < 0 or scores[best] < faintest or not fits:
                 continue
             chosen = [self._widen(candidates[best], candidates, scores, scores[best])]
             if whole:
@@ -169,16 +169,17 @@ class _Search:
                 chosen += self._list_alike(chosen[0], list(zip(scores, candidates)), scores[best])
                 if len(chosen) == 1 and row.get("pair"):
                     chosen += self._find_image(chosen[0])
-            if row.get("many") and not several:
-                chosen = [
-                    max(chosen, key=lambda each: float((self.points[each.mask] @ self.viewer.toward).mean()))
-                ]
+            least = _CLEAR if len(chosen) == 1 else _LEAST_SHELL  # twins that nothing else is like are meant
             rivals = [
                 own
                 for each, own in zip(candidates, scores)
                 if all((each.mask & one.mask).sum() < _APART * each.mask.sum() for one in chosen)
             ]
-            clear = own_pieces and scores[best] > max(_CLEAR, max(rivals, default=0.0) + _AHEAD)
+            if row.get("many") and not several:
+                chosen = [
+                    max(chosen, key=lambda each: float((self.points[each.mask] @ self.viewer.toward).mean()))
+                ]
+            clear = own_pieces and scores[best] > max(least, max(rivals, default=0.0) + _AHEAD)
             return list(self._name(noun, row, chosen, _LIKELY if clear else _CHANCE))
         return []
 

@@ -39,7 +39,8 @@ def find_places(
     Returns:
         Parts with the words as names, and a side before it where there are two.
     """
-    names = [split_name(part.name)[-1] for part in parts if part.name]
+    told = ([word for word in split_name(part.name) if not word.isdigit()] for part in parts)
+    names = [words[-1] for words in told if words]
     known = {*names, *(each.removesuffix("s") for each in names)}
     parts = [part for part in parts if not part.stands_for]
     based = [part for part in parts if is_figure_on_base(part) and not (part.front and "head" in part.roles)]
