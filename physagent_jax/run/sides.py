@@ -7,13 +7,7 @@ import re
 from physagent_jax.agents.lexicon import read_lexicon
 
 _FLAT = {"face", "surface", "side", "section", "region", "area", "slab"}  # of which one end is meant
-_LIMBS = (
-    "arm",
-    "leg",
-    "ear",
-    "wing",
-    "horn",
-)  # first roles of what a file may have its own left and right of
+_LIMBS = ("arm", "leg", "ear", "wing", "horn")  # roles of which a file may have its own left and right
 _NOUNS = "|".join(sorted(read_lexicon().part_nouns.keys() - _FLAT, key=len, reverse=True))
 _JUTTING = re.compile(
     r"\b(?:end|part|bit|piece) (?:that (?:sticks|juts|pokes)|sticking|jutting|poking) out\b", re.IGNORECASE

@@ -43,9 +43,8 @@ _DRIVEN = (MotionKind.MOVE, MotionKind.SWAY, MotionKind.ROTATE)
 def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
     """Places in the brief's parts of what a part's word means; several for a plural without a side, none if unknown."""
     plural = is_plural(part.text)
-    parts = (
-        [] if (seen := "tmost " in part.text) else brief.parts
-    )  # so in the picture, whatever the file says
+    seen_there = not {"leftmost", "rightmost"}.isdisjoint(part.text.split())
+    parts = [] if seen_there else brief.parts  # so in the picture, whatever the file says
     if named := find_named(parts, part.phrase, plural=plural):
         return named
     toward, every = brief.directions.toward, [*enumerate(brief.parts)]
@@ -66,7 +65,7 @@ def find_limbs(part: KnownPart, brief: SceneBrief) -> tuple[int, ...]:
         side = add(turned.get(name) or sum_directions((name,), brief) for name in part.place.names)
     told = [(find_roles(p.name) or split_name(p.name)[-1:], p) for p in brief.parts]
     known = [each.model_copy(update=dict(roles=(*words[:1], *each.roles))) for words, each in told]
-    return choose_parts(known, roles, side, plural, "" if seen else adjective, toward)
+    return choose_parts(known, roles, side, plural, "" if seen_there else adjective, toward)
 
 
 def find_support(clauses: Sequence[Event], brief: SceneBrief, soft: bool = False) -> AnchorRequest:

@@ -35,6 +35,9 @@ _SHATTERS = re.compile(
 """Words of who asks that its matter gives way, in whichever clause."""
 _FLOPS = re.compile(r"\b(flop|splat|splodge|slump|crumple|floppy|limp|flatten)")
 """Words of who asks that it lands limp, and lies as it comes."""
+_SCATTERED = (
+    3.0  # times farther that pieces may fly: those of a dish that is smashed lie over three and a half of it
+)
 _TRAVELS = (MotionKind.MOVE, MotionKind.FALL, MotionKind.SWAY)
 _VIOLENT = 1.3  # strength from which leaving the picture at the end is part of it
 _LATE, _END = 0.75, 0.95  # share of the clip
@@ -388,7 +391,7 @@ def _check_whole(view: View) -> list[Check]:
     if any(e.kind is MotionKind.SQUEEZE for e in asked):
         limit *= 1.4  # it bulges
     if shattered:
-        limit *= 2.0  # pieces go apart
+        limit *= _SCATTERED
     blamed = _blame(view, _find_onset([(t, v - 1.0) for t, v in growths], limit - 1.0))
     figures, sigma = {"most": limit, "growth": growth}, view.sigma("stretch")
     return [*checks, check_limit(blamed, "size", max(growth - 1.0, 0.0), limit - 1.0, sigma, 0.5, **figures)]
