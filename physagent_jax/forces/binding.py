@@ -56,6 +56,8 @@ RUBS = 0.9  # of friction's deceleration, at most: it is help against friction, 
 BALANCING = 3.0  # times what its weight turns it by when it lies, up to which it is kept upright
 ROCKS = math.radians(2)  # by which what slides may rock
 TILTED = math.radians(20)  # at which what is led over its foot stands on its edge, or by less
+_ROLLING = math.radians(70)  # turn from which on it goes over one edge after another
+_TURNED_BY = 18  # steps in which those are looked for
 _SLIGHT = math.radians(5)  # of which it is seen where that is
 FALLING = math.radians(40)  # from which on what is led over it and let go falls over
 RISES_BY = 0.35  # [m/s] at which what has come down gets up again, for the least M
@@ -216,6 +218,7 @@ class Binding:
                 self._share = None if twist.share is None else self.leaf(twist.share)
         self._carriers = self._find_carriers() if getattr(timed, "carried", False) else None
         self._tilt = 0.0  # [rad] by which it is led over the edge of its foot
+        self._edges = []
         if about.tilted is not None and self._pivot is None and self._stands:
             begin, end = timed.active_time or (0.0, about.frame_count - 1)
             self._tilt = self.scaling.rotation * abs(timed.magnitude) * timed.gain * (end - begin) * frame_dt
@@ -224,6 +227,8 @@ class Binding:
                 self._pivot = edge
                 near = np.linalg.norm(rest - self._pivot, axis=1) < _EDGE * np.ptp(rest, axis=0).max()
                 self._about, self._pivot = self.leaf(near), None
+            if self._tilt > _ROLLING or self._sinks(about.tilted, edge):
+                self._edges, self._pivot = self._roll_over_edges(about.tilted), None
         hold_end = getattr(timed, "held_until", None)
         self._held_until = None if hold_end is None else self.leaf(hold_end * frame_dt)
         self._rigid = wrung or (isinstance(timed.region, CellsRegion) and timed.region.rigid)
@@ -391,6 +396,33 @@ class Binding:
         down = x[stands, 2] - x[:, 2].min()
         return x[stands] - down * (way / slope + np.array([0.0, 0.0, 1.0])), x[stands]
 
+    def _sinks(self, axis: np.ndarray, edge: np.ndarray) -> bool:
+        """Return whether it would go into the ground as it is tilted about an edge, as a barrel does about its hoop."""
+        arm, way = self._rest.astype(float) - edge, np.cross(axis, [0.0, 0.0, 1.0])
+        height = arm[:, 2] * math.cos(self._tilt) - (arm @ way) * math.sin(self._tilt)
+        return bool(arm[:, 2].min() - height.min() > _EDGE * np.ptp(self._rest, axis=0).max())
+
+    def _roll_over_edges(self, axis: np.ndarray) -> list[tuple[float, jax.Array]]:
+        """The edges that it goes over one after another as it is laid onto its side.
+
+        What is narrow below, as a pan is, goes over its foot first and then over its rim.
+
+        Returns:
+            Of each, the share of the turn at which it leaves the ground, and weights of the particles there.
+        """
+        x, way = self._rest.astype(float), np.cross(axis, [0.0, 0.0, 1.0])
+        size, edges = np.ptp(x, axis=0).max(), []
+        for share in (np.arange(_TURNED_BY) + 1.0) / _TURNED_BY:
+            angle = self._tilt * (share - 0.5 / _TURNED_BY)
+            height = x[:, 2] * math.cos(angle) - (x @ way) * math.sin(angle)
+            stands = x[height.argmin()]
+            arm = (x - stands) - np.outer((x - stands) @ axis, axis)  # beside a line across the way
+            near = np.linalg.norm(arm, axis=1) < _EDGE * size
+            if edges and np.array_equal(near, edges[-1][1]):
+                edges.pop()
+            edges.append((share, near))
+        return [(share, self.leaf(near)) for share, near in edges]
+
     def _find_feet(self) -> jax.Array:
         """Weights of the particles that fade with their height over the lowest, with a mean of 1 by mass."""
         height = self._rest[:, 2].astype(float) - float(self._rest[:, 2].min())
@@ -500,20 +532,24 @@ class Binding:
         pivot = None if self._pivot is None else self.leaf(self._pivot)
         if self._carriers is not None:
             return self._hold_carried(self._carriers, velocity, angular_velocity)
-        windows = [self.window]
-        fields = [(velocity, angular_velocity, pivot)]
+        (start, end), windows, fields = self.window, [], []
+        for share, about in self._edges or [(1.0, self._about)]:
+            stop = self.window[0] + share * (end - self.window[0])
+            windows.append((start, stop, about))
+            fields.append((velocity, angular_velocity, pivot))
+            start = stop
         if self._held_until is not None:
-            windows.append((self.window[1], self._held_until))
+            windows.append((end, self._held_until, self._about))
             fields.append((still, still, still))
         lead = partial(
             PrescribedMotion,
             particles,
             share=self._share,
-            about=self._about,
             rigid=self._rigid,
             whole=len(self._led) == len(self._rest),
         )
-        return [lead(*field, start=start, end=end) for field, (start, end) in zip(fields, windows)]
+        spans = zip(fields, windows)
+        return [lead(*field, about=about, start=start, end=end) for field, (start, end, about) in spans]
 
     def _hold_carried(
         self, carriers: np.ndarray, velocity: jax.Array, angular_velocity: jax.Array

@@ -19,7 +19,7 @@ from physagent_jax.forces.upright import Entry, begin_of, end_of, leave_upright
 from physagent_jax.mpm.protocols import Constraint
 
 _LEVEL, _PARALLEL = 0.3, 0.99  # vertical component of an axis; cosine of two
-_MOST_TILT = np.radians(70)  # turn up to which what stands is tilted over its foot, and not turned over
+_MOST_TILT = np.radians(100)  # turn up to which what stands is tilted over its foot, and not turned over
 
 
 def compile_force_field(
@@ -127,7 +127,7 @@ def _find_tilt(
     entries.sort(key=begin_of)
     starts = [index for index, each in enumerate(entries) if leave_upright(entries[:index], begin_of(each))]
     before, turns = entries[: starts[-1]], entries[starts[-1] :]
-    moved = not all(get_skill(each).is_axis for each in before)
+    moved = field.default_drop or not all(get_skill(each).is_axis for each in before)
     if entry not in turns or not all(_turns_whole(each) for each in turns):
         return None, moved
     axes = [np.copysign(1.0, each.magnitude) * np.asarray(each.vector) for each in turns]

@@ -216,6 +216,16 @@ def _stands_alone(wish: Wish) -> bool:
     return grounded and not wish.list_other_begins()
 
 
+def _stands_after_moving(wish: Wish) -> bool:
+    """Return whether the object stands on the ground, along which it has gone at most, until the next motion."""
+    first, end = wish.expectation.window
+    others, up = wish.list_others(), wish.brief.directions.up
+    before = [e for e in others if e.window[1] <= first + 0.5]
+    level = all(e.kind is MotionKind.MOVE and abs(cosine(e.direction or up, up)) < _VERTICAL for e in before)
+    after = all(e in before or e.window[0] >= end - 0.5 for e in others)
+    return level and after and wish.brief.world == "ground" and not wish.force_field.default_drop
+
+
 def _stands_again(wish: Wish) -> bool:
     """Return whether the object stands on the ground, from which it has leapt before at most, until it goes on."""
     first, end = wish.expectation.window
@@ -535,8 +545,7 @@ def _lead(wish: Wish) -> _Replaced:
     else:
         effort = find_wanted_way(expectation, brief, usual) / TRAVEL
     over = level and told and (expectation.put_back or told.target > _OVER)  # or set upright again
-    leads = told and min(wish.list_other_begins(), default=math.inf) >= expectation.window[1] - 0.5
-    stands = _stands_alone(wish) or leads and brief.world == "ground" and not wish.force_field.default_drop
+    stands = _stands_alone(wish) or (told or expectation.manner == "rock") and _stands_after_moving(wish)
     tilts = level and math.degrees(effort * TURN) <= (_UPENDED if told else _TILT) and stands
     needed = find_magnitude(effort, max(seconds, brief.frame_dt), brief.seconds, braked=True)
     if not (hands or expectation.even or over or tilts or spins) and (not told or needed <= MAGNITUDE_MAX):

@@ -25,21 +25,24 @@ _LED, _MOST = (
     45.0,
     69.0,
 )  # [degrees] that it is led by at least, and at most: beyond, another edge may be in the way
+_SIDE = 90.0  # [degrees] that what is broad is led by onto its side, and kept there: it would go on, or back
+_FLAT = 0.6  # height over breadth below which what has no edge and is long is no log
 _PAST = 8.0  # [degrees] beyond the balance of a box of its extents
 _SLOW_RATE, _RATE = 40.0, 80.0  # [degrees/s] for a strength of 1, of what is to tip slowly and of all else
 _FALLS = 1.5  # [s] in which it then falls, and is seen to lie
 _SHARE = 0.6  # of a window that is too short for both, in which it is led
 
 
-def find_tipping_time(way: Vector, strength: float, brief: SceneBrief) -> float:
+def find_tipping_time(way: Vector, strength: float, brief: SceneBrief, aside: bool = False) -> float:
     """The time that tipping takes, with the fall and some rest [s]; 0 = nothing is led.
 
     Args:
         way: Where its top goes (unit world vector).
         strength: 1 is plain.
         brief: The scene.
+        aside: Whether it is to lie on its side, however broad it is.
     """
-    angle = _find_angle(way, brief)
+    angle = _find_angle(way, brief, aside)
     return angle / ((_SLOW_RATE if strength < SLOW else _RATE) * strength) + _FALLS if angle else 0.0
 
 
@@ -49,6 +52,7 @@ def tip(
     strength: float,
     window: Window,
     before: Sequence[Action | VelocityConstraint] = (),
+    kept: float | None = None,
 ) -> list[VelocityConstraint]:
     """The turn that leads what stands over its edge; none if it cannot be led.
 
@@ -58,19 +62,20 @@ def tip(
         strength: 1 is plain.
         window: First and last frame of turn and fall.
         before: What moves it till then.
+        kept: Frame until which it is kept on its side if it would not stand there; None = it may lie as it likes.
     """
-    seconds, (first, last) = find_tipping_time(way, strength, brief) - _FALLS, window
+    aside, (first, last) = kept is not None, window
+    seconds = find_tipping_time(way, strength, brief, aside) - _FALLS
     if seconds <= 0 or last - first < 2 or not leave_upright(before, first):
         return []
     end = first + max(float(round(min(brief.count_frames(seconds), _SHARE * (last - first)))), 1.0)
     driver = PartDriver(make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
-    turn = driver.turn(
-        find_lean_axis(find_tipping_way(way, brief), brief), _find_angle(way, brief), (first, end), None
-    )
+    axis, angle = find_lean_axis(find_tipping_way(way, brief), brief), _find_angle(way, brief, aside)
+    turn = driver.turn(axis, angle, (first, end), kept if angle > _MOST else None)
     return [turn.model_copy(update=dict(region=None, pivot=None))]
 
 
-def _find_angle(way: Vector, brief: SceneBrief) -> float:
+def _find_angle(way: Vector, brief: SceneBrief, aside: bool) -> float:
     """The angle that it is led by [degrees]; 0 if it is so broad that it would go over another edge first, or rolls."""
     width, height, depth = brief.extents
     table, over = brief.directions, find_tipping_way(way, brief)
@@ -78,5 +83,6 @@ def _find_angle(way: Vector, brief: SceneBrief) -> float:
     across = width * abs(dot(over, table.right)) + depth * abs(dot(over, table.toward))
     across = across if reach is None else 2 * reach
     angle = max(_LED, math.degrees(math.atan2(across, height)) + _PAST)
-    rolls = lies(brief) and reach is None  # a log; a car tips over its wheels
-    return 0.0 if rolls or angle > _MOST else angle
+    # A log; a car tips over its wheels, and a pan over its rim.
+    rolls = lies(brief) and reach is None and height > _FLAT * min(width, depth)
+    return 0.0 if rolls else angle if angle <= _MOST else _SIDE * aside

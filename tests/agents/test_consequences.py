@@ -126,6 +126,9 @@ def test_what_is_thrown_down_bounces(prompt):
     [
         ("the robot falls down and bursts into pieces", [MotionKind.FALL]),
         ("the robot falls and explodes", [MotionKind.FALL, MotionKind.STRETCH]),
+        ("drop the robot so that it explodes", [MotionKind.FALL, MotionKind.STRETCH]),
+        ("drop it from high up so it bursts open", [MotionKind.FALL, MotionKind.STRETCH]),
+        ("let the robot fall so it pops", [MotionKind.FALL, MotionKind.STRETCH]),
     ],
 )
 def test_what_falls_and_bursts_does_so_where_it_lands(prompt, kinds):

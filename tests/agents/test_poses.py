@@ -220,8 +220,9 @@ def test_parts_that_a_spin_flings_out_are_not_turned_alone():
 
 def test_what_it_does_between_a_leap_and_its_landing_is_done_in_the_air():
     motions = read("the thing jumps up, spins around once in the air and lands", stand(**TALL)).expectations
-    assert [each.kind.value for each in motions[:2]] == ["move", "rotate"]
-    assert motions[1].window[0] == motions[0].window[0]
+    move, spin = (next(e for e in motions if e.kind.value == kind) for kind in ("move", "rotate"))
+    assert spin.window[0] == move.window[0] and {e.kind.value for e in motions} == {"move", "rotate", "fall"}
+    assert all(each.window[1] <= motions[1].window[1] for each in motions)  # nothing after it
 
 
 def test_what_is_dropped_so_that_it_rolls_falls_first():

@@ -61,6 +61,66 @@ def test_what_is_broad_is_turned_by_a_torque_however_slowly():
 
 
 @pytest.mark.parametrize(
+    ("prompt", "stays"),
+    [
+        ("tip the statue over onto its side", True),
+        ("the statue falls over onto its left side", True),
+        ("someone pushes the statue over onto its side and it lies there", True),
+        ("the statue gets tipped onto its side, then slides to the left", False),
+    ],
+)
+def test_what_is_broad_is_led_onto_its_side_and_kept_there(prompt, stays):
+    """A pan went over onto its top."""
+    reply = compile_whole(prompt, extents=BROAD)
+    turn = reply.force_field.constraints[0]
+    assert find_degrees(turn, reply)[0] == pytest.approx(90, rel=0.02) and turn.region is None
+    last = (reply.frame_count or ON_THE_GROUND.frame_count) - 1
+    assert (turn.held_until == last) is stays and turn.held_until > turn.active_time[1]
+
+
+@pytest.mark.parametrize("prompt", ["tip it over onto its back", "turn it upside down"])
+def test_what_is_broad_is_turned_onto_its_top_by_half_a_turn(prompt):
+    reply = compile_whole(prompt, extents=BROAD, object_name="cake")
+    assert [each.amount.value for each in reply.expectations] == [180.0]
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "the statue is dropped and tips over to the left",
+        "the statue gets dropped and tips over onto its side when it lands",
+        "drop it; it falls over to the left when it hits the floor",
+    ],
+)
+def test_what_is_dropped_tips_over_once_it_has_landed(prompt):
+    """It hung in the air while it was tipped over."""
+    falls, *tips = compile_whole(prompt).expectations
+    assert falls.kind is MotionKind.FALL and {MotionKind.ROTATE} <= {each.kind for each in tips}
+    assert all(each.window[0] >= falls.window[1] for each in tips)
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "the van drives to the left, brakes hard and tips up on its front wheels",
+        "the van rolls to the left, slams on the brakes and tilts forward onto its front wheels",
+        "the van drives to the left, stops and does a stoppie",
+    ],
+)
+def test_a_vehicle_that_brakes_stands_on_its_front_wheels_once_it_has_stopped(prompt):
+    """One wheel was raised, or the front, while it drove on."""
+    reply = compile_whole(prompt, extents=(1.0, 0.5, 0.4), object_name="van", object_kind="vehicle")
+    drives, tips = (e for e in reply.expectations if e.kind is not MotionKind.STILL)
+    assert drives.kind is MotionKind.MOVE and tips.kind is MotionKind.ROTATE and tips.limb is None
+    first, turn = reply.force_field.actions[0], reply.force_field.constraints[-1]
+    assert turn.active_time[0] >= drives.window[1] - 0.5 > first.active_time[1]
+    top = (turn.vector[1], -turn.vector[0])  # where it goes: up times the axis
+    rears = compile_whole("the van rears up on its back wheels", extents=(1.0, 0.5, 0.4), object_name="van")
+    (other,) = rears.force_field.constraints
+    assert dot((*top, 0.0), (other.vector[1], -other.vector[0], 0.0)) < -0.9
+
+
+@pytest.mark.parametrize(
     "prompt",
     [
         "knock the statue over",
@@ -359,6 +419,23 @@ def test_a_vehicle_tips_onto_two_wheels_and_comes_down_on_all_four():
     assert motion.kind is MotionKind.ROTATE and motion.released and motion.amount is not None
 
 
+@pytest.mark.parametrize(
+    ("prompt", "seconds"),
+    [
+        ("the statue slides to the left until it stops", 0.9),
+        ("the statue drives forward and comes to a halt", 0.9),
+        ("the statue spins until it stops", 0.9),
+        ("the statue rocks to and fro until it stops", 1.6),
+        ("the statue falls over to the left and comes to rest", 1.6),
+    ],
+)
+def test_a_clip_ends_soon_after_what_moves_has_stopped(prompt, seconds):
+    """It waited for four seconds, in which nothing swung."""
+    *_, rest = compile_whole(prompt).expectations
+    assert rest.kind is MotionKind.STILL
+    assert 0.4 < (rest.window[1] - rest.window[0]) * ON_THE_GROUND.frame_dt <= seconds
+
+
 def test_what_falls_over_rocks_when_it_lies():
     reply = compile_whole("the statue falls over to the left and rocks until it stops")
     falls = [each for each in reply.expectations if each.kind is MotionKind.ROTATE]
@@ -486,6 +563,10 @@ def test_its_side_is_across_the_way_that_it_then_rolls(sentence, way):
         ("turn the statue upside down in the air, then it drops to the floor", 180),
         ("the statue spins in the air and comes down again", 360),
         ("the statue does a somersault in midair", 360),
+        ("the statue flips in midair and lands on its head", 180),
+        ("the statue does a backflip and lands upside down", 540),
+        ("the statue does a flip in the air and lands on its side", 270),
+        ("the statue does a somersault and lands on its side", 450),
     ],
 )
 def test_what_flips_in_the_air_leaps_for_it_and_comes_down(sentence, degrees):
@@ -500,6 +581,28 @@ def test_what_flips_in_the_air_leaps_for_it_and_comes_down(sentence, degrees):
     assert turned / frames**2 == pytest.approx(degrees, rel=0.2)
     kinds = [each.kind for each in reply.expectations]
     assert kinds == [MotionKind.MOVE, MotionKind.FALL, MotionKind.ROTATE] and reply.world.gravity is None
+
+
+@pytest.mark.parametrize(
+    ("sentence", "axis", "degrees"),
+    [
+        ("the statue is thrown up, spins around and comes down", (0.0, 0.0, 1.0), 360),
+        ("toss the statue into the air, it turns over and lands on its top", None, 180),
+        ("the statue is flung up, spins and lands on its head", None, 180),
+        ("it is thrown high up, tumbles twice and lands on its side", None, 810),
+        ("the statue is tossed up, whirls around and drops back down", (0.0, 0.0, 1.0), 360),
+    ],
+)
+def test_what_is_said_between_a_throw_and_the_landing_happens_aloft(sentence, axis, degrees):
+    """It spun, or turned over, on the ground once it had come down."""
+    reply = compile_whole(sentence)
+    throw, begin, stop = reply.force_field.actions
+    push = begin.magnitude * begin.gain * (begin.active_time[1] - begin.active_time[0])
+    turned = math.degrees(TURN) * 2 * push * (stop.active_time[0] - begin.active_time[0])
+    assert turned / (REFERENCE_TIME / ON_THE_GROUND.frame_dt) ** 2 == pytest.approx(degrees, rel=0.2)
+    assert throw.active_time[1] == begin.active_time[0] and not reply.unsure
+    assert begin.vector == axis if axis else abs(begin.vector[2]) < 0.1
+    assert all(each.window[1] <= reply.expectations[1].window[1] for each in reply.expectations)
 
 
 def test_what_it_does_after_a_flip_it_does_on_the_ground():

@@ -165,6 +165,34 @@ def test_what_overhangs_meets_the_ground_as_it_is_tilted():
     assert 5.0 < degrees < 20.0 and after[:, 2].min() == pytest.approx(0.0, abs=1e-3)
 
 
+@pytest.mark.parametrize("magnitude", [1.0, 1.6])
+@pytest.mark.parametrize("drop", [False, True])
+def test_what_is_narrow_below_rolls_over_its_rim_as_it_is_laid_onto_its_side(magnitude, drop):
+    """A pan went over its foot alone, and its rim into the ground; a barrel stuck there."""
+    pan = TOWER * [1.0, 1.0, 0.1]
+    pan[:, 0] *= 1.0 + 20.0 * pan[:, 2]
+    at = dict(active_time=(20, 45), held_until=50) if drop else dict(active_time=(0, 25), held_until=40)
+    turn = dict(constraint_type="enforce_particle_rotation", vector=(0, 1, 0), magnitude=magnitude) | at
+    field = ForceField.model_validate(dict(constraints=[turn], default_drop=drop))
+    opposition = Opposition(
+        friction=FRICTION, weight=G, tipping=1.0, lever=0.5 * HEIGHT, travel=1.0, time=2.0
+    )
+    scaling = make_closed_form_scaling(
+        extent=1.0, youngs_modulus=1e5, density=1.0, duration=2.0, opposition=opposition
+    )
+    x, rest, mass = pan.astype(np.float32), pan.astype(np.float32), MASS.astype(np.float32)
+    *motions, kept = compile_force_field(field, scaling, rest, mass, frame_dt=0.04, frame_count=51)[1]
+    lowest, begin = [], at["active_time"][0] * 0.04
+    for motion in motions:
+        assert motion.center is None and float(motion.start) == pytest.approx(begin, abs=1e-6)
+        begin, turned = float(motion.end), np.asarray(motion.angular_velocity)
+        middle = np.average(x, axis=0, weights=np.asarray(motion.about))
+        x = Rotation.from_rotvec(turned * (begin - float(motion.start))).apply(x - middle) + middle
+        lowest.append(x[:, 2].min())
+    assert len(motions) > 1 and begin == pytest.approx(float(kept.start), abs=1e-6)
+    np.testing.assert_allclose(lowest, 0.0, atol=0.03)
+
+
 @pytest.mark.parametrize("more", [(), (dict(action_type="torque", vector=(0, 1, 0), active_time=(32, 50)),)])
 def test_what_rocks_turns_about_the_edge_that_it_stands_on(more):
     """There and back over one edge of its foot, then over the other, whatever comes after it."""

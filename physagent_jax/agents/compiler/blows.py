@@ -17,18 +17,17 @@ from physagent_jax.forces.calibration import (
     MAGNITUDE_MAX,
     MAGNITUDE_MIN,
     MOST_DROP,
-    find_flight,
     find_highest_leap,
     find_reference_time,
-    find_spin_aloft,
     find_tipping,
 )
 from physagent_jax.forces.schema import Action, ActionType
 from physagent_jax.forces.slabs import make_box
+from physagent_jax.forces.upright import begin_of
 from physagent_jax.motion.attitudes import find_attitude
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_held_magnitude, find_lengths
-from physagent_jax.motion.landing import LANDED, land, stand_after_drop
+from physagent_jax.motion.landing import LANDED, land, list_rebounds, spin_until_landed, stand_after_drop
 from physagent_jax.motion.pressing import LEAST_ROOM, poke
 from physagent_jax.motion.schema import Amount, MotionKind
 from physagent_jax.motion.tipping import tip
@@ -46,10 +45,6 @@ _THROWN, _LED = 0.45, 0.77
 _HOPS = 1.0  # the same of each of several leaps: they are as high as there is time for
 _FLUNG = 1.5  # power of a strength by which what is flung hard goes farther: it flies, and does not hop
 _AGAINST = 1.6  # strength as which it is taken where a wall is to be reached
-_RESTITUTION = 0.75  # speed after a rebound over that before it
-_PRESSED, _MOST_REBOUNDS = 1.0, 4  # frames for which it touches the ground; rebounds at most
-_SPUN_UP = 4.0  # frames in which what is thrown up is set spinning, and stopped
-_SPINS = 0.8  # of its flight, in which it turns: it comes down as it is to stand
 
 
 def compile_strike(task: Task) -> None:
@@ -79,10 +74,8 @@ def compile_strike(task: Task) -> None:
         share *= max(strength, least) ** _FLUNG if flung else 1.0
         flown, strength = normalise(add([way, scale(up, lift)])) or way, share * strength
     for index, part in enumerate(divide(window, [1.0] * count)):
-        blow = scale(flown, -1.0 if swings and index % 2 else 1.0)
-        task.act(
-            ActionType.IMPULSE, blow, strength, make_impulse_window(part[0]), gains=strength < MAGNITUDE_MIN
-        )
+        blow, at = scale(flown, -1.0 if swings and index % 2 else 1.0), make_impulse_window(part[0])
+        task.act(ActionType.IMPULSE, blow, strength, at, gains=strength < MAGNITUDE_MIN)
     if task.needs_brake and count == 1 and not builder.grounded:  # else friction stops it
         stop = make_impulse_window(window[1] - IMPULSE_FRAMES)
         task.act(ActionType.IMPULSE, scale(way, -1.0), strength, stop)
@@ -130,24 +123,23 @@ def _poke(task: Task) -> None:
 
 def spin_aloft(task: Task, axis: Vector) -> bool:
     """Adds the turn of what the action before throws up, once until it comes down; return whether one does."""
-    brief, last = task.brief, task.builder.actions[-1] if task.builder.actions else None
-    if last is None or last.action_type is not ActionType.IMPULSE or last.active_time is None:
+    brief, amount = task.brief, task.event.amount or Amount(value=360.0, unit="degrees")
+    blows = [each for each in task.builder.actions[-1:] if each.action_type is ActionType.IMPULSE]
+    at_once = (
+        blows and amount.unit == "degrees" and all(abs(begin_of(e) - task.window[0]) <= 0.5 for e in blows)
+    )
+    spin = spin_until_landed(blows[0], amount.value, brief) if at_once else None
+    if spin is None:
         return False
-    rise = last.magnitude * dot(last.vector, brief.directions.up) * brief.size
-    at, amount = last.active_time[1], task.event.amount or Amount(value=360.0, unit="degrees")
-    if rise <= 0 or abs(last.active_time[0] - task.window[0]) > 0.5 or amount.unit != "degrees":
-        return False
-    size = find_spin_aloft(amount.value / _SPINS, rise, _SPUN_UP * brief.frame_dt, brief.seconds)
-    stop = round(at + _SPINS * find_flight(rise) / brief.frame_dt, 3)
-    for way, begin in ((axis, at), (scale(axis, -1.0), stop)):
-        task.act(ActionType.TORQUE, way, size, (begin, begin + _SPUN_UP), gains=True)
+    for way, span in zip((axis, scale(axis, -1.0)), spin.windows):
+        task.act(ActionType.TORQUE, way, spin.magnitude, span, gains=True)
     upright = amount.value % 360.0 == 0 and task.builder.grounded and not task.builder.anchored
-    if upright and (landing := land(last, task.window[1], brief)):  # it would topple, as it has no balance
+    if upright and (
+        landing := land(blows[0], task.window[1], brief)
+    ):  # it would topple, as it has no balance
         until = task.window[1] if task.after else float(brief.last)
-        stays = landing.model_copy(update=dict(held_until=until))
-        begins = landing.active_time
-        task.builder.constraints[:] = [c for c in task.builder.constraints if c.active_time != begins]
-        task.builder.constraints.append(stays)
+        others = [c for c in task.builder.constraints if c.active_time != landing.active_time]
+        task.builder.constraints[:] = [*others, landing.model_copy(update=dict(held_until=until))]
     # It lands as it comes.
     task.expect(MotionKind.ROTATE, axis, task.window, amount=None, strength=MAGNITUDE_MAX)
     return True
@@ -212,25 +204,17 @@ def compile_fall(task: Task) -> None:
 
 
 def _rebound(task: Task) -> None:
-    """Adds the leaps by which what bounces comes up again, each lower than the one before.
-
-    Soft matter on the grid keeps too little of its fall for a viewer to see it bounce, and what lands on thin parts
-    keeps none.
-    """
-    event, builder, size = task.event, task.builder, task.brief.size
+    """Adds the leaps by which what bounces comes up again, each lower than the one before."""
+    event, builder = task.event, task.builder
     aside = event.direction is not None and abs(dot(event.direction, task.brief.directions.up)) < _UPRIGHT
     if not (event.rebounds and builder.default_drop) or builder.earlier or event.region or aside:
         return
-    rise = builder.drop_height or DROP_HEIGHT
-    falls = math.sqrt(2.0 * rise * size / GRAVITY) / task.brief.frame_dt
-    begin, made = falls + _PRESSED, 0
-    while made < min(event.rebounds, _MOST_REBOUNDS) and begin <= task.window[1] - IMPULSE_FRAMES:
-        made, rise, falls = made + 1, rise * _RESTITUTION**2, falls * _RESTITUTION
+    leaps, top = list_rebounds(builder.drop_height or DROP_HEIGHT, event.rebounds, task.window[1], task.brief)
+    for begin, rise in leaps:
         task.act(ActionType.IMPULSE, task.brief.directions.up, rise, make_impulse_window(begin), gains=True)
-        begin += 2.0 * falls + _PRESSED
-    if made and event.trembles and event.repeat.count:  # it would spring up by itself again and again
-        _stand(task, rise, begin - _PRESSED - falls)
-    told = "" if made == event.rebounds else f", {made} times of {event.rebounds}: more do not fit"
+    if leaps and event.trembles and event.repeat.count:  # it would spring up by itself again and again
+        _stand(task, leaps[-1][1], top)
+    told = "" if len(leaps) == event.rebounds else f", {len(leaps)} times: more do not fit"
     builder.notes.append(f"'{event.text}': it is thrown up again where it lands{told}.")
 
 
@@ -271,9 +255,7 @@ def _let_fall(task: Task) -> None:
                 _stand(task, height or DROP_HEIGHT)
     elif not builder.grounded:
         task.act(ActionType.TRANSLATION, builder.brief.directions.down, MAGNITUDE_MAX, task.window)
-        builder.notes.append(
-            "Gravity acts from the first frame, so a fall that comes later is made by a push downwards."
-        )
+        builder.notes.append("Gravity acts from the first frame: a later fall is a push downwards.")
 
 
 def _stand(task: Task, height: float, since: float = 0.0) -> None:
@@ -294,7 +276,9 @@ def compile_topple(task: Task) -> None:
     builder, blows = task.builder, _find_blows(task)
     before = (*builder.actions[: len(builder.actions) - len(blows)], *builder.constraints)
     whole = builder.grounded and task.event.region is None
-    led = tip(task.brief, task.direction, task.event.strength, task.window, before) if whole else []
+    goes_on = any(each.effect is not Effect.STILL for each in task.after)
+    kept = (last if goes_on else task.brief.last) if task.event.lies_aside else None
+    led = tip(task.brief, task.direction, task.event.strength, task.window, before, kept) if whole else []
     builder.constraints += led
     if led and blows:  # what is knocked over goes as far as it falls
         places = tuple(f"actions[{builder.actions.index(each)}]" for each in blows)

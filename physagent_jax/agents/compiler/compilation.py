@@ -154,15 +154,13 @@ def _is_of(presets: tuple[str, ...], intent: Intent) -> bool:
 
 def _refuse(unknown: list[Event], brief: SceneBrief) -> UserError:
     """The error for an intent of which nothing is known, with the nearest known motions."""
-    words = [event.clause.motion or event.clause.cause or "" for event in unknown]
+    words = [each for event in unknown if (each := event.clause.motion or event.clause.cause)]
     do = f"Say in other words what should happen to the {brief.object_name}, for example {EXAMPLES}"
-    if not any(words):
+    if not words:
         return UserError("The prompt names no motion that is understood", do=do)
     near = [each for word in words for each in suggest_motions(word)]
     nearest = f"; the nearest known motions are {', '.join(map(repr, near))}" if near else ""
-    return UserError(
-        "The motion is not known", got=", ".join(map(repr, filter(None, words))), do=do + nearest
-    )
+    return UserError("The motion is not known", got=", ".join(map(repr, words)), do=do + nearest)
 
 
 def _state_gravity(intent: Intent, builder: ForceFieldBuilder) -> None:
@@ -199,10 +197,8 @@ def _collect_doubts(intent: Intent, unknown: list[Event], builder: ForceFieldBui
         builder.unsure.append("How it falls without gravity is not understood.")
     builder.unsure += intent.doubts
     for word in intent.unknown:
-        part = word in intent.unknown_parts
-        builder.unsure.append(
-            explain_missing(word, builder.brief.parts) if part else f"'{word}' is not understood."
-        )
+        missing = explain_missing(word, builder.brief.parts) if word in intent.unknown_parts else ""
+        builder.unsure.append(missing or f"'{word}' is not understood.")
 
 
 def _choose_kinds(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:

@@ -198,6 +198,11 @@ class Event:
         return self.verb is not None and self.verb.lands and not self.clause.negated and self.goes_aside
 
     @property
+    def lies_aside(self) -> bool:
+        """Return whether it tells that it comes to lie on a side of its own: "tip it over onto its side"."""
+        return not {"side", "rim", "edge"}.isdisjoint(self.text.lower().split())
+
+    @property
     def goes_aside(self) -> bool:
         """Return whether a way is told that is neither up nor down."""
         return any(way.names not in (("up",), ("down",)) for way in self.pick(WayKind.TO))
@@ -210,5 +215,5 @@ class Event:
 
 def is_landing_meanwhile(before: Event, event: Event) -> bool:
     """Return whether an event is the landing from which on another goes on: "it wobbles *when it lands*"."""
-    goes_on = before.effect in (Effect.SWAY, Effect.TURN, Effect.ROLL)
+    goes_on = before.effect in (Effect.SWAY, Effect.TURN, Effect.ROLL, Effect.TOPPLE)
     return goes_on and event.motion.lands and event.clause.order == "together" and not event.clause.negated

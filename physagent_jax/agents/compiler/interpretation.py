@@ -165,6 +165,7 @@ def _choose_motion(event: Event, brief: SceneBrief, before: Event | None) -> tup
         ("shuttle", swings and effect is Effect.STRIKE and motion.gravity),
         ("bob", swings and (effect in (Effect.FALL, Effect.JUMP) or motion.gravity)),
         ("rock", swings and (effect is Effect.ROLL or motion.steps)),
+        ("burst", head == "burst" and motion.manner == "hinge" and not (event.parts or find_hinged(brief))),
         ("jump", motion.bounces and (counted or event.is_upwards)),  # "it bounces three times"
         ("roll", phrase == "tumble" and event.goes_aside and before is None),  # "tumbles to the right"
         ("fall over", severed and head in _SEVERING and brief.object_kind == "plant"),  # "is sawn off"
@@ -395,12 +396,9 @@ def _take_over_direction(event: Event, before: Event, brief: SceneBrief) -> None
     """The direction of the event before, where none is told; and "back" from there. What lies tips over aside."""
     pushed = before.effect in (Effect.PUSH, Effect.STRIKE)
     driven = event.effect is Effect.TOPPLE and pushed and not lies(brief)
-    likewise = before.effect is event.effect and (
-        event.effect is not Effect.SWAY or before.phrase == event.phrase
-    )
+    likewise = before.effect is event.effect
+    likewise &= event.effect is not Effect.SWAY or before.phrase == event.phrase
     slides = before.effect is Effect.TOPPLE and event.effect is Effect.PUSH and event.motion.generic
-    if slides and event.clause.order == "and":
-        event.clause = event.clause.model_copy(update=dict(order="then"))
     carried = event.motion.generic and event.effect is Effect.PUSH or event.effect is Effect.ROLL
     carried &= pushed and before.direction is not None and abs(before.direction[2]) < _STEEP
     if event.notes and (likewise or driven or slides or carried):  # "it is hit from the left and slides"
@@ -432,9 +430,8 @@ def _find_quantities(event: Event, before: Event | None, brief: SceneBrief) -> N
         falls = event.effect is Effect.FALL  # from as high as there is room (`blows`)
         event.amount = amount = found.amount if falls else keep_in_space(found.amount, event.direction, brief)
         if amount is not found.amount:
-            event.notes.append(
-                f"'{event.text}': there is room for {amount.value:.2g} {amount.unit} that way."
-            )
+            room = f"{amount.value:.2g} {amount.unit}"
+            event.notes.append(f"'{event.text}': there is room for {room} that way.")
         if found.everywhere:
             event.motion, event.direction = replace(motion, effect=Effect.SWELL), None
         elif found.names and not event.pick(*WAYS):  # "to twice its height"
@@ -464,9 +461,8 @@ def _resolve_again(event: Event, before: Event | None) -> None:
     if not ways:
         return
     same = ways[0].names == ("same",)
-    alike = before is not None and (
-        before.effect in TOWARDS and event.effect in TOWARDS if same else before.effect is event.effect
-    )
+    kinds = {event.effect, before.effect} if before else set()
+    alike = kinds <= {*TOWARDS} if same else len(kinds) == 1
     if before is None or before.direction is None or not alike:
         event.doubts.append(f"Which way '{ways[0].text}' is, is not understood.")
     else:

@@ -29,6 +29,9 @@ _LEVEL = 0.7  # cosine to the vertical below which an axis is level
 _STROKE = 0.75  # [s] that each of several strokes or swings takes at least
 _SWAYS = {"bend": 0.5, "rock": 0.7}  # [s] that a swing over its foot takes at least, by manner
 _SWING = 4.0  # [s] in which what is held swings until it is still: 1 Hz with a damping ratio of 0.2
+# [s] that all else takes until it is seen to be still: what is braked, and what is led to and fro, falls or is hit.
+_SETTLING: dict[Effect, float] = dict.fromkeys((Effect.PUSH, Effect.TURN, Effect.ROLL, Effect.LEAN), 0.6)
+_SETTLING |= dict.fromkeys((Effect.SWAY, Effect.FALL, Effect.TOPPLE, Effect.JUMP, Effect.STRIKE), STEP)
 _BEFORE = 0.4  # [s] before what is sudden, in which nothing happens yet
 _REST = 0.5  # [s] after a motion by a quantity, in which it is seen to be reached
 LONGEST = 10.0  # [s] of a clip that a sentence can ask for
@@ -97,23 +100,24 @@ def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, la
     """Slots with their least durations [frames]: told lengths as they are, steps of a sequence `STEP`."""
     slots = _group_slots(events, brief, last)
     grounded, clip = brief.world == "ground", brief.seconds
-    for slot, following in zip(slots, [*slots[1:], None]):
+    for before, slot, following in zip([None, *slots], slots, [*slots[1:], None]):
         seconds = 0.0
         for event in slot.events:
-            usual = STEP if len(slots) > 1 or event.stays else min(clip, 2.0)
+            after = following.events if following else []
+            tips = event.effect is Effect.FALL and any(e.effect is Effect.TOPPLE for e in after)
+            usual = _STROKE if tips else STEP if len(slots) > 1 or event.stays else min(clip, 2.0)
             rests = event.effect is Effect.STILL and event.phrase != "wait"
-            if rests and len(slots) > 1 and following is None and (anchored or grounded):
-                usual = _SWING
+            if rests and before and following is None and (anchored or grounded):
+                free = [e.effect for e in before.events if e.effect is Effect.SWAY or not anchored]
+                usual = max((_SETTLING.get(each, _SWING) for each in free), default=_SWING)
             swings = _SWAYS.get(event.motion.manner, 0.0) * (event.repeat.count or event.motion.cycles)
-            seconds = max(
-                seconds, usual, _STROKE * event.count, swings if event.effect is Effect.SWAY else 0.0
-            )
-            if event.effect is Effect.TOPPLE and event.direction:
-                seconds = max(seconds, find_tipping_time(event.direction, event.strength, brief))
+            swings *= event.effect is Effect.SWAY
+            seconds = max(seconds, usual, _STROKE * event.count, swings)
+            if (way := event.direction) and event.effect is Effect.TOPPLE:
+                seconds = max(seconds, find_tipping_time(way, event.strength, brief, event.lies_aside))
             effort = find_effort(event.amount, event.effect, brief)
             flies = event.motion.leaps and slot is slots[0] or any(e.motion.gravity for e in slot.events)
             effort = None if flies and event.effect is Effect.TURN else effort
-            after = following.events if following else []
             stops = has_to_stop(event, after, brief.directions.up, grounded)
             if event.amount is None and stops and not event.motion.brief:
                 effort = find_word_effort(event.strength, event.effect)
@@ -188,7 +192,8 @@ def has_to_stop(event: Event, after: list[Event], up: Vector, grounded: bool) ->
             return not grounded  # else the push downwards that follows would only slow it
         turned = turns and later.effect is event.effect
         moved = moves and later.effect in (*_MOTIONS, Effect.SWAY)
-        if later.effect is Effect.STILL or ((turned or moved) and not _cosine(event, later) > 0.5):
+        tilted = moves and later.effect is Effect.LEAN  # "brakes and tips up"
+        if later.effect is Effect.STILL or tilted or ((turned or moved) and not _cosine(event, later) > 0.5):
             return True
     return False
 
@@ -217,9 +222,9 @@ def follows(before: Event, event: Event) -> bool:
     over = effect is Effect.TURN and event.motion.angle == 180 and before.motion.direction in ("up", None)
     falls = effect is Effect.FALL or thrown or over  # "pick it up and throw it"
     lifted = before.effect is Effect.PUSH and falls and before.phrase != event.phrase
-    return (
-        effect is Effect.RELEASE or rests or lifted or _carries_on(before, event) or _contrary(before, event)
-    )
+    rests |= effect is Effect.RELEASE
+    rests |= before.motion.drops and effect is Effect.TOPPLE  # "it is dropped and tips over"
+    return rests or lifted or _carries_on(before, event) or _contrary(before, event)
 
 
 def _carries_on(before: Event, event: Event) -> bool:
@@ -240,7 +245,10 @@ _SUCCESSIONS = (
     (Effect.LEAN, Effect.TOPPLE),
     (Effect.FALL, Effect.ROLL),
     (Effect.PUSH, Effect.TOPPLE),  # "slides to the left and falls over"
+    (Effect.FALL, Effect.BURST),  # "it falls and explodes"
     (Effect.TOPPLE, Effect.ROLL),
+    (Effect.TOPPLE, Effect.PUSH),
+    (Effect.TOPPLE, Effect.SWAY),  # "it falls over sideways and rocks until it stops"
     (Effect.JUMP, Effect.FALL),  # "jumps and lands"
     (Effect.JUMP, Effect.TOPPLE),  # "jumps and lands on its back"
 )

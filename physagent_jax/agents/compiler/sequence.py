@@ -26,6 +26,7 @@ from physagent_jax.forces.calibration import MAGNITUDE_MAX
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.hinges import find_hinge, find_hinged
 from physagent_jax.motion.joints import Turning
+from physagent_jax.motion.landing import FLIPPED, turn_until_landed
 from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.schema import Amount, AnchorRequest, SceneBrief
 from physagent_jax.motion.swaying import lies
@@ -159,9 +160,6 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         return  # "its head falls off and rolls away"
     whole = [each.effect for each in events if each.motion.manner != "detach"]
     falls = event.effect is Effect.FALL or not {*_ALOFT, *_UPSETTING}.isdisjoint(whole)
-    if events and events[-1].effect is Effect.TOPPLE and event.effect is Effect.SWAY:
-        if event.clause.order == "and":  # "it falls over sideways and rocks until it stops"
-            event.clause = event.clause.model_copy(update=dict(order="then"))
     if events and _is_crushed(events[-1], event):
         slam = events[-1]
         slam.motion = replace(slam.motion, effect=Effect.STRIKE, gives=True)
@@ -169,8 +167,6 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         return  # "it crashes into the wall, and its front crumples": it is of what gives way
     fall = events[-1] if events and events[-1].effect is Effect.FALL else None
     bursts = fall and event.effect is Effect.BURST
-    if bursts and not builder.breaks:
-        event.clause = event.clause.model_copy(update=dict(order="then"))  # "it falls and explodes"
     yields = event.motion.gives or bursts and builder.breaks or fall and _yields(event, builder.soft)
     if yields and falls and any(each.effect not in _RESTING for each in events):
         events[-1].doubts += event.doubts
@@ -235,14 +231,13 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     elif before and _sets_rocking(before, event) and builder.grounded and not (builder.anchored or poked):
         builder.notes.append(f"'{before.words}' sets it rocking: pushed as well, it would slide or fall.")
         event = _join_push(events.pop(), event)
-    if events and events[-1].motion.leaps and event.effect is Effect.FALL and not event.goes_aside:
-        events[-1].doubts += event.doubts
-        return  # "it flips in the air and lands"
+    if _ends_flight(events, event):
+        if len(events) > 1:
+            events[-1].clause = events[-1].clause.model_copy(update=dict(order="together"))
+        events[-1] = _turn_until_landed(events[-1], event, builder.brief)
+        return  # "it flips in the air and lands", "it is thrown up, spins and lands on its side"
     if events and events[-1].motion.leaps and event.effect is not Effect.TURN and event.clause.order == "and":
         event.clause = event.clause.model_copy(update=dict(order="then"))  # "... and slides"
-    if event.motion.lands and [each.effect for each in events[-2:]] == [Effect.JUMP, Effect.TURN]:
-        last = events[-1]  # "jumps up, spins around and lands"
-        last.clause = last.clause.model_copy(update=dict(order="together"))
     thrown = bool(events) and (events[-1].motion.gravity or events[-1].effect is Effect.JUMP)
     if thrown and event.phrase in ("come back down", "go back down"):
         event = _make_another(event, "land")  # "toss it up and let it come back down"
@@ -267,6 +262,34 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         builder.notes.append(f"'{event.words}': it stands on the ground, so it is lifted first.")
     events.append(event)
     _drop_again(events, builder)
+
+
+def _ends_flight(events: list[Event], event: Event) -> bool:
+    """Return whether it comes down with an event, having turned aloft till then."""
+    *_, rise, turn = (None, None, *events)
+    if turn is None or turn.effect is not Effect.TURN or turn.parts or turn.limbs:
+        return False
+    thrown = rise is not None and (rise.effect is Effect.JUMP or rise.motion.gravity)
+    lands = event.effect is Effect.FALL and not event.goes_aside or event.motion.alone == "fall"
+    lies = event.phrase.startswith(("land", "topple")) or event.motion.generic
+    lies &= event.effect is Effect.TOPPLE or event.effect is Effect.TURN and event.motion.angle == FLIPPED
+    return (turn.motion.leaps or thrown) and (lands or lies)
+
+
+def _turn_until_landed(turn: Event, event: Event, brief: SceneBrief) -> Event:
+    """The turn aloft that ends as it is said to land, whatever it lands on."""
+    turn.doubts += event.doubts
+    over, told, own = event.effect is Effect.TURN or event.clause.pose == "up", turn.amount, turn.direction
+    side = event.direction if over else event.direction and find_lean_axis(event.direction, brief)
+    if not (over or event.effect is Effect.TOPPLE) or side is None and own is None:
+        return turn
+    degrees = told.value if told and told.unit == "degrees" else 0.0
+    own = (
+        side if turn.motion.picture and side else own
+    )  # the picture's axis is none of its own: it would reel
+    axis, degrees = turn_until_landed(degrees, own, side, over, brief)
+    motion, amount = replace(turn.motion, manner="", tumbles=True), Amount(value=degrees, unit="degrees")
+    return replace(turn, direction=axis, amount=amount, motion=motion)
 
 
 def _set_down(event: Event, events: list[Event], builder: ForceFieldBuilder) -> list[Event]:
@@ -511,7 +534,7 @@ def _put_under_gravity(event: Event, gravity: str | None) -> Event:
 
 def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Event]:
     """Letting go of something at rest lets it fall; letting go before a fall is part of the fall."""
-    result: list[Event] = []
+    result, idle = [], all(each.effect in _RESTING for each in events)
     for event, after in zip(events, [*events[1:], None]):
         returned = event.motion.puts_back or event.is_back
         returned &= bool(result) and result[-1].effect is Effect.TOPPLE
@@ -542,9 +565,7 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
             result.append(event)
         elif event.motion.alone and after is not None and after.clause.order == "together":
             continue  # "it recoils as it is hit"
-        elif (phrase := event.motion.alone) and (
-            event.motion.lets_go or all(e.effect in _RESTING for e in events)
-        ):
+        elif (phrase := event.motion.alone) and (event.motion.lets_go or idle):
             motion = read_lexicon().motions[phrase]
             usual = getattr(builder.brief.directions, motion.direction) if motion.direction else None
             usual = builder.brief.directions.left if motion.effect is Effect.SWAY else usual

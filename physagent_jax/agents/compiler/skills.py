@@ -198,10 +198,8 @@ def _compile_scale(task: Task) -> None:
         for axis in () if event.motion.gives else axes:
             task.act(ActionType.SCALE, axis, event.motion.sign * strength, part)
     kind = MotionKind.STRETCH if event.motion.sign > 0 else MotionKind.SQUEEZE
-    released = count > 1 or task.is_released
-    task.expect(
-        kind, event.direction, windows[0], repeats=count, released=released, sudden=event.motion.quick
-    )
+    told = dict(repeats=count, released=count > 1 or task.is_released, sudden=event.motion.quick)
+    task.expect(kind, event.direction, windows[0], **told)
 
 
 def _compile_burst(task: Task) -> None:
@@ -217,9 +215,8 @@ def _compile_turn(task: Task) -> None:
         shares = [0.5, *[1.0] * (2 * count - 1), 0.5] if free else [1.0] * (2 * count)
         windows = divide(task.window, shares)
         _alternate(task, ActionType.TORQUE, event.strength, windows)
-        task.expect(
-            MotionKind.ROTATE, event.direction, task.window if event.limbs else windows[0], repeats=count
-        )
+        seen = task.window if event.limbs else windows[0]
+        task.expect(MotionKind.ROTATE, event.direction, seen, repeats=count)
     elif event.motion.wrings and event.part is None:  # at its waist: one half against the other
         _compile_twist(replace(task, event=replace(event, region=None)))
     else:

@@ -235,9 +235,7 @@ def apply_negations(mentions: list[Mention]) -> list[Mention]:
             result += [mention] if mention.kind is not MentionKind.SOLID else []
         elif pending is None or mention.kind not in _NEGATABLE:
             result.append(mention)
-        elif (
-            mention.motion and not denied and _is_manner_denied(mention, mentions[index + 1 : index + _REACH])
-        ):
+        elif mention.motion and not denied and _is_manner_denied(mention, mentions[index + 1 :][:_REACH]):
             result.append(mention)  # "do not push it too hard" pushes it
         elif mention.kind is not MentionKind.DEGREE:
             result += _negate(pending, mention)
@@ -354,9 +352,8 @@ def _is_other_place(last: Clause, mentions: list[Mention]) -> bool:
 def _is_turning_back(clauses: list[Clause], join: Join, mentions: list[Mention]) -> bool:
     """Return whether a list goes the other way now: "push it left, right, and left again"."""
     last = clauses[-1]
-    measured = any(m.kind in _MEASURES for m in mentions) and not last.has(
-        Effect.SWAY, Effect.SCALE, Effect.SWELL
-    )
+    measured = any(m.kind in _MEASURES for m in mentions)
+    measured &= not last.has(Effect.SWAY, Effect.SCALE, Effect.SWELL)
     measured |= any(m.form in get_set("pronouns") for m in mentions)  # "up it went and down it came"
     listed = len(clauses) > 1 and last.head is None or measured  # "gently to the left and hard to the right"
     if join is not Join.COMMA and not (join is Join.AND and listed):

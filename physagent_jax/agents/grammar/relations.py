@@ -192,11 +192,13 @@ def _take_over(clause: Clause, before: Clause) -> None:
 def _merge_results(clauses: list[Clause]) -> list[Clause]:
     """Makes one clause of cause and effect ("pushes it so that it bends"): the effect's verb, all modifiers."""
     merged: list[Clause] = []
+    caused = (_is_carried_off, _is_moved_by_wind, _is_pushed_over)
     for index, clause in enumerate(clauses):
         brakes = bool(merged) and merged[-1].has(Effect.STILL) and get_verb(merged[-1].head).brief
         if brakes and clause.join in (Join.RESULT, Join.AND):
             first = merged.pop()  # "it drives forward and brakes, so that it rocks": along its way
-            clause.join = clause.join if merged else first.join
+            stopped = Join.THEN if clause.join is Join.AND else clause.join  # "drives, brakes and tips up"
+            clause.join = stopped if merged else first.join
         before = merged[-1] if merged else None
         acts = before is not None and before.head is not None and clause.verb is not None
         if before is None or not acts or clause.negated or before.negated or before.has(Effect.HOLD):
@@ -224,9 +226,7 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
             _absorb(before, clause)
         elif _is_falling_over(before, clause):
             _absorb(before, clause, clause.has(Effect.FALL))
-        elif clause.join is Join.RESULT or any(
-            tells(before, clause) for tells in (_is_carried_off, _is_moved_by_wind, _is_pushed_over)
-        ):
+        elif clause.join is Join.RESULT or any(tells(before, clause) for tells in caused):
             merged += _relate(before, clause)
         else:
             flies = clause.has(Effect.TURN) and get_verb(before.head).gravity
@@ -289,6 +289,7 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
     first, second = get_verb(cause.head), get_verb(effect.verb)
     falls = first.effect is Effect.FALL and not first.gives
     drops = falls and second.effect in (Effect.ROLL, Effect.PUSH, Effect.SWAY)
+    drops |= (falls or first.gravity) and second.effect is Effect.BURST  # "drop it so that it bursts"
     # "Knock it over so that it rolls away"; where it "goes", it falls.
     told = second.generic and second.effect is not Effect.TURN and bool(effect.select(*WAYS))
     drops |= first.effect is Effect.TOPPLE and not told and second.effect in _LYING
@@ -299,9 +300,8 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
     # "Toss it so that it flips", "drop it so that it rolls", "twist it until it tears".
     shapes = {first.effect, second.effect} <= {Effect.TURN, Effect.SCALE, Effect.SWAY}
     another = drops or second.effect is Effect.TURN and first.gravity
-    another |= (
-        second.effect is Effect.STRIKE and not effect.modifiers and cause.has(Effect.FALL, Effect.TOPPLE)
-    )
+    fell = cause.has(Effect.FALL, Effect.TOPPLE)
+    another |= fell and second.effect is Effect.STRIKE and not effect.modifiers
     severs = second.manner == "detach" and first.effect in _FORMS and not cause.select(MentionKind.PLACE)
     another |= shapes and second.effect is not first.effect
     lengths = [m for m in cause.select(MentionKind.QUANTITY) if getattr(m.value, "unit", "") in _LENGTHS]
@@ -309,9 +309,8 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
     own |= first.effect is Effect.SWELL and first.sign > 0 and second.effect is Effect.PUSH
     if own:  # "it drives two metres so that it rocks", which is the way that it went; "inflate it until it floats up"
         effect.join = Join.THEN
-        effect.modifiers += (
-            [] if effect.select(*WHERE) or first.effect is Effect.SWELL else cause.select(*WAYS)
-        )
+        alone = effect.select(*WHERE) or first.effect is Effect.SWELL
+        effect.modifiers += [] if alone else cause.select(*WAYS)
         return [effect]
     flung = second.generic and second.effect is Effect.PUSH and first.effect is Effect.TURN
     if flung and effect.select(MentionKind.PLACE):  # "spin it so fast that its leaves fly outwards"
@@ -326,10 +325,8 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
             thrown = replace(LEXICON.motions["throw"], strength=first.strength)
             cause.verb = replace(cause.verb, value=thrown)  # "hit it in the belly so that it flies backwards"
             cause.modifiers = [m for m in cause.modifiers if m.kind is not MentionKind.PLACE]
-        if second.direction and effect.verb is not None and not effect.select(*WAYS):
-            effect.modifiers.append(
-                replace(effect.verb, kind=MentionKind.DIRECTION, value=(second.direction,))
-            )
+        if second.direction and (verb := effect.verb) and not effect.select(*WAYS):
+            effect.modifiers.append(replace(verb, kind=MentionKind.DIRECTION, value=(second.direction,)))
         _absorb(cause, effect)
         return []
     # "Lift its front until it stands on its back end, or tips": but by a handle, it tilts about the other side.
@@ -370,9 +367,8 @@ def _absorb(cause: Clause, effect: Clause, generic: bool = True) -> None:
     elif effect.verb is not None:
         cause.modifiers += tell_result(cause, effect.verb)
     told = [m for m in effect.modifiers if m.phrase != "away" or not cause.select(*WAYS)]
-    cause.modifiers += [
-        m for m in told if not (generic and cause.has(Effect.TOPPLE) and m.value == ("down",))
-    ]
+    falls = generic and cause.has(Effect.TOPPLE)
+    cause.modifiers += [m for m in told if not (falls and m.value == ("down",))]
     cause.mentions += effect.mentions
 
 
