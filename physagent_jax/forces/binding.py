@@ -15,6 +15,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax.core import Tracer
+from scipy.spatial.transform import Rotation
 
 from physagent_jax.core.arrays import to_device
 from physagent_jax.core.errors import UserError
@@ -57,7 +58,8 @@ BALANCING = 3.0  # times what its weight turns it by when it lies, up to which i
 ROCKS = math.radians(2)  # by which what slides may rock
 TILTED = math.radians(20)  # at which what is led over its foot stands on its edge, or by less
 _ROLLING = math.radians(70)  # turn from which on it goes over one edge after another
-_TURNED_BY = 18  # steps in which those are looked for
+_LAID = math.radians(100)  # the same up to which it then lies on a side
+_PARTS = 36  # of a turn, in which its middle goes as it rests on the ground
 _SLIGHT = math.radians(5)  # of which it is seen where that is
 FALLING = math.radians(40)  # from which on what is led over it and let go falls over
 RISES_BY = 0.35  # [m/s] at which what has come down gets up again, for the least M
@@ -85,6 +87,24 @@ class Stroke:
 
 
 @dataclasses.dataclass(frozen=True)
+class Tilt:
+    """The turn about a level axis by which a constraint leads what stands.
+
+    Attributes:
+        axis: Unit vector (right-hand rule), shape (3,).
+        first, last: Its turn from upright before and after [rad].
+    """
+
+    axis: np.ndarray
+    first: float
+    last: float
+
+    def turn(self, x: np.ndarray, share: float) -> np.ndarray:
+        """Places ``x`` relative to its line, shape (n, 3) [m], after a share of the turn."""
+        return Rotation.from_rotvec((self.first + share * (self.last - self.first)) * self.axis).apply(x)
+
+
+@dataclasses.dataclass(frozen=True)
 class Circumstances:
     """Circumstances of an entry, besides its own numbers.
 
@@ -95,7 +115,7 @@ class Circumstances:
         stroke: Its part in a series of pushes; None = it is a push of its own.
         turned: Whether something turns the object at the same time.
         until: Frame at which the next entry begins.
-        tilted: Axis about which what stands is first tilted by a constraint, unit vector, shape (3,); None = it is not.
+        tilt: Turn by which it leads what stands; None = it is none.
         moved: Whether it has gone elsewhere before that.
         again: Whether the whole object fell, or a blow threw it up, before it.
         lies: Whether the whole object was turned over before it, and not back.
@@ -107,7 +127,7 @@ class Circumstances:
     stroke: Stroke | None = None
     turned: bool = False
     until: float = math.inf
-    tilted: np.ndarray | None = None
+    tilt: Tilt | None = None
     moved: bool = False
     again: bool = False
     lies: bool = False
@@ -218,17 +238,16 @@ class Binding:
                 self._share = None if twist.share is None else self.leaf(twist.share)
         self._carriers = self._find_carriers() if getattr(timed, "carried", False) else None
         self._tilt = 0.0  # [rad] by which it is led over the edge of its foot
-        self._edges = []
-        if about.tilted is not None and self._pivot is None and self._stands:
-            begin, end = timed.active_time or (0.0, about.frame_count - 1)
-            self._tilt = self.scaling.rotation * abs(timed.magnitude) * timed.gain * (end - begin) * frame_dt
-            self._pivot, edge = self._find_foot_edge(about.tilted)
+        self._steps: np.ndarray | None = None  # [m] by which its middle goes in equal parts of the turn
+        if about.tilt is not None and self._pivot is None and self._stands:
+            self._tilt = abs(about.tilt.last - about.tilt.first)
+            self._pivot, edge = self._find_foot_edge(about.tilt.axis)
             if about.moved:  # the edge is where its particles have gone
                 self._pivot = edge
                 near = np.linalg.norm(rest - self._pivot, axis=1) < _EDGE * np.ptp(rest, axis=0).max()
                 self._about, self._pivot = self.leaf(near), None
-            if self._tilt > _ROLLING or self._sinks(about.tilted, edge):
-                self._edges, self._pivot = self._roll_over_edges(about.tilted), None
+            if max(about.tilt.first, about.tilt.last) > _ROLLING or self._sinks(about.tilt, edge):
+                self._steps, self._pivot, self._about = self._find_steps(about.tilt), None, None
         hold_end = getattr(timed, "held_until", None)
         self._held_until = None if hold_end is None else self.leaf(hold_end * frame_dt)
         self._rigid = wrung or (isinstance(timed.region, CellsRegion) and timed.region.rigid)
@@ -369,7 +388,7 @@ class Binding:
     def let_land(self) -> list:
         """The force that lets what is led over the edge of its foot, and then let go, lie where it falls."""
         most = self._find_most_balance()
-        if self._tilt < FALLING or most is None or self._held_until is not None:
+        if not FALLING <= self._tilt <= _LAID or most is None or self._held_until is not None:
             return []
         rest, way, most = map(self.leaf, (self._rest, self._way, most))
         return [Landing(rest, way, most, self.window[1], self.leaf(self._until))]
@@ -396,32 +415,28 @@ class Binding:
         down = x[stands, 2] - x[:, 2].min()
         return x[stands] - down * (way / slope + np.array([0.0, 0.0, 1.0])), x[stands]
 
-    def _sinks(self, axis: np.ndarray, edge: np.ndarray) -> bool:
+    def _sinks(self, tilt: Tilt, edge: np.ndarray) -> bool:
         """Return whether it would go into the ground as it is tilted about an edge, as a barrel does about its hoop."""
-        arm, way = self._rest.astype(float) - edge, np.cross(axis, [0.0, 0.0, 1.0])
-        height = arm[:, 2] * math.cos(self._tilt) - (arm @ way) * math.sin(self._tilt)
+        arm = self._rest.astype(float) - edge
+        height = dataclasses.replace(tilt, first=0.0, last=self._tilt).turn(arm, 1.0)[:, 2]
         return bool(arm[:, 2].min() - height.min() > _EDGE * np.ptp(self._rest, axis=0).max())
 
-    def _roll_over_edges(self, axis: np.ndarray) -> list[tuple[float, jax.Array]]:
-        """The edges that it goes over one after another as it is laid onto its side.
+    def _find_steps(self, tilt: Tilt) -> np.ndarray:
+        """The ways of its middle in the equal parts of a turn, in which it rests on the ground, shape (parts, 3) [m].
 
-        What is narrow below, as a pan is, goes over its foot first and then over its rim.
-
-        Returns:
-            Of each, the share of the turn at which it leaves the ground, and weights of the particles there.
+        What is laid onto its side rolls over one edge after another: a pan goes over its foot and then over its rim.
+        What is turned over stays where it is, and goes up and down.
         """
-        x, way = self._rest.astype(float), np.cross(axis, [0.0, 0.0, 1.0])
-        size, edges = np.ptp(x, axis=0).max(), []
-        for share in (np.arange(_TURNED_BY) + 1.0) / _TURNED_BY:
-            angle = self._tilt * (share - 0.5 / _TURNED_BY)
-            height = x[:, 2] * math.cos(angle) - (x @ way) * math.sin(angle)
-            stands = x[height.argmin()]
-            arm = (x - stands) - np.outer((x - stands) @ axis, axis)  # beside a line across the way
-            near = np.linalg.norm(arm, axis=1) < _EDGE * size
-            if edges and np.array_equal(near, edges[-1][1]):
-                edges.pop()
-            edges.append((share, near))
-        return [(share, self.leaf(near)) for share, near in edges]
+        x, steps = self._rest.astype(float), []
+        arm = x - np.average(x, axis=0, weights=self._volume)
+        rolls = max(tilt.first, tilt.last) <= _LAID
+        for share in np.arange(_PARTS) / _PARTS:
+            before, after = (tilt.turn(arm, each) for each in (share, share + 1 / _PARTS))
+            lowest = tilt.turn(arm, share + 0.5 / _PARTS)[:, 2].argmin()
+            way = before[lowest] - after[lowest]
+            rise = before[:, 2].min() - after[:, 2].min()
+            steps.append([*(rolls * way[:2]), rise])
+        return np.array(steps)
 
     def _find_feet(self) -> jax.Array:
         """Weights of the particles that fade with their height over the lowest, with a mean of 1 by mass."""
@@ -532,24 +547,22 @@ class Binding:
         pivot = None if self._pivot is None else self.leaf(self._pivot)
         if self._carriers is not None:
             return self._hold_carried(self._carriers, velocity, angular_velocity)
-        (start, end), windows, fields = self.window, [], []
-        for share, about in self._edges or [(1.0, self._about)]:
-            stop = self.window[0] + share * (end - self.window[0])
-            windows.append((start, stop, about))
-            fields.append((velocity, angular_velocity, pivot))
-            start = stop
+        start, end = self.window
+        if self._steps is not None:
+            velocity = velocity + self.leaf(self._steps * len(self._steps)) / (end - start)
+        fields, windows = [(velocity, angular_velocity, pivot)], [(start, end)]
         if self._held_until is not None:
-            windows.append((end, self._held_until, self._about))
             fields.append((still, still, still))
+            windows.append((end, self._held_until))
         lead = partial(
             PrescribedMotion,
             particles,
             share=self._share,
+            about=self._about,
             rigid=self._rigid,
             whole=len(self._led) == len(self._rest),
         )
-        spans = zip(fields, windows)
-        return [lead(*field, about=about, start=start, end=end) for field, (start, end, about) in spans]
+        return [lead(*field, start=start, end=end) for field, (start, end) in zip(fields, windows)]
 
     def _hold_carried(
         self, carriers: np.ndarray, velocity: jax.Array, angular_velocity: jax.Array

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from physagent_jax.forces.binding import Binding, Circumstances
+from physagent_jax.forces.binding import Binding, Circumstances, Tilt
 from physagent_jax.forces.pairs import find_pairs
 from physagent_jax.forces.parameters import ForceFieldParameters, check_entries
 from physagent_jax.forces.responses import scale_entry
@@ -19,7 +19,7 @@ from physagent_jax.forces.upright import Entry, begin_of, end_of, leave_upright
 from physagent_jax.mpm.protocols import Constraint
 
 _LEVEL, _PARALLEL = 0.3, 0.99  # vertical component of an axis; cosine of two
-_MOST_TILT = np.radians(100)  # turn up to which what stands is tilted over its foot, and not turned over
+_MOST_TILT = np.radians(200)  # turn up to which what stands is led over its edges, and does not roll on
 
 
 def compile_force_field(
@@ -63,9 +63,9 @@ def compile_force_field(
         lies = _is_overturned(entry, field)
         stroke = strokes.get(index) if group == "actions" else None
         scale, until = scale_entry(scaling, entry), _find_next_begin(entry, field)
-        tilted, moved = _find_tilt(entry, field, scaling.rotation * frame_dt)
+        tilt, moved = _find_tilt(entry, field, scaling.rotation * frame_dt)
         again = _is_thrown_before(entry, field)
-        about = Circumstances(scale, frame_dt, frame_count, stroke, turned, until, tilted, moved, again, lies)
+        about = Circumstances(scale, frame_dt, frame_count, stroke, turned, until, tilt, moved, again, lies)
         return Binding(entry, values, f"force_field.{group}[{index}]", rest, volume, about)
 
     pairs = {pair.first: pair for pair in find_pairs(field, scaling, rest)}
@@ -112,10 +112,10 @@ def _is_thrown_before(entry: Action | VelocityConstraint, field: ForceField) -> 
 
 def _find_tilt(
     entry: Action | VelocityConstraint, field: ForceField, rate: float
-) -> tuple[np.ndarray | None, bool]:
-    """Axis about which an entry finds the whole tilted, or tilts it, and whether it has gone elsewhere before.
+) -> tuple[Tilt | None, bool]:
+    """Turn by which an entry leads the whole, which stood upright before all turns, and whether it has gone elsewhere.
 
-    The axis is None where something else was done since it stood upright.
+    There is none where something else was done since it stood upright.
 
     Args:
         entry: The entry.
@@ -137,9 +137,10 @@ def _find_tilt(
         for each, axis in zip(turns, axes)
     ]
     tilts = np.cumsum([0.0, *steps])
-    at = turns.index(entry)
-    side = 1.0 if tilts[at] + tilts[at + 1] >= 0 else -1.0
-    return side * axes[0] if level and np.abs(tilts).max() <= _MOST_TILT else None, moved
+    first, last = tilts[turns.index(entry) :][:2]
+    side = 1.0 if first + last >= 0 else -1.0
+    tilt = Tilt(side * axes[0], side * first, side * last)
+    return tilt if level and np.abs(tilts).max() <= _MOST_TILT else None, moved
 
 
 def _turns_whole(entry: Action | VelocityConstraint) -> bool:

@@ -20,15 +20,15 @@ UP = (0.0, 0.0, 1.0)
 MASS = np.ones(len(TOWER))
 
 
-def compile_entries(*actions, constraints=(), lever=0.5 * HEIGHT, responses=()):
+def compile_entries(*actions, constraints=(), lever=0.5 * HEIGHT, responses=(), rest=TOWER, drop=False):
     opposition = Opposition(friction=FRICTION, weight=G, tipping=1.0, lever=lever, travel=1.0, time=2.0)
     scaling = make_closed_form_scaling(
         extent=1.0, youngs_modulus=1e5, density=1.0, duration=2.0, opposition=opposition
     )
     scaling = scaling.model_copy(update=dict(responses=tuple(responses)))
-    field = ForceField.model_validate(dict(actions=list(actions), constraints=list(constraints)))
-    numbers = dict(frame_dt=0.04, frame_count=51)
-    return compile_force_field(field, scaling, TOWER.astype(np.float32), MASS.astype(np.float32), **numbers)
+    entries = dict(actions=list(actions), constraints=list(constraints), default_drop=drop)
+    field, numbers = ForceField.model_validate(entries), dict(frame_dt=0.04, frame_count=51)
+    return compile_force_field(field, scaling, rest.astype(np.float32), MASS.astype(np.float32), **numbers)
 
 
 def act(kind, vector, first, last, magnitude=1.0):
@@ -149,20 +149,22 @@ def test_what_overhangs_meets_the_ground_as_it_is_tilted():
     foot, above = TOWER[TOWER[:, 2] < 0.1], TOWER[TOWER[:, 2] > 0.1] * [10.0, 1.0, 1.0]
     car = np.concatenate([foot, above]).astype(np.float32)
     turn = dict(constraint_type="enforce_particle_rotation", vector=(0, 1, 0), active_time=(0, 25))
-    field = ForceField.model_validate(dict(constraints=[turn | dict(magnitude=0.42, held_until=40)]))
-    opposition = Opposition(
-        friction=FRICTION, weight=G, tipping=1.0, lever=0.5 * HEIGHT, travel=1.0, time=2.0
-    )
-    scaling = make_closed_form_scaling(
-        extent=1.0, youngs_modulus=1e5, density=1.0, duration=2.0, opposition=opposition
-    )
-    motion = compile_force_field(field, scaling, car, MASS.astype(np.float32), frame_dt=0.04, frame_count=51)[
-        1
-    ][0]
+    motion = compile_entries(constraints=[turn | dict(magnitude=0.42, held_until=40)], rest=car)[1][0]
     rate = np.asarray(motion.angular_velocity)
     degrees = np.degrees(rate[1]) * 25 * 0.04
     after = Rotation.from_rotvec(rate * 25 * 0.04).apply(car - np.asarray(motion.center)) + motion.center
     assert 5.0 < degrees < 20.0 and after[:, 2].min() == pytest.approx(0.0, abs=1e-3)
+
+
+def follow(motion, x):
+    """Places after each part of a motion about its own middle."""
+    paces = np.asarray(motion.velocity)
+    seconds, places = float(motion.end - motion.start) / len(paces), [x]
+    for pace in paces:
+        middle = np.average(places[-1], axis=0, weights=MASS)
+        turn = Rotation.from_rotvec(np.asarray(motion.angular_velocity) * seconds)
+        places.append(turn.apply(places[-1] - middle) + middle + pace * seconds)
+    return places[1:]
 
 
 @pytest.mark.parametrize("magnitude", [1.0, 1.6])
@@ -173,24 +175,31 @@ def test_what_is_narrow_below_rolls_over_its_rim_as_it_is_laid_onto_its_side(mag
     pan[:, 0] *= 1.0 + 20.0 * pan[:, 2]
     at = dict(active_time=(20, 45), held_until=50) if drop else dict(active_time=(0, 25), held_until=40)
     turn = dict(constraint_type="enforce_particle_rotation", vector=(0, 1, 0), magnitude=magnitude) | at
-    field = ForceField.model_validate(dict(constraints=[turn], default_drop=drop))
-    opposition = Opposition(
-        friction=FRICTION, weight=G, tipping=1.0, lever=0.5 * HEIGHT, travel=1.0, time=2.0
-    )
-    scaling = make_closed_form_scaling(
-        extent=1.0, youngs_modulus=1e5, density=1.0, duration=2.0, opposition=opposition
-    )
-    x, rest, mass = pan.astype(np.float32), pan.astype(np.float32), MASS.astype(np.float32)
-    *motions, kept = compile_force_field(field, scaling, rest, mass, frame_dt=0.04, frame_count=51)[1]
-    lowest, begin = [], at["active_time"][0] * 0.04
-    for motion in motions:
-        assert motion.center is None and float(motion.start) == pytest.approx(begin, abs=1e-6)
-        begin, turned = float(motion.end), np.asarray(motion.angular_velocity)
-        middle = np.average(x, axis=0, weights=np.asarray(motion.about))
-        x = Rotation.from_rotvec(turned * (begin - float(motion.start))).apply(x - middle) + middle
-        lowest.append(x[:, 2].min())
-    assert len(motions) > 1 and begin == pytest.approx(float(kept.start), abs=1e-6)
-    np.testing.assert_allclose(lowest, 0.0, atol=0.03)
+    rolls, _ = compile_entries(constraints=[turn], rest=pan, drop=drop)[1]
+    *_, last = places = follow(rolls, pan)
+    np.testing.assert_allclose([x[:, 2].min() for x in places], 0.0, atol=1e-4)
+    gone = last.mean(0) - pan.mean(0)
+    assert gone[0] > 0.05 and abs(gone[1]) < 1e-4 and rolls.center is rolls.about is None
+
+
+@pytest.mark.parametrize("back", [False, True])
+def test_what_is_turned_over_rests_on_the_ground_all_the_way(back):
+    """A fish on its belly went into the floor with the fin of its back, which is longer."""
+    fish = (TOWER - TOWER.mean(0)) * [0.5, 1.0, 1.0]
+    fish[:, 2] *= np.where(fish[:, 2] > 0, 1.5, 1.0)
+    fish[:, 2] -= fish[:, 2].min()
+    turn = dict(constraint_type="enforce_particle_rotation", magnitude=1.6, gain=2.5)
+    spans = [turn | dict(vector=(0, 1, 0), active_time=(0, 25), held_until=None if back else 40)]
+    spans += [turn | dict(vector=(0, -1, 0), active_time=(25, 50))] * back
+    motions, places = compile_entries(constraints=spans, rest=fish)[1], [fish]
+    for motion in motions if back else motions[:-1]:
+        places += follow(motion, places[-1])
+        assert np.degrees(abs(motion.angular_velocity[1]) * (motion.end - motion.start)) == pytest.approx(
+            180.0
+        )
+    np.testing.assert_allclose([x[:, 2].min() for x in places], 0.0, atol=1e-4)
+    np.testing.assert_allclose(places[-1].mean(0)[:2], fish.mean(0)[:2], atol=1e-4)
+    assert not back or np.abs(places[-1] - fish).max() < 1e-4
 
 
 @pytest.mark.parametrize("more", [(), (dict(action_type="torque", vector=(0, 1, 0), active_time=(32, 50)),)])

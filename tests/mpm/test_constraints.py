@@ -56,6 +56,17 @@ def test_translation_is_exact_and_ends_with_its_window(x64):
     np.testing.assert_allclose(moved.F, np.broadcast_to(np.eye(3), moved.F.shape), atol=1e-12)
 
 
+def test_velocities_follow_each_other_in_equal_parts_of_the_window(x64):
+    model, state = block(dtype=np.float64, dt=1e-3)
+    paces = [[0.2, 0, 0], [0, 0, 0.1], [0, -0.3, 0], [0.1, 0, 0]]
+    led = motion(np.arange(len(state.x)), velocity=paces, start=0.02, end=0.1)
+    for steps, way in ((20, 0), (40, [0.004, 0, 0]), (50, [0.004, 0, 0.001]), (100, [0.006, -0.006, 0.002])):
+        moved = run(model.replace(constraints=(led,)), state, steps)
+        np.testing.assert_allclose(moved.x - state.x, np.broadcast_to(way, state.x.shape), atol=1e-12)
+    before = np.asarray(led.prescribe(model, state.x))
+    np.testing.assert_allclose(before, np.broadcast_to(paces[0], before.shape))
+
+
 def test_a_turn_about_some_of_the_particles_leaves_these_where_they_are(x64):
     model, state = block(dtype=np.float64, dt=1e-3)
     edge = np.asarray(state.x[:, 2] == state.x[:, 2].min())

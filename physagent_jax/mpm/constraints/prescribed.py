@@ -32,7 +32,7 @@ class PrescribedMotion(Constraint):
 
     Attributes:
         particles: Indices, int32, shape (k,); one beyond the last particle stands for none.
-        velocity: [m/s], shape (3,).
+        velocity: [m/s], shape (3,), or one after the other in equal parts of the window, shape (parts, 3).
         angular_velocity: [rad/s], shape (3,).
         center: A point of the axis [m], shape (3,); None = the present mean of the particles, which then stays.
         about: Weights of the particles in that mean, shape (k,); None = all count alike, by their mass.
@@ -86,16 +86,21 @@ class PrescribedMotion(Constraint):
         assert self.edge is not None
         return jnp.broadcast_to(window_value(time, self.start, self.end, self.edge), self.particles.shape)
 
-    def locate(self, model: Model, x: jax.Array) -> PrescribedMotion:
-        """The same motion with the centre that it has while its particles are at ``x`` [m], shape (k, 3)."""
+    def locate(self, model: Model, x: jax.Array, time: jax.Array) -> PrescribedMotion:
+        """The motion of one velocity and centre that it is at ``time`` [s], with its particles at ``x`` [m], (k, 3)."""
+        motion = self
+        if self.velocity.ndim > 1:
+            parts = len(self.velocity)
+            part = jnp.floor(parts * (time - self.start) / (self.end - self.start)).astype(jnp.int32)
+            motion = dataclasses.replace(self, velocity=self.velocity[jnp.clip(part, 0, parts - 1)])
         if self.center is not None and not self.carried:
-            return self
+            return motion
         mean = self._average(model, x)
-        return dataclasses.replace(self, center=mean if self.center is None else mean + self.center)
+        return dataclasses.replace(motion, center=mean if self.center is None else mean + self.center)
 
     def find_drift(self, model: Model, v: jax.Array) -> jax.Array:
         """The velocity that u comes on top of [m/s], shape (3,), while its particles have ``v``, shape (k, 3)."""
-        return self._average(model, v) if self.carried else jnp.zeros_like(self.velocity)
+        return self._average(model, v) if self.carried else jnp.zeros(3, self.velocity.dtype)
 
     def _average(self, model: Model, values: jax.Array) -> jax.Array:
         """The mean of a vector of its particles, shape (3,), by their mass and what ``about`` tells."""
@@ -118,17 +123,17 @@ class PrescribedMotion(Constraint):
         return value if self.share is None else self.share[:, None] * value
 
     def prescribe(self, model: Model, x: jax.Array) -> jax.Array:
-        """u(x) of its particles [m/s]."""
+        """u(x) of its particles [m/s], as the window begins."""
         places = x.at[self.particles].get(mode="fill", fill_value=0)
-        return (
-            jnp.zeros_like(x).at[self.particles].set(self._divide(self.locate(model, places).field(places)))
-        )
+        speeds = self._divide(self.locate(model, places, self.start).field(places))
+        return jnp.zeros_like(x).at[self.particles].set(speeds)
 
     def before_p2g(self, model: Model, state: State) -> State:
         """Give the held particles their velocity and velocity gradient."""
-        p, choose = self.particles, self._make_choice(self.read_clock(state.time, model.dt))
+        p, clock = self.particles, self.read_clock(state.time, model.dt)
+        choose = self._make_choice(clock)
         x, v = state.x[p], state.v[p]
-        v = choose(self.find_drift(model, v) + self._divide(self.locate(model, x).field(x)), v)
+        v = choose(self.find_drift(model, v) + self._divide(self.locate(model, x, clock).field(x)), v)
         C = choose(skew(self._divide(self.angular_velocity)), state.C[p])
         return dataclasses.replace(state, v=state.v.at[p].set(v), C=state.C.at[p].set(C))
 
@@ -151,7 +156,7 @@ class PrescribedMotion(Constraint):
         active = self.active(clock) if share is None else share > 0
         held = sum_devices(scatter_mass(own, model.grid, jnp.where(active, mass, 0)), model.axis)
         node_mask = held > 0.5 * node_mass
-        motion = self.locate(model, own.place_particles(model.grid))
+        motion = self.locate(model, own.place_particles(model.grid), clock)
         wanted = motion.field(model.grid.place_nodes(velocity.dtype))
         if self.share is not None:
             led = scatter_mass(own, model.grid, jnp.where(active, self.share * mass, 0))
@@ -165,8 +170,8 @@ class PrescribedMotion(Constraint):
 
     def after_g2p(self, model: Model, before: State, after: State) -> State:
         """Put the held particles exactly where the prescription has them."""
-        p, choose = self.particles, self._make_choice(self.read_clock(before.time, model.dt))
-        motion = self.locate(model, before.x[p])
+        p, clock = self.particles, self.read_clock(before.time, model.dt)
+        choose, motion = self._make_choice(clock), self.locate(model, before.x[p], clock)
         drift = self.find_drift(model, after.v[p])
         own = motion.displace(before.x[p], model.dt)  # its own path; the centre goes along
         x = choose(own + model.dt * drift, after.x[p])
