@@ -152,6 +152,8 @@ def test_what_is_soft_wobbles_by_itself_as_it_lands():
         "the robot falls over to the left, then it gets up again",
         "tip the robot over to the left and stand it back upright",
         "it is blown over to the left yet rights itself",
+        "knock it over to the left, then put it back on its feet",
+        "the robot tips over to the left and is pushed back onto its base",
     ],
 )
 def test_what_has_fallen_over_is_turned_upright_again(prompt):
