@@ -17,7 +17,7 @@ from physagent_jax.mpm.state import Grid
 # first window has room, a side grows by a good share at once, and those nearly full grow with it. The figures are the
 # best of those tried on clips, by the number of shapes and of nodes (docs/decisions.md, "the grid is a window").
 _GRANULE = 4
-_ROOM, _GROWTH = 1.2, 1.7
+ROOM, _GROWTH = 1.2, 1.7
 _NEARLY_FULL, _GROWTH_WITH_IT = 0.85, 1.2
 
 
@@ -56,7 +56,7 @@ def _choose_sides(needed: np.ndarray, have: tuple[int, int, int], most: int) -> 
 
     def side(need: int, present: int) -> int:
         if present == _GRANULE:
-            room = _ROOM * need
+            room = ROOM * need
         elif need > present:
             room = max(need, _GROWTH * present)
         else:

@@ -277,6 +277,9 @@ LEXICON = sorted(
 
 
 @example(["every direction", "squall"], 50, False)
+@example(
+    "wrench off,bang down against a counter,wrench off,balance up on her back bumper".split(","), 50, False
+)
 @settings(max_examples=300, deadline=None)
 @given(st.lists(st.sampled_from(LEXICON), max_size=14), st.integers(1, 200), st.booleans())
 def test_any_words_give_a_valid_field_or_an_error(words, frame_count, held):

@@ -13,7 +13,7 @@ START = act("translation", (0.3, 0.5, 0.1), 0.8)
 def one_window():
     """Give the first grid window room for the whole clip: each other one has every program compiled again."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(window, "_ROOM", 2.0)
+        patch.setattr(window, "ROOM", 2.0)
         yield
 
 

@@ -326,7 +326,7 @@ def _send_piece(piece: Event, event: Event) -> None:
     told = not piece.sources["vector"].why.endswith(BY_DEFAULT)
     if event.direction is None or told or all(way.text.lower() == "away" for way in event.pick(WayKind.TO)):
         return
-    piece.direction = normalise(add(filter(None, (piece.direction, event.direction))))
+    piece.direction = normalise(add(filter(None, (piece.direction, event.direction)))) or event.direction
     piece.notes, piece.sources["vector"] = [], event.sources["vector"]
 
 

@@ -18,6 +18,7 @@ import yaml
 
 from physagent_jax.forces.part import MOST_LETTERS, SIDES, Part, PartRole, get_singular, split_name
 from physagent_jax.forces.regions import make_region_mask
+from physagent_jax.scene.priors import PRIORS
 
 _WORD = re.compile(r"[^\W\d_]+")
 _BETWEEN = 2  # words between an adjective that chooses and its noun, at most
@@ -60,7 +61,10 @@ def _read_limbs() -> dict[str, tuple[str, ...]]:
 
 def list_wholes(name: str, kind: str) -> set[str]:
     """Words for parts of other things that are all of an object of a name or a kind: a taxi is a cab."""
-    own = {kind, *split_name(name)}
+    own = {
+        kind,
+        *(set(split_name(name)) - PRIORS.keys()),
+    }  # a kind is not told by the name where one is given
     return {word for word, owners in _read("choices")["wholes"].items() if own & {*owners.split()}}
 
 
