@@ -21,7 +21,7 @@ SENTENCES = {
     "plant": "a strong wind bends the plant to the left, then lets go",
     "jelly": "drop the jelly",
     "loaf": "someone presses down on the middle of the loaf and lets go",
-    "robot": "the robot does a backflip",
+    "robot": "spin the robot clockwise",
 }
 SMALL = dict(
     rounds=1,
