@@ -73,7 +73,8 @@ def resolve_material(
         longer = 1.0 if choice.soften == "auto" else math.sqrt(max(duration / _SHORT, 1.0))
         most = round(longer * AFFORDABLE)
         material = soften_material(material, find(material, dx=dx, duration=duration, at_most=most))
-        material = material if choice.soften == "auto" else limit_poissons_ratio(material)
+        if choice.soften is None and choice.poissons_ratio is None:
+            material = limit_poissons_ratio(material)
     elif choice.soften is not None:
         material = soften_material(material, choice.soften)
     if (seen := explain_softening(hard, material)) is not None:
