@@ -8,12 +8,14 @@ from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.api import build_scene, load_object
 from physagent_jax.cli import main
 from physagent_jax.report.html import write_report
+from physagent_jax.run.material import resolve_material
 from physagent_jax.run.reading import read_for_scene
 from physagent_jax.run.resolve import resolve
-from physagent_jax.run.spec import RunSpec
+from physagent_jax.run.spec import MaterialChoice, RunSpec
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.config import MaterialModel, SceneConfig
 from physagent_jax.scene.materials import find_material
+from physagent_jax.scene.presets import PRESETS
 from physagent_jax.scene.priors import PRIORS, choose_damping_ratio, choose_material
 from tests.run.specs import made, small, with_rules
 
@@ -210,3 +212,9 @@ def test_a_scene_built_from_a_sentence_has_its_material(robot_path):
 def test_what_matter_becomes_outweighs_what_it_was(robot_path, body, words, model):
     chosen, _, _ = place(robot_path, body, f"the robot made {words}")
     assert chosen.material.model == model
+
+
+@pytest.mark.parametrize(("chosen", "shown"), [({}, 0.45), ({"poissons_ratio": 0.48}, 0.48)])
+def test_a_chosen_nu_is_kept_where_the_sentence_names_the_material(chosen, shown):
+    material, _ = resolve_material(MaterialChoice(**chosen), "object", PRESETS["fast"], said="natural_rubber")
+    assert material.poissons_ratio == shown
