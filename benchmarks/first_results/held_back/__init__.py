@@ -33,6 +33,7 @@ from benchmarks.first_results.held_back import (
     twentyfirst,
     twentyfourth,
     twentysecond,
+    twentysixth,
     twentythird,
 )
 from benchmarks.first_results.pins import PinnedFile
@@ -63,6 +64,7 @@ _LOTS = (
     twentythird,
     twentyfourth,
     twentyfifth,
+    twentysixth,
 )
 
 FILES: Mapping[str, PinnedFile] = {name: file for lot in _LOTS for name, file in lot.FILES.items()}
