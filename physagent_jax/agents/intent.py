@@ -66,13 +66,15 @@ class Quantity(Strict):
         unit: "degrees", "lengths" (body lengths), "metres", "share" (of ``dimension``: 0.5 = half, 2 = twice), or
             "other" for what nothing here is measured in (newtons, pixels).
         dimension: Dimension of a share: "length", "height", "width", "depth", "size" or "volume"; "far" and "strength"
-            compare with the clause before; "" names none.
+            compare with the clause before; "round" is a way along a circle; "" names none.
         relation: "by" so much, "to" so much, or "is": the quantity tells the change by itself ("doubles its height").
     """
 
     value: float = Field(ge=0, le=1e9)
     unit: Literal["degrees", "lengths", "metres", "share", "other"]
-    dimension: Literal["", "length", "height", "width", "depth", "size", "volume", "far", "strength"] = ""
+    dimension: Literal[
+        "", "length", "height", "width", "depth", "size", "volume", "far", "strength", "round"
+    ] = ""
     relation: Literal["", "by", "to", "is"] = ""
     text: Word = ""
 

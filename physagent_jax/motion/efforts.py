@@ -18,6 +18,7 @@ _STRAIN_PER_M = 0.2
 _UPRIGHT = 0.7  # cosine
 _ROOM = 0.95  # of the way to the wall of the space, so that the wall is not felt
 _SPIN_TIME = 1.5  # [s] of a whole turn with a strength of 1
+_CIRCLE_TIME = 3.0  # [s] the same of a way round a circle, which is some four body lengths
 _FAR = 120.0  # [degrees] from which on a turn takes more than the strongest force does in a step
 
 MOVING = 0.6
@@ -93,9 +94,10 @@ def find_spin(
     return SPIN if manner == "spin" and brief.world == "ground" else None
 
 
-def find_spin_time(degrees: float, strength: float) -> float:
-    """The time that a spin takes; the strength says how fast it is [s]."""
-    return _SPIN_TIME / strength * max(degrees / SPIN, 1.0)
+def find_spin_time(degrees: float, strength: float, manner: SeenManner = "") -> float:
+    """The time that a spin takes, or the same turns along a circle; the strength says how fast it is [s]."""
+    turn = _CIRCLE_TIME if manner == "circle" else _SPIN_TIME
+    return turn / strength * max(degrees / SPIN, 1.0)
 
 
 def find_span(

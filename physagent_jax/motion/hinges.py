@@ -139,7 +139,9 @@ def find_hinged(brief: SceneBrief) -> tuple[int, ...]:
 
 
 def find_box(brief: SceneBrief) -> Vector:
-    """The object's extents along the world's axes [body lengths], from those along the viewer's."""
+    """The object's extents along the world's axes [body lengths]; where not measured, from those along the viewer's."""
+    if brief.box is not None:
+        return brief.box
     (width, height, depth), (x, y, _) = brief.extents, brief.directions.right
     c, s = abs(x), abs(y)
     if abs(c - s) < 0.1:

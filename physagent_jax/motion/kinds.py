@@ -39,6 +39,8 @@ from physagent_jax.motion.efforts import (
     find_wanted_way,
     spread_effort,
 )
+from physagent_jax.motion.hinges import find_box
+from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.matching import (
     AXIAL,
     Cause,
@@ -52,7 +54,7 @@ from physagent_jax.motion.matching import (
 from physagent_jax.motion.pressing import find_pressed
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.tolerances import SPIN, expect_rotation, expect_wrung, find_told
-from physagent_jax.motion.vectors import clamp, cosine, norm, scale
+from physagent_jax.motion.vectors import clamp, cosine, cross, norm, normalise, scale
 from physagent_jax.motion.windows import divide
 from physagent_jax.motion.wishes import Wish, replace_items
 
@@ -66,6 +68,10 @@ _UPENDED = 95.0  # [degrees] the same of an angle that is told
 _RAISED = 20.0  # [degrees] by which it is tilted where one side is raised
 _CRUMPLED = [1.0, 1.5]  # shares of the time in which it is pressed from both sides, and from above alone
 _SPUN = 0.9  # of the most of its word that what lies spins by about its own line: less is hardly seen of what is slim
+_CIRCLE, _SMALL_CIRCLE = (
+    0.8,
+    0.3,
+)  # [body lengths] radius of a circle that it goes along, at most and at least
 _REST = 0.4  # [s] for which what was spun where it stands is then seen to stand
 _LEVELLED = 0.1  # of its largest turn, below which it is level again
 _ASKEW = 10.0  # [degrees] up to which it lies on one of its sides
@@ -514,6 +520,31 @@ def _find_tilt(wish: Wish, lifted: float, first: float) -> tuple[Cause | None, f
     return tilt, total if abs(total) >= _LEVELLED * max(map(abs, efforts)) else 0.0
 
 
+def _lead_round(wish: Wish) -> _Replaced:
+    """Lead what goes in a circle, its front ahead: it turns about a place beside it."""
+    here, brief, axis = wish.expectation, wish.brief, wish.expectation.direction
+    causes = _find_forces(wish, lambda c: c.item.region is None)
+    if here.manner != "circle" or axis is None or not causes or brief.anchored is not None:
+        return None
+    ahead, box = sum_directions(("ahead",), brief), find_box(brief)
+    inwards = normalise(cross(axis, ahead)) or brief.directions.away
+    radius = clamp(0.5 * (brief.reach - 0.5 * max(box[:2])), _SMALL_CIRCLE, _CIRCLE)
+    first, end = wish.get_span(causes)[0], min(here.window[1], brief.last - brief.count_frames(_REST))
+    told = find_told(here, brief, "degrees")
+    degrees = told.target if told else SPIN
+    stop = min(
+        max(end, first + 1.0), first + brief.count_frames(find_spin_time(degrees, here.strength, "circle"))
+    )
+    effort = math.radians(degrees) / TURN * wish.reference
+    size, until = spread_effort(effort, first, stop)
+    hand = _prescribe(causes[0], axis, size, (first, until), _find_next(wish, end))
+    gain = clamp(round(effort / (size * (until - first)), 4), 1.0, GAIN_MAX)
+    pivot = tuple(0.5 + radius * way / side for way, side in zip(inwards, box))
+    return _put(
+        wish, causes, hand.model_copy(update={"gain": gain, "pivot": pivot})
+    ), "it is led along the circle"
+
+
 def _lead(wish: Wish) -> _Replaced:
     """Lead what was raised, is turned over, goes at one speed, or farther than forces start and stop it."""
     expectation, brief, way = wish.expectation, wish.brief, wish.expectation.direction
@@ -590,5 +621,6 @@ _RULES = (
     _raise_side,
     _carry,
     _set_down,
+    _lead_round,
     _lead,
 )

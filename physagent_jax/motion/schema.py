@@ -20,8 +20,8 @@ Manner = Literal["", "bend", "rock", "wobble", "shake", "fly", "fold", "crumple"
 """The manner of a motion: it bends over its foot, which stays; it tilts over the edges of its foot as a whole; its foot
 stays and its own stiffness does the rest; it goes to and fro, foot and all; it leaves the ground; one half
 goes over the other; it is pressed from one side after another; it turns about its hinge; it comes off; or any ("")."""
-SeenManner = Manner | Literal["spin"]
-"""The same of what is to be seen; what spins shows all of its sides."""
+SeenManner = Manner | Literal["spin", "circle"]
+"""The same of what is to be seen; what spins shows all of its sides, and a circle is gone along, heading first."""
 LAST_FRAME = 1e5
 _Frame = Annotated[float, Field(ge=0, le=LAST_FRAME)]
 _Degrees = Annotated[float, Field(ge=-360, le=360)]
@@ -91,6 +91,7 @@ class SceneBrief(Strict):
         size: The object's longest side [m].
         long_axis: World axis along which the object is clearly longest; None if it has none.
         extents: Its width, height and depth as the viewer sees it [body lengths].
+        box: Its extents along the world's axes [body lengths]; None = not measured.
         edges: The straight edges of its foot; none where that is round.
         world: "ground": gravity acts and the object stands on the ground, unless the sentence says otherwise; "free":
             it floats at rest in empty space.
@@ -110,6 +111,7 @@ class SceneBrief(Strict):
     size: float = Field(default=1.0, ge=1e-6, le=1e6)
     long_axis: Numbers | None = None
     extents: Numbers = (1.0, 1.0, 1.0)
+    box: Numbers | None = None
     edges: tuple[FootEdge, ...] = ()
     world: Literal["ground", "free"] = "free"
     reach: float = Field(default=1e5, ge=0, le=1e6)

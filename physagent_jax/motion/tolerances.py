@@ -142,6 +142,10 @@ class Tolerance:
         return Tolerance(lower, min(aim, 0.9 * self.high), self.high, self.unit)
 
 
+CIRCLE = Tolerance(0.5, 1.3, 3.0, "body lengths")
+"""Width of a circle that it goes along."""
+
+
 def pick_band(bands: Bands, strength: float, unit: str) -> Tolerance:
     """The range for a strength, between those of the words geometrically.
 

@@ -12,6 +12,8 @@ from physagent_jax.scene.placement import WALL_CELLS
 from physagent_jax.scene.priors import list_nouns
 from physagent_jax.scene.template import SceneTemplate
 
+_AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
 
 def make_brief(
     template: SceneTemplate, *, frames_fixed: bool = False, parts: tuple[Part, ...] = ()
@@ -40,6 +42,7 @@ def make_brief(
         size=template.source.extent,
         long_axis=find_long_axis(template.source, template.preset.domain),
         extents=find_extents(template.source, template.preset.domain, ways),
+        box=find_extents(template.source, template.preset.domain, _AXES),
         edges=tuple(
             FootEdge(way=way, reach=reach)
             for way, reach in find_edges(template.source, template.preset.domain)

@@ -82,7 +82,7 @@ def _is_whole(motion: ExpectedMotion, falls: bool) -> bool:
 def is_hard(choice: MaterialChoice, kind: str, said: str | None, reply: SemanticReply | None = None) -> bool:
     """Return whether the object's matter is hard, and nobody has chosen how stiff it is.
 
-    What nobody knows anything of keeps its shape where it falls: soft, its thin parts go limp as they land.
+    What nobody knows anything of keeps its shape, unless it jiggles: soft, its thin parts go limp in a gust and a fall.
 
     Args:
         choice: The user's choice.
@@ -93,7 +93,7 @@ def is_hard(choice: MaterialChoice, kind: str, said: str | None, reply: Semantic
     if _is_chosen(choice):
         return False
     if said is None and kind == UNKNOWN and reply is not None:
-        return any(each.kind is MotionKind.FALL and not each.jiggles for each in reply.expectations)
+        return not any(each.jiggles for each in reply.expectations)
     if said is None or said in PRIORS:
         return priors.is_hard(said or kind)
     return materials.is_hard(materials.find_material(said).material)

@@ -18,7 +18,7 @@ from physagent_jax.motion.axes import find_lean_axis, find_turn_towards
 from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.schema import Amount, SceneBrief
 from physagent_jax.motion.swaying import lies
-from physagent_jax.motion.vectors import add, dot, normalise, scale
+from physagent_jax.motion.vectors import add, cross, dot, normalise, scale
 
 ASSUMED = "left"
 TOWARDS = (Effect.PUSH, Effect.STRIKE, Effect.SCALE, Effect.LEAN, Effect.ROLL, Effect.JUMP, Effect.TOPPLE)
@@ -29,6 +29,7 @@ _LEVEL = 0.5  # cosine to the vertical below which a way is level
 _NORMALS: dict[Names, Names] = {("right",): ("up",), ("up",): ("right",)}
 """Turning horizontally is about the vertical."""
 _OWN_ENDS = dict(toward="ahead", away="behind")
+_INWARDS = 0.1  # cosine to the viewer, above which a circle would lie before the object
 _SAME, _ALL_ROUND = 0.99, 360.0  # cosine; [degrees]
 
 
@@ -200,6 +201,9 @@ def _assume(event: Event, brief: SceneBrief) -> Heading:
     missing = "no axis given: it points" if motion.effect is Effect.TURN else "no direction given:"
     event.notes += [] if motion.direction else [f"'{event.words}': no direction given, assumed {name}."]
     vector = normalise(sum_directions((name,), brief))
+    if motion.manner == "circle" and vector:  # it begins and ends in front, where the viewer sees it best
+        inwards = cross(vector, sum_directions(("ahead",), brief))
+        vector = scale(vector, -1.0) if dot(inwards, brief.directions.toward) > _INWARDS else vector
     if motion.effect is Effect.TURN and vector and name in ("ahead", "behind"):
         vector = find_lean_axis(vector, brief)  # "a backflip"
     return Heading(vector, event.words, f"{missing} {name} {'' if motion.bound else BY_DEFAULT}".strip())

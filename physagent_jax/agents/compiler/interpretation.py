@@ -131,6 +131,9 @@ def _choose_motion(event: Event, brief: SceneBrief, before: Event | None) -> tup
     if effect is Effect.ROLL and (event.clause.turning or event.clause.seen_from) and not told:
         return replace(motion, effect=Effect.TURN, direction="toward"), phrase  # rolls on the spot
     turned = any(each.unit == "degrees" for each in event.clause.quantities)
+    rounds = any(each.dimension == "round" for each in event.clause.quantities)
+    if effect is Effect.PUSH and rounds and not (told or event.parts or brief.anchored):
+        return replace(motions["do laps"], strength=motion.strength), phrase  # "runs in a circle"
     if effect is Effect.ROLL and turned and not told:
         return motions["roll over"], "roll over"  # "the plane rolls 180 degrees"
     sways = brief.anchored is not None or brief.object_kind == "plant"  # what is free is blown away

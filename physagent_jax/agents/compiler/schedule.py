@@ -131,7 +131,9 @@ def _make_needy_slots(events: list[Event], brief: SceneBrief, anchored: bool, la
                 seconds = max(span, STEP if len(slots) > 1 else 0.0)
             spun = None if event.parts else find_spin(event.amount, event.motion.manner, line, brief)
             if spun is not None and not anchored and not event.repeat.alternate:
-                seconds = max(find_spin_time(spun, event.strength), STEP if len(slots) > 1 else 0.0)
+                seconds = max(
+                    find_spin_time(spun, event.strength, event.motion.manner), STEP if len(slots) > 1 else 0.0
+                )
         slot.need = slot.length if slot.length is not None else seconds / brief.frame_dt
     return slots
 

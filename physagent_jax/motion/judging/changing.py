@@ -91,6 +91,14 @@ def check_rotation(asked: Asked) -> list[Check]:
     if motion.repeats > 1:
         path = [dot(v, axis or peak) for _, v in view.turns(first, view.last, asked.end)]
         checks.append(count_turns(asked, path, 0.35 * (max(path) - min(path)) + 1.0))
+    if motion.manner == "circle":
+        across = max((norm(p) for _, p in view.course(first, last) or ()), default=0.0)
+        seen = f"{across:.2g} body lengths at most from where it was"
+        checks.append(
+            compare_amount(
+                asked, "how wide is its circle?", tolerances.CIRCLE, across, seen, figure="displacement"
+            )
+        )
     if motion.amount is not None and motion.amount.unit == "degrees":
         return checks
     tolerance = tolerances.expect_rotation(motion, view.anchored, seconds=view.seconds(first, until))
