@@ -38,9 +38,7 @@ _PAIRS = (
 )
 _PAIRS += ("frames",)
 
-_UNSHOWN = frozenset(
-    ("force_field", "errors", "oddities", "substeps", "particle_count", "assumptions", "frame_dt")
-)
+_UNSHOWN = frozenset(("force_field", "errors", "substeps", "particle_count", "assumptions", "frame_dt"))
 _UNSHOWN |= {
     "preset",
     "options",
@@ -91,7 +89,7 @@ def _name_left_out(result: Result) -> str:
 
 
 def _detail(rows: list[Row], remarks: Remarks) -> Tables:
-    """The tables of the first set, with fields, perception and oddities."""
+    """The tables of the first set, with fields and perception."""
     views = {row["case"]: find_view(row, remarks) for row in rows}
     sheets = {row["case"]: name_sheet(index) for index, row in enumerate(rows)}
     ordered = sorted(rows, key=lambda row: (rank(row["verdict"], views[row["case"]][0]), row["case"]))
@@ -102,7 +100,6 @@ def _detail(rows: list[Row], remarks: Remarks) -> Tables:
         "sheets": _show_sheets(sheets.values()),
         "fields": table(_FIELDS, [_field(row) for row in made]),
         "perception": table(_PERCEIVED, [_perception(row) for row in made]),
-        "oddities": _list_oddities(rows, made),
     }
 
 
@@ -132,17 +129,6 @@ def _find_message(row: Row) -> str:
 
 def _show_sheets(names: Iterable[str]) -> str:
     return "\n\n".join(f"![Frames of the videos](images/{name})" for name in dict.fromkeys(names))
-
-
-def _list_oddities(rows: list[Row], made: list[Row]) -> str:
-    """Oddities of each run; those of all runs, and runs without any, have a line each."""
-    first = made[0]["oddities"] if len(made) > 1 else []
-    common = [words for words in first if all(words in row["oddities"] for row in made)]
-    told = {f"{_number(row)}, {row['object']}": _describe_oddities(row, common) for row in rows}
-    text = f"- **All**: {one_line('; '.join(common))}\n" if common else ""
-    text += "".join(f"- **{name}**: {words}.\n" for name, words in told.items() if words)
-    plain = "; ".join(name for name, words in told.items() if not words)
-    return text + (f"- **{plain}**: nothing.\n" if plain else "")
 
 
 def _count_verdicts(rows: list[Row], views: dict[str, tuple[str, str]]) -> str:
@@ -198,26 +184,6 @@ def _perception(row: Row) -> list:
         "not seen" if cell is None else cell if isinstance(cell, str) else number(cell) for cell in cells
     ]
     return [_number(row), *shown, f"{errors['frames_observed']} of {row['frames']}"]
-
-
-def _describe_oddities(row: Row, common: list[str]) -> str:
-    if row["video"] is None:
-        return f"{row['verdict'].lower()}: {_find_message(row)}".rstrip(".")
-    lines = [_shorten_warning(words) for words in row["oddities"] if words not in common]
-    lines += [*(f"unsure: {words}" for words in row["unsure"])]
-    if row["not_understood"]:
-        lines.append(f"not understood: {', '.join(row['not_understood'])}")
-    lines += [*(f"not passed: {check}" for check in row["failed_checks"])]
-    unpassed = [check for check in row["true_failed_checks"] if check not in row["failed_checks"]]
-    lines += [*(f"not passed, from the truth: {check}" for check in unpassed)]
-    return one_line("; ".join(line.rstrip(".") for line in lines))
-
-
-def _shorten_warning(words: str) -> str:
-    """A warning without what follows its first clause; anything else as it is."""
-    if not words.startswith("warning: "):
-        return words
-    return ": ".join(words.split(": ")[:2])
 
 
 def _actions(field: dict) -> list[str]:

@@ -15,7 +15,6 @@ import numpy as np
 
 from benchmarks import harness
 from benchmarks.first_results.cases import Case
-from benchmarks.first_results.oddities import find_oddities
 from benchmarks.first_results.viewing import hash_video
 from benchmarks.harness import Row
 from physagent_jax.agents.context import AgentContext, Observation
@@ -92,7 +91,6 @@ def gather(run: FinishedRun, summary: dict) -> Row:
         "frames": report.frame_count,
         "frame_dt": report.frame_dt,
         "errors": compare(report, truth),
-        "oddities": find_oddities(run),
         "verdict": summary["verdict"],
         "score": judgement.score,
         "failed_checks": list_failures(judgement),

@@ -380,10 +380,16 @@ class Binding:
         return [Balance(self.leaf(self._rest), self.leaf(most), self.leaf(slack), start, end)]
 
     def limit_rebound(self) -> list:
-        """The force that lets the whole come up but slowly, against the entry's way, until it is let go."""
-        most = self.leaf(self._split()[0] * (RISES_BY / (MAGNITUDE_MIN * GAIN_MIN)))
+        """The forces that let the whole come up but slowly, against the entry's way, and stand, until it is let go.
+
+        What stood on a tip, or comes down aslant from a somersault, has no balance of its own.
+        """
+        speed = self.leaf(self._split()[0] * (RISES_BY / (MAGNITUDE_MIN * GAIN_MIN)))
         end = self.window[1] if self._held_until is None else self._held_until
-        return [Touchdown(most, self.leaf(-self._way), self.window[0], end)]
+        made = [Touchdown(speed, self.leaf(-self._way), self.window[0], end)]
+        if (most := self._find_most_balance()) is not None and not self._lies:
+            made.append(Balance(self.leaf(self._rest), self.leaf(most), self.leaf(0.0), self.window[0], end))
+        return made
 
     def let_land(self) -> list:
         """The force that lets what is led over the edge of its foot, and then let go, lie where it falls."""

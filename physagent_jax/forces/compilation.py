@@ -6,18 +6,21 @@ constraints. The numbers of a force field may be given apart from it and traced 
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from physagent_jax.forces.binding import Binding, Circumstances, Tilt
 from physagent_jax.forces.pairs import find_pairs
 from physagent_jax.forces.parameters import ForceFieldParameters, check_entries
 from physagent_jax.forces.responses import scale_entry
-from physagent_jax.forces.schema import Action, ForceField, SkillScaling, VelocityConstraint
+from physagent_jax.forces.schema import Action, ForceField, SkillScaling, VelocityConstraint, is_stop
 from physagent_jax.forces.skills import STEEP, get_skill
 from physagent_jax.forces.swinging import find_strokes
 from physagent_jax.forces.upright import Entry, begin_of, end_of, leave_upright
 from physagent_jax.mpm.protocols import Constraint
 
+_ASKEW = 0.8  # [rad] from upright, up to which what comes down is set upright
 _LEVEL, _PARALLEL = 0.3, 0.99  # vertical component of an axis; cosine of two
 _MOST_TILT = np.radians(200)  # turn up to which what stands is led over its edges, and does not roll on
 
@@ -60,7 +63,7 @@ def compile_force_field(
     def bind(group: str, index: int) -> Binding:
         entry, values = getattr(field, group)[index], getattr(parameters, group)[index]
         turned = isinstance(entry, Action) and _is_turned_meanwhile(entry, field)
-        lies = _is_overturned(entry, field)
+        lies = _is_overturned(entry, field, scaling.torque * frame_dt**2)
         stroke = strokes.get(index) if group == "actions" else None
         scale, until = scale_entry(scaling, entry), _find_next_begin(entry, field)
         tilt, moved = _find_tilt(entry, field, scaling.rotation * frame_dt)
@@ -84,11 +87,34 @@ def compile_force_field(
     return tuple(forces), tuple(constraints)
 
 
-def _is_overturned(entry: Entry, field: ForceField) -> bool:
-    """Return whether the whole was turned over before an entry, and not back: nothing keeps it upright then."""
+def _is_overturned(entry: Entry, field: ForceField, torque: float) -> bool:
+    """Return whether the whole was turned over before an entry, and not back: nothing keeps it upright then.
+
+    Where the entry is a landing, the turns aloft before it are told by their angle: a somersault ends upright.
+
+    Args:
+        entry: The entry.
+        field: Its field.
+        torque: Angular acceleration for M = 1 [rad per frame squared].
+    """
     others = [each for each in (*field.constraints, *field.actions) if end_of(each) <= begin_of(entry)]
     turns = [each for each in others if get_skill(each).is_axis and abs(each.vector[2]) < _LEVEL]
     whole = [each for each in turns if each.region is None]
+    thrown = max([begin_of(each) for each in _list_throws(field, entry)], default=np.inf)
+    aloft = (
+        [each for each in whole if isinstance(each, Action) and begin_of(each) >= thrown]
+        if is_stop(entry)
+        else []
+    )
+    angle = np.zeros(3)
+    for each in aloft:
+        middle, last = 0.5 * (begin_of(each) + end_of(each)), end_of(each) - begin_of(each)
+        angle += (
+            torque * each.magnitude * each.gain * last * (begin_of(entry) - middle) * np.asarray(each.vector)
+        )
+    if abs(math.remainder(float(np.linalg.norm(angle)), math.tau)) > _ASKEW:
+        return True
+    whole = [each for each in whole if each not in aloft]
     return bool(whole) and not leave_upright(whole, begin_of(entry))
 
 
@@ -103,11 +129,17 @@ def _is_thrown_before(entry: Action | VelocityConstraint, field: ForceField) -> 
     """Return whether the whole object fell, or a blow threw it up, before an entry."""
     if field.default_drop and begin_of(entry) > 0.5:
         return True
+    return bool(_list_throws(field, entry))
+
+
+def _list_throws(field: ForceField, entry: Entry) -> list[Action]:
+    """The blows before an entry that throw all of the object up."""
     blows = [each for each in field.actions if get_skill(each).is_sudden and each.region is None]
-    return any(
-        begin_of(each) < begin_of(entry) and np.sign(each.magnitude) * each.vector[2] >= STEEP
+    return [
+        each
         for each in blows
-    )
+        if begin_of(each) < begin_of(entry) and np.sign(each.magnitude) * each.vector[2] >= STEEP
+    ]
 
 
 def _find_tilt(

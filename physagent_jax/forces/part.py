@@ -73,6 +73,9 @@ ORIGINS = {
     "option": "named by --part",
 }
 Coordinate = Annotated[float, Field(ge=-1e12, le=1e12)]
+FRONT = frozenset("front avant vorn vorne anteriore frente delantera delantero dianteira dianteiro".split())
+REAR = frozenset("rear back arriere hinten posteriore trasera trasero traseira traseiro".split())
+"""Words of names for the front and the rear, in English and other languages that objects are made in."""
 MOST_LETTERS = 60
 _SURE = 0.6  # confidence from which on a role is certain
 
@@ -172,6 +175,19 @@ def split_name(name: str) -> tuple[str, ...]:
     words = [said for word in found for said in _LETTERS.get(word, (word,))]
     words.sort(key=lambda word: word not in SIDES)
     return tuple(words) if any(not word.isdigit() for word in words) else ()
+
+
+def list_end_words(parts: Sequence[Part]) -> list[set[str]]:
+    """The words of each part's name, with "front" of "f tyre" and "rear" of "b tyre", where there are both."""
+    names = [split_name(part.name) for part in parts]
+    words = [{*name} for name in names]
+    for k, name in enumerate(names):
+        rest = [word for word in name if word != "f"]
+        for j, other in enumerate(names):
+            if "f" in name and [word for word in other if word != "b"] == rest != [*other]:
+                words[k].add("front")
+                words[j].add("rear")
+    return words
 
 
 def list_parts(parts: Sequence[Part]) -> str:

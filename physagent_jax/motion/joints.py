@@ -265,7 +265,8 @@ class Turning:
         seated = upright and not SEATED.isdisjoint(self.part.roles[:1])
         wheel = self.part.axle is not None and abs(dot(axis, self.part.axle)) > _ALONG
         turns = _WHEELED * (_FAST if motion.strength > 1.0 else 1.0)
-        return (turns if wheel else _SPUN) if plain and (wheel or seated) else 0.0
+        usual = _WHEELED if motion.manner == "spin" else _SPUN
+        return (turns if wheel else usual) if plain and (wheel or seated) else 0.0
 
     def _drive_swings(self, motion: ExpectedMotion) -> tuple[list[VelocityConstraint], ExpectedMotion]:
         """As `drive`, to and fro: each stroke takes as long as its angle needs."""

@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.part import Part, split_name
+from physagent_jax.forces.part import FRONT, REAR, Part, list_end_words, split_name
 from physagent_jax.motion.schema import SceneBrief
 from physagent_jax.motion.vectors import add, cosine, cross, norm, normalise, scale
 
@@ -16,10 +16,10 @@ _LEVEL = 0.5  # cosine to the vertical below which a line is level
 _ALIKE = 0.7  # share of the object over the largest's, from which on a part is as likely as that
 _SPREAD = 0.9  # cosine to the longest line, from which on a pair of parts is spread along it, as wings are
 _THERE = 0.2  # cosine to a side from which on a limb is on it
-_FRONTS = frozenset(
-    "front head hood bonnet nose beak snout bow grille headlight headlights windshield windscreen".split()
+_FRONTS = FRONT | frozenset(
+    "head hood bonnet nose beak snout bow grille headlight headlights windshield windscreen".split()
 )
-_REARS = frozenset("rear back tail stern taillight taillights stoplights exhaust boot trunk spare".split())
+_REARS = REAR | frozenset("tail stern taillight taillights stoplights exhaust boot trunk spare".split())
 _TOLD = 0.3  # of a unit vector, from which on parts with names tell where the front is
 _OWN_SIDES = frozenset(("left", "right"))
 PLACES = ("top", "bottom", "side")
@@ -168,14 +168,15 @@ def find_way_ahead(brief: SceneBrief) -> Vector:
 
 def find_named_front(parts: Sequence[Part]) -> Vector | None:
     """The level way in which something looks, by parts whose names or roles say that they are in front or behind."""
-    told = [scale(_level(part), sign) for part in parts for sign in (_tell_front(part),) if sign]
+    words = zip(parts, list_end_words(parts))
+    told = [scale(_level(part), sign) for part, own in words if (sign := _tell_front(part, own))]
     mean = scale(add(told), 1.0 / len(told)) if told else (0.0, 0.0, 0.0)
     return normalise(mean) if norm(mean) > _TOLD else None
 
 
-def _tell_front(part: Part) -> int:
-    """1 for a part whose name or first role says that it is in front, -1 for one behind, 0 for others."""
-    words = {*split_name(part.name), *part.roles[:1]}
+def _tell_front(part: Part, words: set[str]) -> int:
+    """1 for a part whose name's ``words`` or first role say that it is in front, -1 for one behind, 0 for others."""
+    words = {*words, *part.roles[:1]}
     return bool(words & _FRONTS) - bool(words & _REARS)
 
 

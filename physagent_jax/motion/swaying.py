@@ -70,8 +70,8 @@ def sway(
         window: First and last frame.
     """
     strokes, rest = [1.0, *[-2.0, 2.0] * (count - 1), -2.0, 1.0], brief.count_frames(_SETTLED)
-    end = max(min(window[1], brief.last - rest), 0.5 * (window[0] + window[1]))
-    stops = [*[None] * (len(strokes) - 1), min(end + rest, float(brief.last))]
+    end = max(window[1] - rest, 0.5 * (window[0] + window[1]))  # it rests before the next motion
+    stops = [*[None] * (len(strokes) - 1), window[1]]
     return [
         turn
         for stroke, span, stop in zip(strokes, _divide((window[0], end), strokes), stops)
@@ -190,13 +190,13 @@ def rock(
 ) -> list[VelocityConstraint]:
     """The tilts of what stands over the edges of its foot, to either side and back to where it was; as `sway`."""
     strokes = [1.0, -1.0, -1.0, 1.0] * count
-    axis, last = normalise(cross(brief.directions.up, find_tipping_way(way, brief))), float(brief.last)
+    axis = normalise(cross(brief.directions.up, find_tipping_way(way, brief)))
     assert axis is not None  # the way is level
     driver = PartDriver(make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
-    spans = _divide(window, strokes)
+    end = max(window[1] - brief.count_frames(_SETTLED), 0.5 * (window[0] + window[1]))
+    spans = _divide((window[0], end), strokes)
     made = [driver.turn(axis, s * strength**_MILD * _TILT, span, None) for s, span in zip(strokes, spans)]
-    rest = min(window[1] + brief.count_frames(_SETTLED), last)
-    made[-1] = made[-1].model_copy(update=dict(held_until=rest if rest > window[1] else None))
+    made[-1] = made[-1].model_copy(update=dict(held_until=window[1] if window[1] > end else None))
     return [each.model_copy(update=dict(region=None, pivot=None)) for each in made]
 
 

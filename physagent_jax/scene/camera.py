@@ -78,11 +78,16 @@ def frame_camera(
     )
 
 
-def shows_points(points: np.ndarray, camera: CameraConfig, rendering: Rendering) -> bool:
-    """Return whether ``points``, shape (m, 3) [m], all lie in the picture of a camera that has been placed."""
+def shows_points(
+    points: np.ndarray, camera: CameraConfig, rendering: Rendering, *, share: float = 1.0
+) -> bool:
+    """Return whether ``points``, shape (m, 3) [m], all lie in the picture of a camera that has been placed.
+
+    ``share`` is that of its width and height which they lie in.
+    """
     assert camera.target is not None
     local = (points - np.asarray(camera.target)) @ _find_axes(camera)
-    reach = _find_half_picture(camera, rendering) * (camera.distance + local[:, 2:])
+    reach = share * _find_half_picture(camera, rendering) * (camera.distance + local[:, 2:])
     return bool((np.abs(local[:, :2]) <= reach).all())
 
 

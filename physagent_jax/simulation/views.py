@@ -13,7 +13,8 @@ from physagent_jax.render import Camera, RenderedImage, choose_batch_size, rende
 from physagent_jax.scene.camera import frame_camera, make_reference_camera, shows_points
 from physagent_jax.simulation.recording import Recording
 
-OUTERMOST = 0.002  # share of the Gaussians on each side that need not be in the picture
+_INSIDE = 0.94  # of the picture, within which its middles lie: a Gaussian is seen beyond its middle
+OUTERMOST = 0.0005  # share of the Gaussians on each side that need not be in the picture
 
 
 def render_recording(
@@ -58,7 +59,7 @@ def reframe(recording: Recording) -> Recording:
     config, gaussians = recording.scene.config, recording.gaussians.astype(np.float64)
     ends = np.quantile(gaussians, (OUTERMOST, 1 - OUTERMOST), axis=1)  # (2, T, 3)
     boxes = np.concatenate([ends[corner, :, (0, 1, 2)].T for corner in np.ndindex(2, 2, 2)])
-    if shows_points(boxes, config.camera, config.rendering):
+    if shows_points(boxes, config.camera, config.rendering, share=_INSIDE):
         return recording
     wider = frame_camera(boxes, config.camera, config.rendering, start=gaussians[0])
     config = config.model_copy(update=dict(camera=wider))

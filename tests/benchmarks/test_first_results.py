@@ -16,7 +16,6 @@ from benchmarks.first_results.__main__ import ROOT, Command, hide_folders
 from benchmarks.first_results.catalogue import FIRST, KINDS, SETS, THINGS, name_case, name_cases
 from benchmarks.first_results.held_back import FILES
 from benchmarks.first_results.objects import main as fetch_objects
-from benchmarks.first_results.oddities import find_pieces, pieces, simulation
 from benchmarks.first_results.pins import PinnedFile, collect
 from benchmarks.first_results.sheets import (
     FRAMES,
@@ -39,80 +38,6 @@ from benchmarks.first_results.viewing import (
 from physagent_jax.core.errors import UserError
 from physagent_jax.output.video import write_video
 from physagent_jax.scene.presets import PresetName
-from physagent_jax.simulation.record import SimulationRecord
-
-DX = 0.1
-
-
-def box(count, low):
-    """A lattice of ``count`` particles along each axis, two per cell."""
-    axes = [(np.arange(n) + 0.5) * DX / 2 + start for n, start in zip(count, low)]
-    return np.stack(np.meshgrid(*axes, indexing="ij"), -1).reshape(-1, 3)
-
-
-BODY, HAND = box((10, 10, 10), (0, 0, 0)), box((3, 3, 3), (0.8, 0, 0))
-
-
-def record(**changes):
-    blank = dict(
-        particle_count=1,
-        gaussian_count=1,
-        grid_shape=(1, 1, 1),
-        dx=DX,
-        substeps=1,
-        substep_dt=(0.1,),
-        stable_dt=None,
-        kinetic_energy=(0.0,),
-        elastic_energy=(0.0,),
-        momentum=((0.0, 0.0, 0.0),),
-        min_volume_ratio=(1.0,),
-        max_volume_ratio=(1.0,),
-    )
-    return SimulationRecord.model_validate(blank | changes)
-
-
-def test_pieces_are_what_no_cell_joins_the_largest_first():
-    piece = find_pieces(np.concatenate([HAND, BODY]), 1.5 * DX)
-    assert np.all(piece[: len(HAND)] == 1) and np.all(piece[len(HAND) :] == 0)
-
-
-def test_a_free_hand_that_flies_off_is_told_with_its_distance():
-    still = np.concatenate([BODY, HAND])
-    flown = np.concatenate([BODY, HAND + np.array([0.3, 0, 0])])
-    (words,) = pieces(np.stack([still, flown]), record())
-    length = np.ptp(still, axis=0).max()
-    assert words.startswith(
-        "a piece of 2.6% of the particles is joined to the body by nothing, from the start, and"
-    )
-    before = HAND.mean(0) - BODY.mean(0)
-    grown = np.linalg.norm(before + np.array([0.3, 0, 0])) - np.linalg.norm(before)
-    assert f"is {grown / length:.2f} L farther at the end" in words
-    (words,) = pieces(np.stack([still, still + 0.2]), record())
-    assert words.endswith("and keeps its distance")
-    assert list(pieces(np.stack([BODY, BODY]), record())) == []
-
-
-def test_what_comes_off_in_the_clip_is_told():
-    torn = BODY.copy()
-    torn[BODY[:, 0] < 0.05] -= np.array([1.0, 0, 0])
-    (words,) = pieces(np.stack([BODY, torn]), record())
-    assert words == "1 piece(s) of 10.00% of the particles in all come off in the clip"
-
-
-def test_crushed_matter_stopped_particles_and_redone_frames_are_told():
-    assert list(simulation(record())) == []
-    found = list(
-        simulation(
-            record(
-                min_volume_ratio=(1.0, 0.1),
-                max_volume_ratio=(1.0, 3.0),
-                stopped_particles=7,
-                redone_frames={3: "too fast", 4: "too fast"},
-            )
-        )
-    )
-    assert [words.split()[0] for words in found] == ["matter", "matter", "particles", "2"]
-    assert "0.1 of its volume" in found[0] and "7 times" in found[2] and found[3].endswith("step: too fast")
 
 
 def test_the_sentences_are_many_different_and_of_every_kind():
@@ -347,7 +272,7 @@ def test_what_hardly_compresses_is_made_small_all_the_same():
     assert 0 < len(encode_jpeg(noise[::2, ::2])) <= MOST_BYTES
 
 
-def row(number, oddities, **changes):
+def row(number, **changes):
     blank = {
         "run": 0,
         "job": str(number),
@@ -374,7 +299,6 @@ def row(number, oddities, **changes):
             size_ratio=0.98,
             frames_observed=40,
         ),
-        "oddities": oddities,
         "verdict": "FAIL",
         "score": 0.5,
         "failed_checks": ["is it still? expected yes, observed no"],
@@ -406,28 +330,21 @@ def document(result):
 @pytest.fixture
 def result():
     run = dict(command="c", machine="m", load_average=[0.1], git_revision="abc", quick=False, seconds=1.0)
-    refused = {
-        key: row(4, [])[key] for key in ("run", "job", "case", "object", "sentence", "preset", "options")
-    }
+    refused = {key: row(4)[key] for key in ("run", "job", "case", "object", "sentence", "preset", "options")}
     rows = [
-        row(1, ["seen by all", "hands fly off"]),
-        row(2, ["seen by all"], failed_checks=[], unsure=["which way"]),
-        row(3, ["seen by all"], verdict="SUCCESS", true_failed_checks=["far? expected a, observed b"]),
+        row(1),
+        row(2, failed_checks=[], unsure=["which way"]),
+        row(3, verdict="SUCCESS", true_failed_checks=["far? expected a, observed b"]),
         {**refused, "video": None, "verdict": "REFUSED", "message": "no motion in 'be'"},
     ]
     return {"sentences": {"runs": [run | {"left_out": ["cow"]}], "complete": True, "rows": rows}}
 
 
-def test_the_page_has_revision_perception_errors_and_oddities(result):
+def test_the_page_has_revision_and_perception_errors(result):
     text = document(result)
     assert "| sentences | 4 | 1.0 | A; 0.1; abc |" in text and "A: m." in text and "no file: cow." in text
     assert "| 01 | not seen | (+0.10 +0.00 +0.00) | not seen | 60 | 80 | 20 " in text
     assert "| (1.00 1.00 1.20) | (1.00 1.00 1.10) | 0.1 | 0.98 | 40 of 50 |" in text
-    assert "- **All**: seen by all" in text
-    assert "- **01, robot**: hands fly off; not passed: is it still? expected yes, observed no." in text
-    assert "- **02, robot**: unsure: which way." in text
-    assert "not passed, from the truth: far? expected a, observed b." in text
-    assert "- **04, robot**: refused: no motion in 'be'." in text
     for table in text.split("\n\n"):
         lines = [line.count("|") for line in table.splitlines() if line.startswith("|")]
         assert len(set(lines)) <= 1
@@ -453,22 +370,13 @@ def test_the_page_counts_and_lists_where_verdict_and_viewer_disagree(result):
     assert text.count("(images/first-results-1.jpg)") == 4  # three rows, and the sheet itself
 
 
-def test_runs_without_oddities_share_a_line_and_warnings_end_with_their_first_clause(result):
-    first, second = result["sentences"]["rows"][:2]
-    quiet = dict(failed_checks=[], true_failed_checks=[], oddities=[], unsure=[])
-    loud = dict(quiet, oddities=["warning: it would fall: it is held"])
-    result["sentences"]["rows"] = [first | quiet, second | quiet, first | loud | {"case": "05-robot"}]
-    text = markdown.write_tables(result, REMARKS)["oddities"]
-    assert text == "- **05, robot**: warning: it would fall.\n- **01, robot; 02, robot**: nothing.\n"
-
-
 def pair(number, thing, viewer, verdict, would_show, **changes):
     case = name_case(number, SETS["sixty"][number - 1], "sixty")
     assert case.endswith(thing)
     remark = viewer and Remark(
         video=f"digest {number}", viewer=viewer, would_show=would_show, remark="It moves."
     )
-    made = row(number, [], case=case, object=thing, verdict=verdict, seconds=10.0 * number, iterations=1)
+    made = row(number, case=case, object=thing, verdict=verdict, seconds=10.0 * number, iterations=1)
     return made | changes, remark
 
 

@@ -67,7 +67,7 @@ _BITING = frozenset("jaw jaws claw claws pincer pincers beak mouth bill teeth gr
 _HOPS = 20.0  # [degrees] by which an end is raised that hops up
 GOING = (Effect.PUSH, Effect.STRIKE, Effect.ROLL)  # what comes to a stop
 _CHOP = 60.0  # [degrees] by which a tool leans that is swung down
-_BEARING = ("wheels", "tyres", "tires")  # by which an end is lifted
+_BEARING = ("wheel", "wheels", "tyre", "tyres", "tire", "tires")  # by which an end is lifted
 _SLAM = 1.3  # strength with which a wall is met that it comes off
 _LIMP = ("plant", "cloth", "animal")  # kinds of objects that droop
 

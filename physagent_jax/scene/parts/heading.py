@@ -11,10 +11,12 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import ndimage
 
-from physagent_jax.forces.part import Part, split_name
+from physagent_jax.forces.part import FRONT, REAR, Part, list_end_words
 
-_FRONT = frozenset("front hood bonnet headlight windshield windscreen grill grille steering bow nose".split())
-_REAR = frozenset("rear back tail taillight trunk exhaust stern spare".split())
+_FRONT = FRONT | frozenset(
+    "hood bonnet headlight windshield windscreen grill grille steering bow nose".split()
+)
+_REAR = REAR | frozenset("tail taillight trunk exhaust stern spare".split())
 _SLICES = 20  # along its length
 _LOW = 0.72  # of the height, below which a slice is low
 _MORE = 2  # slices by which the low part in front is longer than that at the back, at least
@@ -37,16 +39,19 @@ def find_heading(points: np.ndarray, parts: Sequence[Part]) -> tuple[np.ndarray,
     Returns:
         A unit vector along an axis, shape (3,), and the chance.
     """
-    size = np.ptp(points, axis=0)
+    size, names = np.ptp(points, axis=0), list_end_words(parts)
     sides = [
-        np.mean([p.side for p in parts if words & {*split_name(p.name), *p.roles[:1]}] or [np.zeros(3)], 0)
-        for words in (_FRONT, _REAR)
+        np.mean(
+            [p.side for p, words in zip(parts, names) if told & {*words, *p.roles[:1]}] or [np.zeros(3)], 0
+        )
+        for told in (_FRONT, _REAR)
     ]
     told = sides[0] - sides[1]
     if float(np.hypot(*told[:2])) > _APART:
-        axis, ends = int(np.abs(told[:2]).argmax()), _FRONT | _REAR
-        named = any(ends & {*split_name(part.name)} for part in parts)
-        return np.eye(3)[axis] * np.sign(told[axis]), 1.0 if named else _SHOWN
+        axis = int(np.abs(told[:2]).argmax())
+        return np.eye(3)[axis] * np.sign(told[axis]), 1.0 if any(
+            (_FRONT | _REAR) & words for words in names
+        ) else _SHOWN
     axis = int(size[:2].argmax())
     if size[axis] < _LONG * size[1 - axis]:
         return None
