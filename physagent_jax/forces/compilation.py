@@ -20,7 +20,7 @@ from physagent_jax.forces.swinging import find_strokes
 from physagent_jax.forces.upright import Entry, begin_of, end_of, leave_upright
 from physagent_jax.mpm.protocols import Constraint
 
-_ASKEW = 0.8  # [rad] from upright, up to which what comes down is set upright
+_ASKEW = 1.0  # [rad] from upright, up to which what comes down is set upright
 _LEVEL, _PARALLEL = 0.3, 0.99  # vertical component of an axis; cosine of two
 _MOST_TILT = np.radians(200)  # turn up to which what stands is led over its edges, and does not roll on
 
@@ -63,7 +63,7 @@ def compile_force_field(
     def bind(group: str, index: int) -> Binding:
         entry, values = getattr(field, group)[index], getattr(parameters, group)[index]
         turned = isinstance(entry, Action) and _is_turned_meanwhile(entry, field)
-        lies = _is_overturned(entry, field, scaling.torque * frame_dt**2)
+        lies = _is_overturned(entry, field, scaling, frame_dt)
         stroke = strokes.get(index) if group == "actions" else None
         scale, until = scale_entry(scaling, entry), _find_next_begin(entry, field)
         tilt, moved = _find_tilt(entry, field, scaling.rotation * frame_dt)
@@ -87,35 +87,30 @@ def compile_force_field(
     return tuple(forces), tuple(constraints)
 
 
-def _is_overturned(entry: Entry, field: ForceField, torque: float) -> bool:
+def _is_overturned(entry: Entry, field: ForceField, scaling: SkillScaling, frame_dt: float) -> bool:
     """Return whether the whole was turned over before an entry, and not back: nothing keeps it upright then.
 
-    Where the entry is a landing, the turns aloft before it are told by their angle: a somersault ends upright.
-
-    Args:
-        entry: The entry.
-        field: Its field.
-        torque: Angular acceleration for M = 1 [rad per frame squared].
+    Where the entry is a landing, what was only tilted before the leap lands on its feet, and turns aloft are told by
+    their angle: a somersault ends upright.
     """
     others = [each for each in (*field.constraints, *field.actions) if end_of(each) <= begin_of(entry)]
     turns = [each for each in others if get_skill(each).is_axis and abs(each.vector[2]) < _LEVEL]
     whole = [each for each in turns if each.region is None]
+    if not is_stop(entry):
+        return bool(whole) and not leave_upright(whole, begin_of(entry))
     thrown = max([begin_of(each) for each in _list_throws(field, entry)], default=np.inf)
-    aloft = (
-        [each for each in whole if isinstance(each, Action) and begin_of(each) >= thrown]
-        if is_stop(entry)
-        else []
-    )
-    angle = np.zeros(3)
-    for each in aloft:
-        middle, last = 0.5 * (begin_of(each) + end_of(each)), end_of(each) - begin_of(each)
-        angle += (
-            torque * each.magnitude * each.gain * last * (begin_of(entry) - middle) * np.asarray(each.vector)
-        )
-    if abs(math.remainder(float(np.linalg.norm(angle)), math.tau)) > _ASKEW:
-        return True
-    whole = [each for each in whole if each not in aloft]
-    return bool(whole) and not leave_upright(whole, begin_of(entry))
+    tilt, spin, over = np.zeros(3), np.zeros(3), False
+    for each in whole:
+        size = each.magnitude * each.gain * (end_of(each) - begin_of(each)) * np.asarray(each.vector)
+        if get_skill(each).prescribes:
+            tilt += scaling.rotation * frame_dt * size
+        elif begin_of(each) >= thrown:
+            lasts = begin_of(entry) - 0.5 * (begin_of(each) + end_of(each))
+            spin += scaling.torque * frame_dt**2 * lasts * size
+        else:
+            over = True
+    aslant = abs(math.remainder(float(np.linalg.norm(spin)), math.tau))
+    return over or aslant > _ASKEW or float(np.linalg.norm(tilt)) > _ASKEW
 
 
 def _find_next_begin(entry: Action | VelocityConstraint, field: ForceField) -> float:

@@ -2,14 +2,19 @@
 
 Forces, obstacles and prescribed motions have windows. Outside them they change nothing but would be computed in every
 substep all the same, so that each frame is run with a model that has only those whose windows it meets. Another set
-of them is another compiled program, which takes seconds: where little work is left, what has acted stays. What is to
+of them is another compiled program, which takes seconds: where little work is left, what has acted stays, unless a
+part of its kind takes its place. One stroke after another is then one program, and not one more for each. What is to
 act later is not let in early: what a simulation and a later one have in common is computed by the same programs.
 """
 
 from __future__ import annotations
 
 import dataclasses
+from collections import Counter
+from collections.abc import Hashable
+from typing import Any
 
+import jax
 import numpy as np
 
 from physagent_jax.mpm.fields import iterate_windows
@@ -58,17 +63,20 @@ class Timetable:
 
     Attributes:
         forces, boundaries, constraints: The windows of each, in the model's order.
+        kinds: The kinds of these three's parts: one program does for all sets of the same kinds.
     """
 
     forces: tuple[Windows, ...]
     boundaries: tuple[Windows, ...]
     constraints: tuple[Windows, ...]
+    kinds: tuple[tuple[Hashable, ...], ...]
 
     @classmethod
     def of(cls, model: Model) -> Timetable:
         """Of a model's parts."""
         groups = (model.forces, model.boundaries, model.constraints)
-        return cls(*(tuple(tuple(iterate_windows(part)) for part in parts) for parts in groups))
+        windows = (tuple(tuple(iterate_windows(part)) for part in parts) for parts in groups)
+        return cls(*windows, kinds=tuple(tuple(map(_find_kind, parts)) for parts in groups))
 
     def find_acting(self, begin: float, end: float) -> Acting:
         """As `find_acting`."""
@@ -94,9 +102,9 @@ class Timetable:
         acting = self.find_acting(begin, end)
         if before is None or work > WORTH:
             return acting
-        both = before.join(acting)
-        spoilt = needs_grid(both.select(model)) and not needs_grid(acting.select(model))
-        return acting if spoilt else both
+        kept = Acting(*map(_keep, self.kinds, dataclasses.astuple(before), dataclasses.astuple(acting)))
+        spoilt = needs_grid(kept.select(model)) and not needs_grid(acting.select(model))
+        return acting if spoilt else kept
 
 
 def find_acting(model: Model, begin: float, end: float) -> Acting:
@@ -105,6 +113,23 @@ def find_acting(model: Model, begin: float, end: float) -> Acting:
     What has no window (`fields.START`) always acts. Without the others, the results are those of the whole model.
     """
     return Timetable.of(model).find_acting(begin, end)
+
+
+def _find_kind(part: Any) -> Hashable:
+    """What a compiled program knows of a part: its structure, and the shapes and types of its arrays."""
+    leaves, structure = jax.tree.flatten(part)
+    return structure, tuple((np.shape(leaf), np.dtype(getattr(leaf, "dtype", type(leaf)))) for leaf in leaves)
+
+
+def _keep(kinds: tuple[Hashable, ...], before: tuple[int, ...], acting: tuple[int, ...]) -> tuple[int, ...]:
+    """The parts that act, with as many of those before as make up for their kinds, the latest first."""
+    spare = Counter(kinds[i] for i in before) - Counter(kinds[i] for i in acting)
+    chosen = {*acting}
+    for i in reversed(before):
+        if i not in chosen and spare[kinds[i]] > 0:
+            spare[kinds[i]] -= 1
+            chosen.add(i)
+    return tuple(sorted(chosen))
 
 
 def _meet(windows: Windows, begin: float, end: float) -> bool:

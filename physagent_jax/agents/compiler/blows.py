@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 
 from physagent_jax.agents.compiler.amounts import find_effort
-from physagent_jax.agents.compiler.events import BY_DEFAULT
+from physagent_jax.agents.compiler.events import BY_DEFAULT, Event
 from physagent_jax.agents.compiler.steady import BRAKED_BEFORE, SHORTEST_STROKE, Task
 from physagent_jax.agents.lexicon import Effect
 from physagent_jax.core.strict import Vector
@@ -165,7 +165,10 @@ def compile_jump(task: Task) -> None:
     builder, before = task.builder, len(task.builder.actions)
     leap(task)
     jumps, event = builder.actions[before:], task.event
-    falls = any(each.effect in (Effect.FALL, Effect.TOPPLE) for each in task.after)
+    falls = any(
+        each.effect is Effect.TOPPLE or each.effect is Effect.FALL and not _lands_upright(each)
+        for each in task.after
+    )  # "it jumps up and lands on its feet" stands
     bounces = event.motion.tumbles or event.verb is not None and event.verb.bounces
     if not builder.grounded or builder.anchored or event.region or event.limbs or falls or bounces:
         return
@@ -174,6 +177,11 @@ def compile_jump(task: Task) -> None:
     made = [each for each in landings if each is not None]
     builder.constraints += made
     builder.notes += [LANDED.format(event.text)] if made else []
+
+
+def _lands_upright(event: Event) -> bool:
+    """Return whether it only tells that what leapt comes down again: "it jumps up and lands on its feet"."""
+    return event.motion.lands and not (event.clause.pose or event.motion.pose)
 
 
 def leap(task: Task) -> None:
