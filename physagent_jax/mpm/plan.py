@@ -116,7 +116,7 @@ def find_acting(model: Model, begin: float, end: float) -> Acting:
 
 
 def _find_kind(part: Any) -> Hashable:
-    """What a compiled program knows of a part: its structure, and the shapes and types of its arrays."""
+    """Structure of a part, with the shapes and types of its arrays: all that a compiled program depends on."""
     leaves, structure = jax.tree.flatten(part)
     return structure, tuple((np.shape(leaf), np.dtype(getattr(leaf, "dtype", type(leaf)))) for leaf in leaves)
 

@@ -10,6 +10,7 @@ from physagent_jax.agents.hard_rules import apply_hard_rules
 from physagent_jax.forces.calibration import PRESCRIBED_TRAVEL, TURN
 from physagent_jax.forces.schema import Action, ActionType, ConstraintType, ForceField
 from physagent_jax.motion.kinds import choose_kinds
+from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.matching import find_causes
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind
 from tests.agents.scenes import asked, brief, read
@@ -378,3 +379,25 @@ def test_what_spins_after_it_was_pushed_is_turned():
     """A push may not have ended where the spin begins."""
     reply = compiled("it is pushed to the left and then spins around", brief(world="ground"))
     assert not reply.force_field.constraints
+
+
+def test_what_goes_in_a_circle_is_led_along_it_with_its_front_ahead():
+    scene = brief(world="ground", reach=1.8, extents=(0.5, 1.0, 0.25), box=(0.5, 0.25, 1.0))
+    reply = read("the robot runs in a circle", scene)
+    (lead,) = choose_kinds(reply.force_field, reply.expectations, scene).force_field.constraints
+    assert lead.constraint_type is ConstraintType.PARTICLE_ROTATION and lead.region is None
+    inwards = [(place - 0.5) * side for place, side in zip(lead.pivot, scene.box)]
+    radius = math.hypot(*inwards)
+    velocity = np.cross(lead.vector, [-each for each in inwards])  # of what turns about that place
+    ahead = np.array(sum_directions(("ahead",), scene))
+    assert velocity @ ahead == pytest.approx(radius, rel=1e-6) and inwards[2] == pytest.approx(0)
+    assert 2 * radius + 0.5 * max(scene.extents[::2]) <= scene.reach  # it stays in the space
+    first, last = lead.active_time
+    turned = TURN * lead.magnitude * lead.gain * (last - first) * scene.frame_dt / scene.reference_seconds
+    assert math.degrees(turned) == pytest.approx(360, rel=0.02)
+
+
+def test_what_is_held_or_told_a_way_goes_in_no_circle():
+    for sentence in ("push its head in a circle", "push the robot by 90 degrees"):
+        reply = read(sentence, brief(world="ground"))
+        assert all(each.manner != "circle" for each in reply.expectations)

@@ -1,6 +1,7 @@
 """The balance of what jumps, is lifted or pushed over the ground: it stays upright, and comes to rest standing."""
 
 import itertools
+import math
 
 import jax.numpy as jnp
 import numpy as np
@@ -317,3 +318,35 @@ def test_what_lies_is_rolled_over_one_edge_after_another(fallen, limited):
     forces, _ = compile_entries(roll, constraints=[dict(over, magnitude=1.6)] if fallen else [])
     (turn,) = [each for each in forces if isinstance(each, TurnCompensation)]
     assert (turn.balance is not None) is limited
+
+
+def leap_and_land(*turns, constraints=()):
+    """A leap at frame 20, the turns, and the landing at frame 42."""
+    landing = dict(
+        constraint_type="enforce_particle_translation", vector=(0, 0, -1), magnitude=0.4, gain=0.02
+    )
+    landing |= dict(active_time=(42, 43), held_until=50)
+    actions = [act("impulse", (0, 0, 1), 20, 21), *turns]
+    made = find_balance(*actions, constraints=[*constraints, landing])
+    return [each for each in made if float(each.start) > 1.6]
+
+
+def spin_aloft(degrees):
+    """Two opposed turns, by which it spins in between, of M = 1 being pi / 4 rad/s^2."""
+    rate = math.radians(degrees) / (17 * 0.04) / (4 * 0.04)
+    size = dict(magnitude=1.6, gain=rate / (1.6 * math.pi / 4))
+    return [act("torque", (0, y, 0), at, at + 4) | size for y, at in ((1, 21), (-1, 38))]
+
+
+def test_what_comes_down_from_a_somersault_stands_and_from_half_a_turn_lies():
+    """The robot fell over at the end of its backflip: it stands on a tip."""
+    assert leap_and_land() and leap_and_land(*spin_aloft(360))
+    assert not leap_and_land(*spin_aloft(180)) and not leap_and_land(*spin_aloft(90))
+
+
+def test_what_sat_lands_on_its_feet_and_what_was_tipped_over_does_not():
+    tilts = [
+        dict(constraint_type="enforce_particle_rotation", vector=(0, 1, 0), magnitude=m, active_time=(0, 19))
+        for m in (0.8, 1.6)
+    ]
+    assert leap_and_land(constraints=tilts[:1]) and not leap_and_land(constraints=[tilts[1] | dict(gain=2.0)])

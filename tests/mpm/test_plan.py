@@ -8,7 +8,7 @@ from physagent_jax.forces.envelope import Envelope
 from physagent_jax.forces.terms import UniformAcceleration, Wind
 from physagent_jax.mpm import Contact, DomainBox, HalfSpace, PrescribedMotion, RigidBody, plan, simulate
 from physagent_jax.mpm.frame import advance
-from physagent_jax.mpm.plan import find_acting
+from physagent_jax.mpm.plan import Timetable, find_acting
 from tests.mpm.blocks import block
 
 # Small scenes, whose programs take longer to compile than to run.
@@ -113,3 +113,30 @@ def test_frames_are_those_of_the_whole_model(x64, monkeypatch, worth):
     assert len(set(sets)) > 3  # not the same parts throughout
     kept = [later.join(earlier) == later for earlier, later in zip(sets, sets[1:])]
     assert all(kept) if worth else not all(kept)
+
+
+@pytest.mark.parametrize("work, most", [(0.0, 2), (np.inf, 2)])
+def test_one_stroke_after_another_is_the_same_program(work, most):
+    """Eight strokes were eight programs, as what had acted stayed whatever took its place."""
+    model, _ = block()
+    strokes = tuple(grip(0.1 * k, 0.1 * (k + 1)) for k in range(8))
+    model = model.replace(constraints=strokes, forces=(push(0.0, 0.15),))
+    timetable, acting, seen = Timetable.of(model), None, set()
+    for k in range(20):
+        begin = 0.04 * k
+        acting = timetable.choose_acting(model, begin, begin + 0.04, work, acting)
+        present = find_acting(model, begin, begin + 0.04)
+        assert acting.join(present) == acting
+        assert all(part <= 0.1 * (begin + 0.04) / 0.01 for part in acting.constraints)  # none is let in early
+        seen.add((len(acting.forces), len(acting.constraints)))
+    assert max(count for _, count in seen) <= most
+
+
+def test_parts_of_other_kinds_stay_beside_each_other():
+    model, _ = block()
+    model = model.replace(forces=(push(0.0, 0.1), gust(0.2, 0.3), push(0.2, 0.3)))
+    timetable = Timetable.of(model)
+    first = timetable.choose_acting(model, 0.0, 0.04, 0.0)
+    later = timetable.choose_acting(model, 0.22, 0.26, 0.0, first)
+    assert first.forces == (0,) and later.forces == (1, 2)
+    assert timetable.choose_acting(model, 0.4, 0.44, 0.0, later).forces == (1, 2)

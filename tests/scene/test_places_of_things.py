@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from physagent_jax.forces.regions import make_region_mask
+from physagent_jax.motion.limbs import find_named_front
 from physagent_jax.scene.parts import Frame, find_parts, find_places
 from physagent_jax.scene.parts.cells import fit_part
 from physagent_jax.scene.parts.heading import find_heading
@@ -45,6 +46,24 @@ def test_names_tell_the_front_for_certain():
         update=dict(name="rear bumper", origin="file")
     )
     assert find_heading(points, (rear,)) == (pytest.approx((1, 0, 0)), 1.0)
+
+
+@pytest.mark.parametrize(
+    "front, rear", [("f tyre", "b tyre"), ("roda frente", "roda traseira"), ("Rad vorn", "Rad hinten")]
+)
+def test_letters_beside_each_other_and_other_languages_tell_the_front(front, rear):
+    """A bicycle with the parts "f pneu" and "b pneu" rode backwards."""
+    points = fill(CAR)
+    parts = [
+        fit_part(points, chosen, joined=True).model_copy(update=dict(name=name, origin="file"))
+        for name, chosen in (
+            (front, points[:, 0] > 0.3),
+            (rear, points[:, 0] < -0.3),
+            ("b seat", abs(points[:, 0]) < 0.1),
+        )
+    ]
+    assert find_heading(points, parts) == (pytest.approx((1, 0, 0)), 1.0)
+    assert find_named_front(parts) == pytest.approx((1, 0, 0), abs=0.1)
 
 
 @pytest.mark.parametrize(
