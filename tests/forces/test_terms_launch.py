@@ -64,7 +64,6 @@ def test_a_rebound_is_slowed_and_a_fall_is_not(before, after, x64):
 def test_the_speed_of_a_rebound_goes_by_the_magnitude_and_not_by_the_gain_that_marks_it(magnitude):
     """It got up at 0.03 m/s: what is soft crept up where it had been pressed together, and did not wobble."""
     stop = dict(constraint_type="enforce_particle_translation", vector=(0, 0, -1), magnitude=magnitude)
-    (limit,) = compile_entries(constraints=[stop | dict(gain=GAIN_MIN, active_time=(10, 11), held_until=40)])[
-        0
-    ]
+    stop |= dict(gain=GAIN_MIN, active_time=(10, 11), held_until=40)
+    limit, _ = compile_entries(constraints=[stop])[0]  # and what keeps it upright
     assert float(limit.value) == pytest.approx(0.35 * magnitude / MAGNITUDE_MIN)
