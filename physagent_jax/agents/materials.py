@@ -11,7 +11,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 
-from physagent_jax.agents.lexicon import read_lexicon
+from physagent_jax.agents.lexicon import read_forms, read_lexicon
 from physagent_jax.core.reading import read_packaged_yaml
 from physagent_jax.motion.schema import SceneBrief
 
@@ -153,23 +153,24 @@ class _Finder:
         sure = nouns if brief.object_kind != UNKNOWN_KIND else set()
         self.names = (self.own | sure) - set(self.lexicon.words)
         self.nouns = self.names | self.around["generic"] | nouns
+        self.no_adjectives = self.no_material | self.nouns | self.own | self.around["objects"]
+        self.no_adjectives |= self.lexicon.words.keys()
 
     def find(self) -> Iterator[MaterialMention]:
         """Every mention, the longest words first at each place, each material once."""
         words, adjectives, compounds = self.lexicon.words, self.lexicon.adjectives, self.lexicon.compounds
         told, at = set(), 0
         while at < len(self.tokens):
-            most = min(_LONGEST, len(self.tokens) - at)
-            length = next((n for n in range(most, 0, -1) if " ".join(self.tokens[at : at + n]) in words), 0)
+            length = self._measure(at)
             word = " ".join(self.tokens[at : at + length])
             found = None
             if " ".join(self.tokens[at : at + length + 1]) in compounds:
                 length += 1
             elif length and words[word].becomes:
                 found = None if self._get(at - 1) in self.before else (at, at + length, True)
-            elif length:
+            elif length and not (word in self.described and self._describes(at)):
                 found = self._read(at, at + length, word in adjectives)
-            elif self._is_noun(at) and (begin := self._find_made(at)) is not None:
+            elif self._is_noun(at) and not self._describes(at) and (begin := self._find_made(at)) is not None:
                 found = (begin, at + 1, False)
                 word = self.tokens[at]
             if found is not None and word not in told and not self._is_negated(found[0]):
@@ -181,6 +182,11 @@ class _Finder:
                 masked = None if length and words[word].becomes else masked
                 yield MaterialMention(word, self.text[start:end], turns, named, (start, end), masked)
             at += max(length, 1)
+
+    def _measure(self, at: int) -> int:
+        """The length of the longest word for a material that begins at a token; 0 = none does."""
+        words = self.tokens[at : at + _LONGEST]
+        return next((n for n in range(len(words), 0, -1) if " ".join(words[:n]) in self.lexicon.words), 0)
 
     def _find_masked(self, first: int, at: int) -> int:
         """The first token that tells nothing but the material: a motion or a noun before it stays."""
@@ -208,6 +214,19 @@ class _Finder:
         word = self.tokens[at]
         return word.isalpha() and word not in self.no_material and word not in self.names
 
+    def _describes(self, at: int) -> bool:
+        """Return whether a word tells what the material behind it is like: "really squishy rubber"."""
+        known = (place for place in range(at + 1, at + 4) if self._measure(place))
+        plain = self.tokens[at].endswith("y") and not self._ends(at + 1)
+        plain = plain and self._get(at + 1) not in read_forms()
+        return plain or any(self._skip(place, self.described) < at for place in known)
+
+    def _skip(self, at: int, over: Collection[str]) -> int:
+        """The place before a material and whatever words tell what it is like, besides ``over``."""
+        said = {word for word in self.tokens[max(at - 4, 0) : at] if word.isalpha()} - self.no_adjectives
+        verbs = {word for word in said & read_forms().keys() if not word.endswith(("ed", "ing"))}
+        return self._back(at, (said - verbs).union(over))
+
     def _ends(self, end: int) -> bool:
         """Return whether the noun phrase ends here: "like water", not "like water balloons"."""
         after = self._get(end)
@@ -222,7 +241,7 @@ class _Finder:
 
     def _find_made(self, at: int) -> int | None:
         """The beginning of "made of" or "make it of" before this token, if it is said of the object; None = of none."""
-        link = self._back(at, self.within)
+        link = self._skip(at, self.within) if self._measure(at) else self._back(at, self.within)
         place = self._back(link, self.around["of"])
         if self._get(link) not in ("of", "from"):
             return None
@@ -268,7 +287,7 @@ class _Finder:
 
     def _find_turn(self, at: int) -> int | None:
         """The beginning of "turns to"; scenery has an article ("collapses into the sand")."""
-        place = self._back(at, self.unnamed)
+        place = self._skip(at, self.unnamed)
         if self._get(place) in ("into", "to", "in"):
             place -= 1
             changer = self._back(place, self.before)
@@ -281,7 +300,7 @@ class _Finder:
 
     def _find_likeness(self, at: int) -> int | None:
         """The beginning of "wobbles like", "soft as" or "it's like": a likeness in deforming, or of the whole."""
-        like = self._back(at, self.described | {"a", "an"})
+        like = self._skip(at, self.described | {"a", "an"})
         before = self._back(like, self.around["adverbs"] | {"it", "as", "itself"}, 5)
         word = self._get(before)
         deforms = word.startswith(tuple(self.around["deforms"])) or word in self.around["acts"]
@@ -290,7 +309,7 @@ class _Finder:
 
     def _find_contracted(self, at: int) -> int | None:
         """The beginning of "it's rubber", and of "pretend its rubber"."""
-        place = self._back(at, self.described)
+        place = self._skip(at, self.described)
         supposed = self._get(place - 1) in self.around["supposing"]
         said = self._get(place) in self.around["contracted"] and ("'" in self._get(place) or supposed)
         return place if said else None
@@ -299,7 +318,7 @@ class _Finder:
         """The beginning of "make the robot rubber"."""
         if self.tokens[begin] in read_lexicon().motions:
             return None  # "makes it rock"
-        return self._find_make(self._back(begin, self.described))
+        return self._find_make(self._skip(begin, self.described))
 
     def _find_noun(self, begin: int, end: int) -> int | None:
         """The end of "metal robot": the adjective stands before the object's noun, maybe with others between."""

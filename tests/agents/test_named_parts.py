@@ -54,6 +54,7 @@ def find_limbs(sentence, *parts, **scene):
         ("raise the left arm", 2),
         ("bend the Left Arm forward", 2),
         ("push the head to the left", 3),
+        ("turn the lid round and round", 0),
     ],
 )
 def test_a_noun_that_is_a_parts_name_takes_that_part(sentence, limb):
@@ -258,3 +259,19 @@ def test_a_blow_on_a_part_that_gives_way_dents_it_alone(sentence):
 def test_a_word_for_a_piece_goes_with_the_name_of_a_part(words):
     limbs, doubts = find_limbs(f"the {words} moves to the left", make_part("lime"), ARM)
     assert limbs == [0] and not doubts
+
+
+def test_the_first_half_of_a_name_stands_for_it():
+    """The "cogs" are the cogcaps; a word that means another thing does not, nor does one of another number."""
+    cogs = make_part("cogcaps", (1, 0, 0))
+    assert find_limbs("the cogs wobble", cogs) == ([0], ())
+    assert find_limbs("the cog wobbles", cogs) == ([None], ("'cog' is not understood.",))
+
+
+@pytest.mark.parametrize(
+    ("prompt", "degrees"),
+    [("the lid twists around a few times", 1080), ("the lid turns round and round", 720)],
+)
+def test_a_lid_turns_as_often_as_it_is_told(prompt, degrees):
+    (turn,) = read(prompt).expectations
+    assert turn.kind is MotionKind.ROTATE and turn.amount is not None and turn.amount.value == degrees

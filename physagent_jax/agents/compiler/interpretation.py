@@ -399,6 +399,7 @@ def _take_over_direction(event: Event, before: Event, brief: SceneBrief) -> None
     """The direction of the event before, where none is told; and "back" from there. What lies tips over aside."""
     pushed = before.effect in (Effect.PUSH, Effect.STRIKE)
     driven = event.effect is Effect.TOPPLE and pushed and not lies(brief)
+    driven |= event.effect is Effect.TOPPLE and before.motion.manner == "rock" and before.motion.angle > 0
     likewise = before.effect is event.effect
     likewise &= event.effect is not Effect.SWAY or before.phrase == event.phrase
     slides = before.effect is Effect.TOPPLE and event.effect is Effect.PUSH and event.motion.generic
@@ -446,12 +447,14 @@ def _count_turns(event: Event, brief: SceneBrief) -> None:
     """Counts turns ("spin three times"); a somersault is a whole one, and what is free turns around by half of one."""
     repeat, angle = event.repeat, event.motion.angle
     free = brief.world == "ground" and brief.anchored is None and not (event.parts or event.is_timed)
+    loose = any(not {"lid", "knob"}.isdisjoint(find_roles(each.phrase)) for each in event.parts)
+    free |= loose and angle > 360.0 and not event.is_timed  # "the lid turns round and round"
     if event.motion.direction == "up" and (repeat.alternate or event.is_in_wind or not free):
         angle = 0.0
     counts = event.effect is Effect.TURN and repeat.count is not None and not repeat.alternate
     if counts and event.amount is None:
         event.repeat = replace(repeat, count=None)
-        angle = angle if repeat.vague else 360.0 * (repeat.count or 0)
+        angle = angle if repeat.vague and not loose else 360.0 * (repeat.count or 0)
     if angle > MOST:
         event.doubts.append(f"So many turns ('{event.text}') cannot be shown.")
     if angle and event.amount is None:

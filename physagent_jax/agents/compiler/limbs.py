@@ -93,7 +93,9 @@ def bears_all(event: Event, brief: SceneBrief) -> bool:
     if noun not in STEMS or event.effect not in _BENDING or brief.object_kind == "plant" or lies(brief):
         return noun in STEMS and event.effect in _BENDING and not lies(brief)
     limbs = [brief.parts[index] for index in find_limbs(event.parts[0], brief)]
-    low = [min(place[2] for place in each.moved.inside) < LOW for each in limbs if "nose" not in each.roles]
+    # A mug's handle bears nothing.
+    limbs = [each for each in limbs if "nose" not in each.roles and each.roles[:1] != ("handle",)]
+    low = [min(place[2] for place in each.moved.inside) < LOW for each in limbs]
     return low == [True] and noun not in ("stem", "stalk")  # a mushroom's bends alone
 
 

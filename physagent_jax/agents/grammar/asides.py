@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, takewhile
 
 from physagent_jax.agents.grammar.landmarks import read_landmarks
 from physagent_jax.agents.grammar.mentions import (
@@ -22,6 +22,7 @@ from physagent_jax.agents.grammar.mentions import (
     get_last_motion,
     get_phrase,
     has_motion,
+    ignore,
     list_segments,
     read_as,
 )
@@ -54,6 +55,7 @@ _HOVERING = (Effect.TURN, Effect.ROLL, Effect.STILL)
 _ALOFT = frozenset(("in the air", "in mid air", "in midair"))
 _NEAR = 6  # words from a part to the one that it is on
 _REBOUNDING = ("bounc", "rebound", "ricochet")
+_LATER = frozenset((Join.THEN, Join.AFTER, Join.BEFORE))
 _REACH = 20  # words before a correction in which the corrected ones stand
 # What ends a comparison.
 _GOES_ON = (MentionKind.JOIN, MentionKind.TIME, MentionKind.REPEAT, MentionKind.QUANTITY)
@@ -78,6 +80,7 @@ def drop_others(mentions: list[Mention], names: frozenset[str]) -> list[Mention]
         segment = mentions[begin:end]
         rest = bool({(a.form, b.form) for a, b in pairwise(segment)} & _REST)
         rest |= _is_rest_still(segment, apart=places > _count_places(segment))
+        rest |= _is_own_still(mentions, begin, end, names)
         first = before if rest and before is not None else begin
         begin, before = first, begin if _is_subject(segment) else None
         segment = mentions[begin:end]
@@ -86,9 +89,7 @@ def drop_others(mentions: list[Mention], names: frozenset[str]) -> list[Mention]
         later = [at for at in pronouns if at >= end and own and has_motion(mentions[at + 1 : at + 2])]
         meant = named or len(later) < len(pronouns)
         if _is_strange_still(segment, lambda a=begin, b=end: mentions[:a] + mentions[b:], names):
-            ignored = {"kind": MentionKind.IGNORED}
-            segment = [replace(m, **ignored) if m.kind is MentionKind.UNKNOWN else empty(m) for m in segment]
-            result[begin:end] = segment
+            result[begin:end] = map(ignore, segment)
         elif rest or _is_filmed(segment, names) or meant and _is_done_by_another(segment, names):
             result[begin:end] = [
                 empty(m, OTHER if m.kind in MOTIONS or m.form in get_set("camera_verbs") else "aside")
@@ -153,6 +154,26 @@ def _is_rest_still(segment: list[Mention], *, apart: bool) -> bool:
     return named and verb is not None and verb.effect is Effect.STILL
 
 
+def _is_own_still(mentions: list[Mention], begin: int, end: int, names: frozenset[str]) -> bool:
+    """Return whether the object by its noun is all but a part: "the stem bends while the pumpkin itself stays put"."""
+    segment, sides = mentions[begin:end], (reversed(mentions[:begin]), mentions[end:])
+    joins = [m for each in sides for m in takewhile(lambda m: m.kind is MentionKind.JOIN, each)]
+    verb, kinds = _find_motion(segment), {each.kind for each in segment}
+    still = any(each.motion and each.motion.effect is Effect.STILL for each in segment[verb : verb + 1])
+    still |= MentionKind.NOT in kinds and get_phrase(segment, verb) in get_set("budging")
+    later = MentionKind.TIME in kinds or any(each.value in _LATER or each.phrase == "with" for each in joins)
+    own = any(each.phrase in names for each in segment[:verb])
+    own &= not later or any(each.form == "itself" for each in segment)
+    if not (still and own) or MentionKind.PLACE in kinds:
+        return False
+    others = (mentions[first:last] for first, last in list_segments(mentions) if first != begin)
+    return any(_count_places(each[: _find_motion(each)]) and has_motion(each) for each in others)
+
+
+def _find_motion(segment: list[Mention]) -> int:
+    return next((at for at, each in enumerate(segment) if each.kind in MOTIONS), len(segment))
+
+
 def _is_strange_still(
     segment: list[Mention], others: Callable[[], list[Mention]], names: frozenset[str]
 ) -> bool:
@@ -177,7 +198,7 @@ def _is_subject(segment: list[Mention]) -> bool:
 
 def _is_filmed(segment: list[Mention], names: frozenset[str]) -> bool:
     """Return whether a segment tells what the camera does."""
-    first = next((i for i, m in enumerate(segment) if m.kind in MOTIONS), len(segment))
+    first = _find_motion(segment)
     camera = any(m.phrase in get_set("cameras") for m in segment[:first])
     films = any(m.form in get_set("camera_verbs") for m in segment[: first + 1])
     object_first = any(m.phrase in names for m in segment[:first])

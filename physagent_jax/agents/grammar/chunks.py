@@ -166,7 +166,11 @@ def begins_longer_phrase(reader: Reader, at: int) -> bool:
 def read_word(reader: Reader, at: int) -> Mention:
     """A word of no phrase: of grammar, or unknown."""
     text = reader.tokens[at].text
-    behind = (reader.get_text(at + step) for step in (1, 2, 3))
+    behind = [reader.get_text(at + step) for step in (1, 2, 3)]
+    done = LEXICON.motions.get(FORMS.get(behind[0], "")) if text == "all" else None
+    if done is not None and done.effect is Effect.SCALE and _is_past(reader, at + 1):  # "all squashed"
+        value = LEXICON.intensities["completely"]
+        return reader.make_mention(MentionKind.INTENSITY, value, "completely", [at])
     counts = text in NUMBERS and any(word.removesuffix("s") in LEXICON.part_nouns for word in behind)
     told = text in LEXICON.words or counts  # "its six little legs"
     return reader.make_mention(MentionKind.FUNCTION if told else MentionKind.UNKNOWN, None, text, [at])
@@ -211,6 +215,7 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         owned |= before == "one" and reader.get_text(at - 2) not in ("with", "by", "of")
         if words[0] in ("one", "a", "an") and before in (*get_set("before_ways"), words[-1] != "of" and "on"):
             return True  # "it rolls to one side of the room", "stand it on one end"
+        owned &= not (text in LEXICON.agents and _is_of_person(reader, owner, at))
         another = before in ("a", "an") and not set(words) & LEXICON.one_of_many
         return (text in LEXICON.agents and not owned) or another and reader.get_text(at + 1) != "of"
     if kind is MentionKind.POSE and words[-1] in ("down", "up") and reader.is_after_determiner(at):
@@ -258,6 +263,15 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         return True  # "on waves"
     told = described and article or before in ("the", "its", "a")
     return not done and " ".join(words) in LEXICON.nouns and told
+
+
+def _is_of_person(reader: Reader, owner: int, at: int) -> bool:
+    """Return whether it is somebody's own hand or foot: "someone slams his fist on it", "pokes it with her finger"."""
+    texts = [token.text for token in reader.tokens]
+    acts = not get_set("persons").isdisjoint(texts[:owner]) and texts[owner] in get_set("pronouns_of_owners")
+    onto = not get_set("against").isdisjoint(texts[at + 1 : at + 3])
+    onto &= not {"it", *reader.names}.isdisjoint(texts[at + 1 : at + 5])
+    return acts and (onto or texts[owner] == "their" or texts[owner - 1] == "with")
 
 
 def _is_done(reader: Reader, at: int) -> bool:

@@ -22,7 +22,7 @@ from physagent_jax.agents.grammar.mentions import (
     list_segments,
 )
 from physagent_jax.agents.grammar.nouns import is_telling
-from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
+from physagent_jax.agents.grammar.tables import LEXICON, NUMBERS, get_set, read_sections
 from physagent_jax.agents.lexicon import Effect, Motion, Place
 from physagent_jax.agents.materials import UNKNOWN_KIND, read_material_words
 from physagent_jax.motion.schema import SceneBrief
@@ -206,7 +206,8 @@ def is_look(word: str) -> bool:
 
 def _is_named_here(spot: _Spot, named: bool, taken: list[str]) -> bool:
     """Return whether a noun is the object, which is not named otherwise: "knock the chess piece over"."""
-    done_to = spot.get(-1) in get_set("determiners") and spot.get(-2) not in get_set("prepositions")
+    owners = get_set("determiners") - get_set("pronouns_of_owners")
+    done_to = spot.get(-1) in owners and spot.get(-2) not in get_set("prepositions")
     verb, before = spot.skip(1, get_set("auxiliaries")), spot.mentions[spot.begin : spot.index]
     noun = has_motion(before) or verb is not None and verb.kind in MOTIONS  # "the gizmo zorps": a verb
     noun = noun or spot.get(1) in get_set("copulas")  # "the gift box gets squashed"
@@ -394,7 +395,7 @@ _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
     (lambda s: s.word in read_material_words().words and s.is_behind(MentionKind.PLACE), True),
     (lambda s: s.word in get_set("remains") and s.motion is not None, True),
     # "Into thousands of pieces".
-    (lambda s: s.is_parting and s.word in get_set("crowds") | get_set("paths"), True),
+    (lambda s: s.is_parting and s.word in get_set("crowds") | get_set("paths") | NUMBERS.keys(), True),
     (lambda s: s.word == "head" and s.mentions[s.index - 1].words in s.names and s.motion is None, True),
     (_is_its_own_path, True),
     (lambda s: s.word in get_set("paths") | get_set("worlds"), False),  # "in a spiral", "on the moon"

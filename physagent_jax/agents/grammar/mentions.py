@@ -84,6 +84,12 @@ def empty(mention: Mention, why: str = "aside") -> Mention:
     return replace(mention, kind=MentionKind.FUNCTION, value=None, phrase=why, form=why)
 
 
+def ignore(mention: Mention) -> Mention:
+    """The mention without what it says, and a word that is not known as one that does not matter."""
+    strange = mention.kind in (MentionKind.UNKNOWN, MentionKind.IGNORED)
+    return replace(mention, kind=MentionKind.IGNORED) if strange else empty(mention)
+
+
 def read_as(mention: Mention, word: str) -> Mention:
     """The mention as the verb that a word is."""
     return replace(mention, kind=MentionKind.VERB, value=LEXICON.motions[word], phrase=word)

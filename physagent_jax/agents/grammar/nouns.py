@@ -124,7 +124,19 @@ def read_named_part(reader: Reader, at: int) -> Mention | None:
             whole = phrase == ("body",) and reader.get_text(at - 1) in ("whole", "entire")  # of a truck
             kind, value = (MentionKind.FUNCTION, None) if whole else (MentionKind.PLACE, NAMED)
             return reader.make_mention(kind, value, " ".join(phrase), used)
-    return None
+    owned = reader.is_after_determiner(at) or reader.get_text(at - 1) == "all"
+    names = [phrase[0] for phrase in reader.parts if owned and len(phrase) == 1]
+    found = [each for each in {*names} - reader.names if _begins_compound(reader.get_text(at), each)]
+    return reader.make_mention(MentionKind.PLACE, NAMED, min(found, key=len), [at]) if found else None
+
+
+def _begins_compound(word: str, name: str) -> bool:
+    """Return whether a word is the first of those that a part's name runs together: "the keys" are its keycaps."""
+    stem, tail = word.removesuffix("s"), name.removesuffix("s")
+    strange = not any(_has_other_meaning(each) for each in (word, stem)) and len(stem) > 2
+    rest = tail.removeprefix(stem)
+    alike = (stem != word) == (tail != name) and stem != tail != rest
+    return strange and alike and (rest in LEXICON.parts or rest in LEXICON.part_nouns)
 
 
 def read_part(reader: Reader, at: int) -> Mention | None:

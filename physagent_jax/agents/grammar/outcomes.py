@@ -16,7 +16,9 @@ from physagent_jax.agents.grammar.mentions import (
     MentionKind,
     empty,
     get_last_motion,
+    get_phrase,
     has_motion,
+    ignore,
     list_segments,
 )
 from physagent_jax.agents.grammar.tables import LEXICON, get_set, read_sections
@@ -33,9 +35,7 @@ def read_outcomes(mentions: list[Mention], _names: frozenset[str]) -> list[Menti
     result = list(mentions)
     for begin, end in list_segments(mentions):
         first, last = _find_outcome(result, begin, end)
-        for at in range(first, last):
-            strange = mentions[at].kind in _STRANGE
-            result[at] = replace(mentions[at], kind=MentionKind.IGNORED) if strange else empty(mentions[at])
+        result[first:last] = map(ignore, mentions[first:last])
     return result
 
 
@@ -43,6 +43,9 @@ def _find_outcome(mentions: list[Mention], begin: int, end: int) -> tuple[int, i
     """The span of an outcome in a segment."""
     segment = mentions[begin:end]
     comes = _is_leaving_ground(segment) or _is_becoming(segment) or _is_left_over(segment)
+    comes |= get_phrase(mentions, begin - 1) in ("that", "so much") and _is_strangers(
+        mentions[begin - 1 : end]
+    )
     if _is_result(mentions, begin) and comes:
         return begin, end
     for at in range(begin, end):
@@ -121,6 +124,14 @@ def _is_leaving_ground(segment: list[Mention]) -> bool:
     kinds = {mention.kind for mention in segment}
     plain = MentionKind.PLACE in kinds and kinds <= {*_BESIDE, *WAYS}
     return plain and bool(forms & get_set("leaving")) and bool(forms & (LEXICON.ground | {"table"}))
+
+
+def _is_strangers(segment: list[Mention]) -> bool:
+    """Return whether a part nobody knows is what moves: "so hard that his bum wiggles along with it"."""
+    verb = next((at for at, each in enumerate(segment) if each.motion is not None), len(segment))
+    kinds = {each.kind for each in segment[:verb]}
+    owned = not {each.form for each in segment[:2]}.isdisjoint(get_set("owners_of_parts"))
+    return owned and MentionKind.UNKNOWN in kinds and MentionKind.PLACE not in kinds
 
 
 def _is_left_over(segment: list[Mention]) -> bool:

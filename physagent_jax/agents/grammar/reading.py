@@ -78,6 +78,11 @@ def _read_once(reader: Reader, at: int) -> Mention | None:
         join = Join.RESULT  # "so fast that its leaves fly out"
     if reader.get_text(at) == "where" and reader.get_text(at - 1) in (",", "ground", "floor", "table"):
         join = Join.RESULT  # "it falls on the floor, where it squashes flat"
+    told = has_motion(reader.mentions) and reader.mentions[-1].kind is MentionKind.INTENSITY
+    if told and reader.get_text(at - 2) == "so" and reader.get_text(at) in get_set("pronouns_of_owners"):
+        return reader.make_mention(
+            MentionKind.JOIN, Join.RESULT, "so much", [at]
+        )  # "so hard its lid rattles"
     subject = get_set("pronouns") | get_set("pronouns_of_owners") | reader.names | {"the"}
     if join is None or reader.get_text(at + 1) not in subject:
         return None

@@ -16,6 +16,7 @@ from physagent_jax.agents.grammar.mentions import (
     get_last_motion,
     get_phrase,
     has_motion,
+    ignore,
     list_segments,
     read_as,
 )
@@ -85,10 +86,18 @@ def _find_trend(mentions: list[Mention], at: int) -> int:
 
 
 def read_debris(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
-    """Empties what the pieces do of what bursts or falls apart: "it explodes into pieces that scatter everywhere"."""
-    result, parted = list(mentions), False
+    """Empties what the pieces do of what bursts or falls apart: "it explodes into pieces that scatter everywhere".
+
+    What a fall or a smash "splits into chunks" breaks by that: nothing pulls at it.
+    """
+    result, parted, falls = list(mentions), False, False
     for begin, end in list_segments(mentions):
         piece = None
+        if (split := _find_split(mentions, begin, end, parted)) is not None and (parted or falls):
+            result[begin:end] = map(ignore, mentions[begin:end])
+            result[split] = result[split] if parted else read_as(mentions[split], "break")
+            parted = True
+            continue
         for at in range(begin, end):
             mention, motion = mentions[at], mentions[at].motion
             if mention.form in get_set("debris") and motion is None:
@@ -104,8 +113,22 @@ def read_debris(mentions: list[Mention], _names: frozenset[str]) -> list[Mention
             if motion is not None and motion.gives and noun.kind is MentionKind.UNKNOWN:
                 strewn = mention.phrase.endswith("directions")  # "its three balls roll off in all directions"
                 result[at - 1] = replace(noun, kind=MentionKind.IGNORED) if strewn else noun
-            parted |= motion is not None and (motion.gives or motion.effect is Effect.BURST)
+            if motion is not None:
+                parted |= motion.gives or motion.effect is Effect.BURST
+                parted |= mention.phrase.split()[0] in get_set("smashing")
+                falls |= motion.effect is Effect.FALL
+                relative = get_phrase(mentions, at + 1) in get_set("relatives")
+                piece = at + 1 if relative and mention.phrase.split()[-1] in get_set("debris") else piece
     return result
+
+
+def _find_split(mentions: list[Mention], begin: int, end: int, plain: bool) -> int | None:
+    """Index of a verb, maybe ``plain``, whose segment tells what tearing leaves: "splitting into four chunks"."""
+    words = " ".join(each.words for each in mentions[begin:end]).lower().split()
+    left = not {"in", "into", "to"}.isdisjoint(words) and not get_set("debris").isdisjoint(words)
+    told = ((at, mentions[at].motion, mentions[at]) for at in range(begin, end if left else begin))
+    tears = (each for each in told if each[1] and each[1].effect is Effect.SCALE and each[1].sign > 0)
+    return next((at for at, _, verb in tears if plain or verb.form != verb.phrase.split()[0]), None)
 
 
 def read_captions(mentions: list[Mention], names: frozenset[str]) -> list[Mention]:
