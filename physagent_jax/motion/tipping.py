@@ -15,9 +15,9 @@ from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.schema import Action, VelocityConstraint
 from physagent_jax.forces.upright import leave_upright
 from physagent_jax.motion.axes import find_lean_axis
-from physagent_jax.motion.schema import SceneBrief
+from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.swaying import find_tipping_way, lies, make_upper
-from physagent_jax.motion.vectors import dot
+from physagent_jax.motion.vectors import clamp, dot
 from physagent_jax.motion.windows import Window
 
 SLOW = 0.75  # strength below which tipping over is to be seen to be slow
@@ -27,6 +27,8 @@ _LED, _MOST = (
 )  # [degrees] that it is led by at least, and at most: beyond, another edge may be in the way
 _SIDE = 90.0  # [degrees] that what is broad is led by onto its side, and kept there: it would go on, or back
 _FLAT = 0.6  # height over breadth below which what has no edge and is long is no log
+_OFF_END = 25.0  # [degrees] that what was set up on its end is led by: it is slim there
+_ASKEW, _LEVEL = 10.0, 0.3  # [degrees] off a quarter turn; vertical component of an axis
 _PAST = 8.0  # [degrees] beyond the balance of a box of its extents
 _SLOW_RATE, _RATE = 40.0, 80.0  # [degrees/s] for a strength of 1, of what is to tip slowly and of all else
 _FALLS = 1.5  # [s] in which it then falls, and is seen to lie
@@ -73,6 +75,29 @@ def tip(
     axis, angle = find_lean_axis(find_tipping_way(way, brief), brief), _find_angle(way, brief, aside)
     turn = driver.turn(axis, angle, (first, end), kept if angle > _MOST else None)
     return [turn.model_copy(update=dict(region=None, pivot=None))]
+
+
+def tip_off_end(brief: SceneBrief, axis: Vector, window: Window) -> list[VelocityConstraint]:
+    """The turn that leads what was set up on its end past its balance there; its weight does the rest.
+
+    Args:
+        brief: The scene.
+        axis: About which it tips (unit world vector, right-hand rule).
+        window: First and last frame of turn and fall.
+    """
+    end = window[0] + clamp(brief.count_frames(_OFF_END / _RATE), 1.0, _SHARE * (window[1] - window[0]))
+    driver = PartDriver(make_upper(brief), brief.frame_dt, brief.frame_count, held=False)
+    turn = driver.turn(axis, _OFF_END, (window[0], end), None)
+    return [turn.model_copy(update=dict(region=None, pivot=None))]
+
+
+def find_end_axis(before: Sequence[ExpectedMotion]) -> Vector | None:
+    """The axis about which it was set up on its end, by the last of the motions before; None if it was not."""
+    last = before[-1] if before else None
+    told = last.amount if last is not None and last.kind is MotionKind.ROTATE and last.limb is None else None
+    level = last is not None and last.direction is not None and abs(last.direction[2]) < _LEVEL
+    quarter = told is not None and told.unit == "degrees" and abs(told.value - _SIDE) < _ASKEW
+    return last.direction if last is not None and level and quarter else None
 
 
 def _find_angle(way: Vector, brief: SceneBrief, aside: bool) -> float:

@@ -642,3 +642,14 @@ def test_what_is_raised_at_one_side_until_it_tips_leans_to_the_other(raised, axi
     (tilt, *_) = read_sentence(f"{raised} until it tips, then let go", stand()).expectations
     assert tilt.kind is MotionKind.ROTATE and tilt.limb is None and tilt.part is None
     assert dot(tilt.direction or (), axis) > 0.9
+
+
+def test_what_was_set_up_on_its_end_goes_on_past_its_balance_there():
+    """A torque turned it back the way that it had come, and on and on."""
+    plank = brief(world="ground", object_name="plank", extents=(1.0, 0.1, 0.3), long_axis=(1.0, 0.0, 0.0))
+    reply = read_sentence("the plank stands up on its end and topples over", plank)
+    stood = next(e for e in reply.expectations if e.amount is not None)
+    (led,) = reply.force_field.constraints
+    assert led.vector == pytest.approx(stood.direction) and led.region is None and led.held_until is None
+    assert led.active_time[1] - led.active_time[0] < 15
+    assert all(each.active_time[1] <= led.active_time[0] for each in reply.force_field.actions)

@@ -30,7 +30,7 @@ from physagent_jax.motion.efforts import find_held_magnitude, find_lengths
 from physagent_jax.motion.landing import LANDED, land, list_rebounds, spin_until_landed, stand_after_drop
 from physagent_jax.motion.pressing import LEAST_ROOM, poke
 from physagent_jax.motion.schema import Amount, MotionKind
-from physagent_jax.motion.tipping import tip
+from physagent_jax.motion.tipping import find_end_axis, tip, tip_off_end
 from physagent_jax.motion.vectors import add, dot, normalise, scale
 from physagent_jax.motion.windows import IMPULSE_FRAMES, divide, make_impulse_window
 
@@ -287,6 +287,10 @@ def compile_topple(task: Task) -> None:
     goes_on = any(each.effect is not Effect.STILL for each in task.after)
     kept = (last if goes_on else task.brief.last) if task.event.lies_aside else None
     led = tip(task.brief, task.direction, task.event.strength, task.window, before, kept) if whole else []
+    end = None if led or blows or not whole else find_end_axis(builder.expectations)
+    if end is not None:  # it goes on the way that it was set up
+        axis = axis if abs(dot(axis, end)) < _LEVEL else end
+        led = tip_off_end(task.brief, axis, task.window)
     builder.constraints += led
     if led and blows:  # what is knocked over goes as far as it falls
         places = tuple(f"actions[{builder.actions.index(each)}]" for each in blows)
