@@ -386,7 +386,7 @@ class Binding:
         """
         speed = self.leaf(self._split()[0] * (RISES_BY / (MAGNITUDE_MIN * GAIN_MIN)))
         end = self.window[1] if self._held_until is None else self._held_until
-        made = [Touchdown(speed, self.leaf(-self._way), self.window[0], end)]
+        made: list = [Touchdown(speed, self.leaf(-self._way), self.window[0], end)]
         if (most := self._find_most_balance()) is not None and not self._lies:
             made.append(Balance(self.leaf(self._rest), self.leaf(most), self.leaf(0.0), self.window[0], end))
         return made
