@@ -68,10 +68,8 @@ _UPENDED = 95.0  # [degrees] the same of an angle that is told
 _RAISED = 20.0  # [degrees] by which it is tilted where one side is raised
 _CRUMPLED = [1.0, 1.5]  # shares of the time in which it is pressed from both sides, and from above alone
 _SPUN = 0.9  # of the most of its word that what lies spins by about its own line: less is hardly seen of what is slim
-_CIRCLE, _SMALL_CIRCLE = (
-    0.8,
-    0.3,
-)  # [body lengths] radius of a circle that it goes along, at most and at least
+_CIRCLE = 0.8  # [body lengths] radius of a circle that it goes along, at most
+_SMALL_CIRCLE = 0.3  # the same, below which there is no room for one
 _REST = 0.4  # [s] for which what was spun where it stands is then seen to stand
 _LEVELLED = 0.1  # of its largest turn, below which it is level again
 _ASKEW = 10.0  # [degrees] up to which it lies on one of its sides
@@ -528,7 +526,9 @@ def _lead_round(wish: Wish) -> _Replaced:
         return None
     ahead, box = sum_directions(("ahead",), brief), find_box(brief)
     inwards = normalise(cross(axis, ahead)) or brief.directions.away
-    radius = clamp(0.5 * (brief.reach - 0.5 * max(box[:2])), _SMALL_CIRCLE, _CIRCLE)
+    radius = min(0.5 * (brief.reach - 0.5 * max(box[:2])), _CIRCLE)
+    if radius < _SMALL_CIRCLE:
+        return None  # it would meet the wall of the space; turned where it is, it is judged not to go round
     first, end = wish.get_span(causes)[0], min(here.window[1], brief.last - brief.count_frames(_REST))
     told = find_told(here, brief, "degrees")
     degrees = told.target if told else SPIN
@@ -540,9 +540,8 @@ def _lead_round(wish: Wish) -> _Replaced:
     hand = _prescribe(causes[0], axis, size, (first, until), _find_next(wish, end))
     gain = clamp(round(effort / (size * (until - first)), 4), 1.0, GAIN_MAX)
     pivot = tuple(0.5 + radius * way / side for way, side in zip(inwards, box))
-    return _put(
-        wish, causes, hand.model_copy(update={"gain": gain, "pivot": pivot})
-    ), "it is led along the circle"
+    hand = hand.model_copy(update={"gain": gain, "pivot": pivot})
+    return _put(wish, causes, hand), "it is led along the circle"
 
 
 def _lead(wish: Wish) -> _Replaced:

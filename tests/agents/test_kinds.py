@@ -13,7 +13,7 @@ from physagent_jax.motion.kinds import choose_kinds
 from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.matching import find_causes
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind
-from tests.agents.scenes import asked, brief, read
+from tests.agents.scenes import asked, brief, judge, make_report, ramp, read
 from tests.agents.sentences import SENTENCES
 
 LEFT, RIGHT, UP, DOWN = (-1.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)
@@ -401,3 +401,21 @@ def test_what_is_held_or_told_a_way_goes_in_no_circle():
     for sentence in ("push its head in a circle", "push the robot by 90 degrees"):
         reply = read(sentence, brief(world="ground"))
         assert all(each.manner != "circle" for each in reply.expectations)
+
+
+@pytest.mark.parametrize("path, passes", [("circle", True), ("drift", False), ("spot", False)])
+def test_only_what_goes_out_and_comes_back_as_it_turns_goes_in_a_circle(path, passes):
+    scene = brief(world="ground")
+    reply = read("the robot drives in a circle", scene)
+    (motion,) = reply.expectations
+    count = round(motion.window[1]) + 1
+    angles = [2 * math.pi * ramp(t, *motion.window) for t in range(count)]
+    places = {
+        "circle": [(0.7 * math.sin(a), 0.7 * (1 - math.cos(a)), 0.0) for a in angles],
+        "drift": [(0.2 * a, 0.0, 0.0) for a in angles],
+        "spot": [(0.0, 0.0, 0.0) for _ in angles],
+    }[path]
+    seen = make_report(places, [(0.0, 0.0, math.degrees(a)) for a in angles])
+    verdict = judge("the robot drives in a circle", reply, seen, scene).judgement
+    (check,) = [each for each in verdict.checks if each.question == "how wide is its circle?"]
+    assert check.passed is passes and (verdict.verdict == "SUCCESS") is passes

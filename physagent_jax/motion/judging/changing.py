@@ -92,13 +92,7 @@ def check_rotation(asked: Asked) -> list[Check]:
         path = [dot(v, axis or peak) for _, v in view.turns(first, view.last, asked.end)]
         checks.append(count_turns(asked, path, 0.35 * (max(path) - min(path)) + 1.0))
     if motion.manner == "circle":
-        across = max((norm(p) for _, p in view.course(first, last) or ()), default=0.0)
-        seen = f"{across:.2g} body lengths at most from where it was"
-        checks.append(
-            compare_amount(
-                asked, "how wide is its circle?", tolerances.CIRCLE, across, seen, figure="displacement"
-            )
-        )
+        checks.append(_check_circle(asked))
     if motion.amount is not None and motion.amount.unit == "degrees":
         return checks
     tolerance = tolerances.expect_rotation(motion, view.anchored, seconds=view.seconds(first, until))
@@ -121,6 +115,18 @@ def check_rotation(asked: Asked) -> list[Check]:
         left = dot(turns[-1][1], axis) / angle
         checks.append(check_limit(asked, "keeps_turn", left, _KEPT, asked.sigma / angle))
     return checks
+
+
+def _check_circle(asked: Asked) -> Check:
+    """The way by which it goes out and comes back: what only drifts as it turns is in no circle."""
+    question, (first, last) = "how wide is its circle?", asked.span
+    ways = [norm(place) for _, place in asked.view.course(first, last) or ()]
+    if not ways:
+        return make_unseen_check(asked, "its path is not known", question)
+    seen = f"{max(ways):.2g} body lengths away at most, and {ways[-1]:.2g} in the end"
+    return compare_amount(
+        asked, question, tolerances.CIRCLE, max(ways) - ways[-1], seen, figure="displacement"
+    )
 
 
 def check_strain(asked: Asked) -> list[Check]:
