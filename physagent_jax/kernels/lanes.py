@@ -65,6 +65,18 @@ def load_batch(typing, array, index):
 
 
 @intrinsic
+def load_one(typing, array, index):
+    """One lane, ``array[index]``: code for lanes does a rest with it."""
+    lanes = Lanes(array.dtype, 1)
+
+    def generate(context, builder, signature, arguments):
+        pointer = _find_pointer(context, builder, signature.args[0], arguments, lanes)
+        return builder.load(pointer, align=array.dtype.bitwidth // 8)
+
+    return lanes(array, types.intp), generate
+
+
+@intrinsic
 def store(typing, array, index, value):
     """Write lanes to ``array[index : index + n]``, n being their number."""
 
@@ -332,6 +344,16 @@ def select_greater(typing, a, b, yes, no):
         )
 
     return yes(a, a, yes, yes), generate
+
+
+@intrinsic
+def lesser(typing, a, b):
+    """The lesser of a and b, lane by lane."""
+
+    def generate(context, builder, signature, arguments):
+        return builder.select(builder.fcmp_ordered("<", *arguments), *arguments)
+
+    return a(a, a), generate
 
 
 @intrinsic

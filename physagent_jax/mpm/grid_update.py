@@ -5,9 +5,9 @@ from __future__ import annotations
 import jax
 import jax.numpy as jnp
 
-from physagent_jax.mpm import constraints, kernels, reductions, transfer
+from physagent_jax.mpm import constraints, inertia, kernels, reductions, transfer
 from physagent_jax.mpm.conform import as_field
-from physagent_jax.mpm.inertia import Lumped, count_particles, sharpen
+from physagent_jax.mpm.inertia import Lumped
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import stencil
 
@@ -28,29 +28,34 @@ def update_grid(
         return node_mass, grid_velocity(model, nodes), None, oppose(damp(model, folded))
     brought, given = nodes[..., :4], nodes[..., 4:]
     free = grid_velocity(model, brought + given.at[..., 3].set(0))
-    brought, given = (unfold_boundaries(model, fold_boundaries(model, part)) for part in (brought, given))
-    mass = brought[..., 3:]
-    old = grid_velocity(model, brought)
-    increments = grid_velocity(model, jnp.concatenate([given[..., :3], mass], axis=-1))
+    parts = [unfold_boundaries(model, fold_boundaries(model, part)) for part in (brought, given)]
+    chosen = kernels.load_cpu_kernels() if kernels.use_cpu(model.kernels) else None
+    split = transfer.grid_velocities if chosen is None else chosen.grid_velocities
+    old, increments, mass, squares = split(jnp.concatenate(parts, axis=-1), find_empty_mass(model, nodes))
     moved = old + increments
     opposed = oppose(moved) if model.boundaries or model.constraints else moved
-    count = count_particles(mass[..., 0], given[..., 3], find_mass_unit(model), find_least_mass(model))
     # With what opposes them: matter at rest has none, so that its equilibrium is that of lumped masses.
-    sharpening = sharpen(model.inertia.beta, increments + (opposed - moved), mass[..., 0], count)
+    lacking = increments + (opposed - moved)
+    sharpen = inertia.sharpen if chosen is None else chosen.sharpen
+    counted = mass, squares, find_mass_unit(model), find_least_mass(model)
+    sharpening = sharpen(model.inertia.beta, lacking, *counted)
     return node_mass, free, sharpening, oppose(damp(model, opposed + sharpening))
 
 
 def grid_velocity(model: Model, nodes: jax.Array) -> jax.Array:
-    """Node velocities [m/s] from momentum and mass; empty nodes stay at zero.
-
-    A node counts as empty below eps^1.5 of the lightest particle's mass. Every particle's weight there is
-    smaller still, so that its velocity would be lost in round-off; but the derivative of momentum / mass
-    divides by the mass squared, which in float32 underflows.
-    """
-    least = jnp.finfo(nodes.dtype).eps ** 1.5 * find_least_mass(model)
+    """Node velocities [m/s] from momentum and mass; empty nodes stay at zero."""
     use_cpu = kernels.use_cpu(model.kernels)
     divide = kernels.load_cpu_kernels().grid_velocity if use_cpu else transfer.grid_velocity
-    return divide(nodes, least)
+    return divide(nodes, find_empty_mass(model, nodes))
+
+
+def find_empty_mass(model: Model, nodes: jax.Array) -> jax.Array:
+    """Mass up to which a node counts as empty [kg]: eps^1.5 of the lightest particle's.
+
+    Every particle's weight there is smaller still, so that its velocity would be lost in round-off; but the derivative
+    of momentum / mass divides by the mass squared, which in float32 underflows.
+    """
+    return jnp.finfo(nodes.dtype).eps ** 1.5 * find_least_mass(model)
 
 
 def find_least_mass(model: Model) -> jax.Array:

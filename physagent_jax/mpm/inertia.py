@@ -25,6 +25,8 @@ MOST_BETA = 0.25
 """Strength that makes up for all of q^2/4: with more, short waves travel too fast at any step."""
 FULL = 2.0
 """Particles of one size that a node must have for its edges to count in full."""
+NEXT_TO_NOTHING = 1e-5
+"""Share of the lightest particle's mass up to which a node has none."""
 
 
 @dataclasses.dataclass(frozen=True)
@@ -63,21 +65,29 @@ class Sharpened:
             raise UserError(f"`Sharpened.beta` must be within (0, {MOST_BETA}]", got=self.beta)
 
 
-def sharpen(beta: float, increments: jax.Array, mass: jax.Array, count: jax.Array) -> jax.Array:
+def sharpen(
+    beta: float,
+    increments: jax.Array,
+    mass: jax.Array,
+    squares: jax.Array,
+    unit: jax.Array,
+    least: jax.Array,
+) -> jax.Array:
     """The change to ``increments``: beta / m_i sum_j m_ij (dv_i - dv_j), shape (nx, ny, nz, 3).
 
     Args:
         beta: Strength.
         increments: Changes of node velocities [m/s], shape (nx, ny, nz, 3).
         mass: Node masses [kg], shape (nx, ny, nz).
-        count: Particles per node, shape (nx, ny, nz); zero where a node is to be left alone (`count_particles`).
+        squares, unit, least: As `count_particles` takes them.
     """
-    share, flows = jnp.minimum(count / FULL, 1.0), jnp.zeros_like(increments)
+    count, flows = count_particles(mass, squares, unit, least), jnp.zeros_like(increments)
     for axis in range(3):
         sides = [[slice(None)] * 3, [slice(None)] * 3]
         sides[0][axis], sides[1][axis] = slice(0, -1), slice(1, None)
         low, high = map(tuple, sides)
-        edge = jnp.minimum(mass[low], mass[high]) * jnp.minimum(share[low], share[high])
+        share = jnp.minimum(jnp.minimum(count[low], count[high]) / FULL, 1.0)
+        edge = jnp.minimum(mass[low], mass[high]) * share
         flow = edge[..., None] * (increments[high] - increments[low])
         room = [(0, 0)] * 4
         at_high, at_low = ([*room[:axis], side, *room[axis + 1 :]] for side in ((1, 0), (0, 1)))
@@ -97,5 +107,5 @@ def count_particles(mass: jax.Array, squares: jax.Array, unit: jax.Array, least:
         unit: One over a mass of the particles' size [1/kg], for single precision to hold all this.
         least: Mass of the lightest particle [kg]; nodes with next to nothing of it have none.
     """
-    some = mass > 1e-5 * least
+    some = mass > NEXT_TO_NOTHING * least
     return jnp.where(some, unit * mass * (mass / jnp.where(some, squares, 1.0)), 0.0)

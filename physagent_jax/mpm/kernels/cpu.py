@@ -14,7 +14,7 @@ from physagent_jax.core.errors import UserError
 from physagent_jax.kernels import ffi
 from physagent_jax.kernels.numbers import SHARES_PER_THREAD
 from physagent_jax.kernels.threads import choose_team, thread_count
-from physagent_jax.mpm import transfer
+from physagent_jax.mpm import inertia, transfer
 from physagent_jax.mpm.health import Health
 from physagent_jax.mpm.kernels.adjoint import TOTALS
 from physagent_jax.mpm.kernels.handlers import register_handler
@@ -110,6 +110,37 @@ def _scatter(
 def grid_velocity(nodes: jax.Array, least: jax.Array) -> jax.Array:
     """As `transfer.grid_velocity`, which XLA joins with what follows; only its derivative is a kernel."""
     return transfer.grid_velocity(nodes, least)
+
+
+@jax.custom_vjp
+def grid_velocities(
+    nodes: jax.Array, least: jax.Array
+) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
+    """As `transfer.grid_velocities`; only its derivative is a kernel, as that of `grid_velocity`."""
+    return transfer.grid_velocities(nodes, least)
+
+
+@_custom_vjp(0)
+def sharpen(beta: float, increments, mass, squares, unit, least) -> jax.Array:
+    """As `inertia.sharpen`."""
+    ffi.check_operands(
+        "sharpen",
+        dict(increments=increments, mass=mass, squares=squares),
+        dict(increments=(*mass.shape, 3), mass=mass.shape, squares=mass.shape),
+        increments.dtype,
+    )
+    call = jax.ffi.ffi_call(
+        register_handler("sharpen", increments.dtype.name),
+        jax.ShapeDtypeStruct(increments.shape, increments.dtype),
+        vmap_method="sequential",
+        input_layouts=(_BY_NUMBER, None, None, None),
+        output_layouts=_BY_NUMBER,
+    )
+    return call(increments, mass, squares, _stack_sharpening(mass.dtype, beta, unit, least), **choose_team())
+
+
+def _stack_sharpening(dtype, beta: float, unit: jax.Array, least: jax.Array) -> jax.Array:
+    return _stack_scalars(dtype, beta, inertia.FULL / unit, inertia.NEXT_TO_NOTHING * least)
 
 
 @_custom_vjp(0, 1)
@@ -264,23 +295,73 @@ def _p2g_apart_forward(form, grid, *operands):
 
 def _p2g_apart_backward(form, residuals, cotangent):
     grid, operands = residuals
+    x, v, C, tau, lame, viscous, *others = operands
+    if form != "mls" or viscous is not None:  # there is no adjoint kernel
 
-    def unfused(x, v, C, tau, lame, viscous, mass, volume, dv, push, unit, dt):
-        """Each grid by itself, for which there are adjoints; the other one as if of particles of mass m^2 ``unit``."""
-        nothing = jnp.zeros_like(C)
-        brought = p2g(form, grid, x, v, C, nothing, mass, volume, dv, dt)
-        if lame is not None and viscous is not None:
-            viscosity, rate = viscous
-            tau, lame = NeoHookean(*lame).stress(tau) + viscous_stress(viscosity, rate, tau), None
-        share = (unit * mass)[:, None]
-        others = mass * share[:, 0], volume, jnp.zeros_like(dv), dt
-        if lame is None:
-            given = p2g(form, grid, x, push / share, nothing, tau, *others)
-        else:
-            given, _, _ = p2g_neo_hookean(form, grid, x, push / share, nothing, tau, *lame, *others)
-        return jnp.concatenate([brought, given], axis=-1)
+        def unfused(x, v, C, tau, lame, viscous, *others):  # the stress through memory
+            stress = tau if lame is None else NeoHookean(*lame).stress(tau)
+            stress = stress if viscous is None else stress + viscous_stress(*viscous, tau)
+            if form != "mls":
+                return transfer.p2g_apart(form, grid, x, v, C, stress, *others)
+            return p2g_apart(form, grid, x, v, C, stress, None, None, *others)
 
-    return (None, *jax.vjp(unfused, *operands)[1](cotangent))
+        return (None, *jax.vjp(unfused, *operands)[1](cotangent))
+    mass, volume, dv, push, unit, dt = others
+    count, shares = len(x), thread_count() * SHARES_PER_THREAD
+    mu, lam = lame or (jnp.zeros(1, x.dtype),) * 2
+    particles = x, v, C, tau, mu, lam, mass, volume
+    padded = _describe_padded_grid(grid, x.dtype)
+    results = tuple(_describe_flat(like) for like in (*particles, push))
+    results += tuple(jax.ShapeDtypeStruct(s, x.dtype) for s in ((shares, 2 * TOTALS), (2 * padded.size,)))
+    call = jax.ffi.ffi_call(
+        register_handler("p2g_apart_adjoint", x.dtype.name),
+        results,
+        vmap_method="sequential",
+        input_layouts=(*(None,) * 11, _BY_NUMBER, None),
+    )
+    pushed = len(push) == count
+    scalars = _stack_scalars(x.dtype, dt, grid.dx, unit, lame is not None, pushed)
+    *bars, totals, _ = call(*particles, dv, push, grid.origin, cotangent, scalars, **choose_team())
+    bars = [bar.reshape(like.shape) for bar, like in zip(bars, (*particles, push))]
+    total = totals.sum(0)
+    by_push = bars[8] if pushed else total[None, 4:7]
+    by_lame = None if lame is None else (bars[4], bars[5])
+    return (None, *bars[:4], by_lame, None, *bars[6:8], total[:3], by_push, jnp.zeros_like(unit), total[3])
+
+
+def _grid_velocities_forward(nodes, least):
+    return grid_velocities(nodes, least), (nodes, least)
+
+
+def _grid_velocities_backward(residuals, cotangents):
+    nodes, least = residuals
+    call = jax.ffi.ffi_call(
+        register_handler("grid_velocities_adjoint", nodes.dtype.name),
+        jax.ShapeDtypeStruct(nodes.shape, nodes.dtype),
+        vmap_method="sequential",
+        input_layouts=(_BY_NUMBER, None, _BY_NUMBER, _BY_NUMBER, None, None),
+        output_layouts=_BY_NUMBER,
+    )
+    return call(nodes, least[None], *cotangents, **choose_team()), jnp.zeros_like(least)
+
+
+def _sharpen_forward(beta, *operands):
+    return sharpen(beta, *operands), operands
+
+
+def _sharpen_backward(beta, operands, cotangent):
+    increments, mass, squares, unit, least = operands
+    by_node = jax.ShapeDtypeStruct(mass.shape, mass.dtype)
+    call = jax.ffi.ffi_call(
+        register_handler("sharpen_adjoint", mass.dtype.name),
+        (jax.ShapeDtypeStruct(increments.shape, mass.dtype), by_node, by_node),
+        vmap_method="sequential",
+        input_layouts=(_BY_NUMBER, None, None, _BY_NUMBER, None),
+        output_layouts=(_BY_NUMBER, None, None),
+    )
+    scalars = _stack_sharpening(mass.dtype, beta, unit, least)
+    bars = call(increments, mass, squares, cotangent, scalars, **choose_team())
+    return (*bars, jnp.zeros_like(unit), jnp.zeros_like(least))
 
 
 def _grid_velocity_forward(nodes, least):
@@ -364,5 +445,7 @@ p2g_neo_hookean.defvjp(_p2g_neo_hookean_forward, _p2g_neo_hookean_backward)
 p2g_kelvin_voigt.defvjp(_p2g_kelvin_voigt_forward, _p2g_kelvin_voigt_backward)
 p2g_apart.defvjp(_p2g_apart_forward, _p2g_apart_backward)
 grid_velocity.defvjp(_grid_velocity_forward, _grid_velocity_backward)
+grid_velocities.defvjp(_grid_velocities_forward, _grid_velocities_backward)
+sharpen.defvjp(_sharpen_forward, _sharpen_backward)
 g2p.defvjp(_g2p_forward, _g2p_backward)
 stop.defvjp(_stop_forward, _stop_backward)

@@ -14,7 +14,8 @@ from physagent_jax.kernels import ffi
 from physagent_jax.kernels.numbers import NO_WRAPPERS
 from physagent_jax.kernels.team import run_in_team
 from physagent_jax.mpm.kernels.adjoint import g2p_adjoint, grid_velocity_adjoint, p2g_adjoint
-from physagent_jax.mpm.kernels.apart import p2g_apart
+from physagent_jax.mpm.kernels.apart import p2g_apart, p2g_apart_adjoint
+from physagent_jax.mpm.kernels.inertia import grid_velocities_adjoint, sharpen, sharpen_adjoint
 from physagent_jax.mpm.kernels.transfer import g2p, p2g
 
 
@@ -144,6 +145,44 @@ def _p2g_adjoint(frame, number, team):
 
 
 @njit(**NO_WRAPPERS)
+def _p2g_apart_adjoint(frame, number, team):
+    scalars = ffi.get_operand(frame, 12, number, 1)
+    p2g_apart_adjoint(
+        team,
+        (
+            ffi.get_operand(frame, 0, number, 2),
+            ffi.get_operand(frame, 1, number, 2),
+            ffi.get_operand(frame, 2, number, 3),
+            ffi.get_operand(frame, 3, number, 3),
+            ffi.get_operand(frame, 6, number, 1),
+            ffi.get_operand(frame, 7, number, 1),
+        ),
+        (ffi.get_operand(frame, 4, number, 1), ffi.get_operand(frame, 5, number, 1)),
+        ffi.get_operand(frame, 8, number, 1),
+        ffi.get_operand(frame, 9, number, 2),
+        ffi.get_operand(frame, 10, np.int32, 1),
+        scalars[0],
+        scalars[1],
+        scalars[2],
+        (scalars[3] != 0, scalars[4] != 0),
+        ffi.get_operand(frame, 11, number, 4),
+        (
+            ffi.get_result(frame, 0, number, 1),
+            ffi.get_result(frame, 1, number, 1),
+            ffi.get_result(frame, 2, number, 1),
+            ffi.get_result(frame, 3, number, 1),
+            ffi.get_result(frame, 4, number, 1),
+            ffi.get_result(frame, 5, number, 1),
+            ffi.get_result(frame, 6, number, 1),
+            ffi.get_result(frame, 7, number, 1),
+            ffi.get_result(frame, 8, number, 1),
+        ),
+        ffi.get_result(frame, 9, number, 2),
+        ffi.get_result(frame, 10, number, 1),
+    )
+
+
+@njit(**NO_WRAPPERS)
 def _g2p_adjoint(frame, number, team):
     scalars = ffi.get_operand(frame, 8, number, 1)
     g2p_adjoint(
@@ -178,6 +217,53 @@ def _grid_velocity_adjoint(frame, number, team):
         ffi.get_operand(frame, 1, number, 1)[0],
         ffi.get_operand(frame, 2, number, 4),
         ffi.get_result(frame, 0, number, 4),
+    )
+
+
+@njit(**NO_WRAPPERS)
+def _grid_velocities_adjoint(frame, number, team):
+    grid_velocities_adjoint(
+        team,
+        ffi.get_operand(frame, 0, number, 4),
+        ffi.get_operand(frame, 1, number, 1)[0],
+        (
+            ffi.get_operand(frame, 2, number, 4),
+            ffi.get_operand(frame, 3, number, 4),
+            ffi.get_operand(frame, 4, number, 3),
+            ffi.get_operand(frame, 5, number, 3),
+        ),
+        ffi.get_result(frame, 0, number, 4),
+    )
+
+
+@njit(**NO_WRAPPERS)
+def _sharpen(frame, number, team):
+    scalars = ffi.get_operand(frame, 3, number, 1)
+    sharpen(
+        team,
+        ffi.get_operand(frame, 0, number, 4),
+        ffi.get_operand(frame, 1, number, 3),
+        ffi.get_operand(frame, 2, number, 3),
+        (scalars[0], scalars[1], scalars[2]),
+        ffi.get_result(frame, 0, number, 4),
+    )
+
+
+@njit(**NO_WRAPPERS)
+def _sharpen_adjoint(frame, number, team):
+    scalars = ffi.get_operand(frame, 4, number, 1)
+    sharpen_adjoint(
+        team,
+        ffi.get_operand(frame, 0, number, 4),
+        ffi.get_operand(frame, 1, number, 3),
+        ffi.get_operand(frame, 2, number, 3),
+        (scalars[0], scalars[1], scalars[2]),
+        ffi.get_operand(frame, 3, number, 4),
+        (
+            ffi.get_result(frame, 0, number, 4),
+            ffi.get_result(frame, 1, number, 3),
+            ffi.get_result(frame, 2, number, 3),
+        ),
     )
 
 
@@ -216,6 +302,14 @@ def _p2g_adjoint_float64(frame):
     return run_in_team(frame, np.float64, _p2g_adjoint)
 
 
+def _p2g_apart_adjoint_float32(frame):
+    return run_in_team(frame, np.float32, _p2g_apart_adjoint)
+
+
+def _p2g_apart_adjoint_float64(frame):
+    return run_in_team(frame, np.float64, _p2g_apart_adjoint)
+
+
 def _g2p_adjoint_float32(frame):
     return run_in_team(frame, np.float32, _g2p_adjoint)
 
@@ -232,6 +326,30 @@ def _grid_velocity_adjoint_float64(frame):
     return run_in_team(frame, np.float64, _grid_velocity_adjoint)
 
 
+def _grid_velocities_adjoint_float32(frame):
+    return run_in_team(frame, np.float32, _grid_velocities_adjoint)
+
+
+def _grid_velocities_adjoint_float64(frame):
+    return run_in_team(frame, np.float64, _grid_velocities_adjoint)
+
+
+def _sharpen_float32(frame):
+    return run_in_team(frame, np.float32, _sharpen)
+
+
+def _sharpen_float64(frame):
+    return run_in_team(frame, np.float64, _sharpen)
+
+
+def _sharpen_adjoint_float32(frame):
+    return run_in_team(frame, np.float32, _sharpen_adjoint)
+
+
+def _sharpen_adjoint_float64(frame):
+    return run_in_team(frame, np.float64, _sharpen_adjoint)
+
+
 _HANDLERS = {
     ("p2g", "float32"): _p2g_float32,
     ("p2g", "float64"): _p2g_float64,
@@ -241,8 +359,16 @@ _HANDLERS = {
     ("g2p", "float64"): _g2p_float64,
     ("p2g_adjoint", "float32"): _p2g_adjoint_float32,
     ("p2g_adjoint", "float64"): _p2g_adjoint_float64,
+    ("p2g_apart_adjoint", "float32"): _p2g_apart_adjoint_float32,
+    ("p2g_apart_adjoint", "float64"): _p2g_apart_adjoint_float64,
     ("g2p_adjoint", "float32"): _g2p_adjoint_float32,
     ("g2p_adjoint", "float64"): _g2p_adjoint_float64,
     ("grid_velocity_adjoint", "float32"): _grid_velocity_adjoint_float32,
     ("grid_velocity_adjoint", "float64"): _grid_velocity_adjoint_float64,
+    ("grid_velocities_adjoint", "float32"): _grid_velocities_adjoint_float32,
+    ("grid_velocities_adjoint", "float64"): _grid_velocities_adjoint_float64,
+    ("sharpen", "float32"): _sharpen_float32,
+    ("sharpen", "float64"): _sharpen_float64,
+    ("sharpen_adjoint", "float32"): _sharpen_adjoint_float32,
+    ("sharpen_adjoint", "float64"): _sharpen_adjoint_float64,
 }
