@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 
 import jax
 import jax.numpy as jnp
@@ -13,7 +14,17 @@ import numpy as np
 from benchmarks.stability.criteria import Result
 from benchmarks.stability.materials import FLUID, MATERIALS, make_material
 from benchmarks.stability.scenario import GRAVITY, Run, Scenario, build
-from physagent_jax.mpm import Contact, HalfSpace, Model, State, find_smallest_window, stable_dt, step
+from physagent_jax.mpm import (
+    Contact,
+    HalfSpace,
+    Lumped,
+    Model,
+    Sharpened,
+    State,
+    find_smallest_window,
+    stable_dt,
+    step,
+)
 
 REST = 1e-4  # P7: kinetic energy left, over the initial potential
 UNUSED = 1e-6  # P9: displacement, over the domain's side
@@ -22,21 +33,24 @@ _STEPS = 200
 _FOREVER = 1e9
 
 
-def comparisons() -> Iterator[tuple[str, Callable[[], Result]]]:
+Inertia = Lumped | Sharpened
+
+
+def comparisons(inertia: Inertia = Lumped()) -> Iterator[tuple[str, Callable[[], Result]]]:
     """All checks of this module, by name."""
     for material in MATERIALS:
-        yield f"P7 comes to rest: {material}", lambda material=material: at_rest(material)
+        yield f"P7 comes to rest: {material}", partial(at_rest, material, inertia)
     for name, pair in UNUSED_FEATURES.items():
-        yield f"P9 {name}", lambda name=name, pair=pair: unused(name, *pair())
+        yield f"P9 {name}", lambda name=name, pair=pair: unused(name, *pair(), inertia)
     for material in ("neo-hookean", "sand", "fluid"):
-        yield f"P10 order of particles: {material}", lambda material=material: permuted(material)
-        yield f"P10 shift by whole cells: {material}", lambda material=material: shifted(material)
+        yield f"P10 order of particles: {material}", partial(permuted, material, inertia)
+        yield f"P10 shift by whole cells: {material}", partial(shifted, material, inertia)
 
 
-def at_rest(material: str) -> Result:
+def at_rest(material: str, inertia: Inertia = Lumped()) -> Result:
     """P7: a column that fills a small box is let go under gravity, with damping, and comes to rest."""
     result = Result(f"P7 comes to rest: {material}")
-    run = build(Scenario(material, wall="resting", cells=10))
+    run = build(Scenario(material, wall="resting", cells=10, inertia=inertia))
     # A fluid goes on seeping into the walls' soft outer cell for seconds; a solid rests at once.
     frame_dt = 0.6 if material in FLUID else 0.1
     run = dataclasses.replace(run, model=run.model.replace(damping_rate=30.0), frame_dt=frame_dt)
@@ -52,9 +66,9 @@ def at_rest(material: str) -> Result:
     return result
 
 
-def permuted(material: str) -> Result:
+def permuted(material: str, inertia: Inertia = Lumped()) -> Result:
     """P10: the order of particles does not matter."""
-    run = build(Scenario(material, wall="corner"))
+    run = build(Scenario(material, wall="corner", inertia=inertia))
     count = len(run.state.x)
     order = np.random.default_rng(3).permutation(count)
 
@@ -67,17 +81,20 @@ def permuted(material: str) -> Result:
     return _compare("P10", f"P10 order of particles: {material}", one.x[order], other.x, ORDER)
 
 
-def shifted(material: str) -> Result:
+def shifted(material: str, inertia: Inertia = Lumped()) -> Result:
     """P10: a shift by whole cells does not matter, where no wall is near."""
-    run = build(Scenario(material, force="torque"))
+    run = build(Scenario(material, force="torque", inertia=inertia))
     shift = jnp.asarray([3, -2, 1], run.state.x.dtype) * run.model.grid.dx
     moved = dataclasses.replace(run.state, x=run.state.x + shift)
     one, other = _simulate(run.model, run.state), _simulate(run.model, moved)
     return _compare("P10", f"P10 shift by whole cells: {material}", one.x + shift, other.x, ORDER)
 
 
-def unused(name: str, with_it: Run, without: Run) -> Result:
+def unused(name: str, with_it: Run, without: Run, inertia: Inertia = Lumped()) -> Result:
     """P9: what a scene does not use changes nothing; the figures say what it would cost."""
+    with_it, without = (
+        dataclasses.replace(run, model=run.model.replace(inertia=inertia)) for run in (with_it, without)
+    )
     one, other = _simulate(with_it.model, with_it.state), _simulate(without.model, without.state)
     result = _compare("P9", f"P9 {name}", one.x, other.x, UNUSED)
     result.figures["seconds with it"] = _time_run(with_it)

@@ -16,7 +16,7 @@ import numpy as np
 
 from benchmarks.cases.base import lattice
 from benchmarks.stability.materials import SNOW_CAP, make_material
-from physagent_jax.mpm import Grid, Model, State, stable_dt, step
+from physagent_jax.mpm import Grid, Lumped, Model, Sharpened, State, stable_dt, step
 
 CONFIGURATIONS = ("isolated", "spray", "plate", "block")
 FORMS = ("mls", "gradient")
@@ -73,9 +73,10 @@ class Critical:
         return self.ratio >= REQUIRED
 
 
-def measure(subject: str, configuration: str, form: str) -> Critical:
+def measure(subject: str, configuration: str, form: str, inertia: Lumped | Sharpened = Lumped()) -> Critical:
     """Bisect the critical step; needs x64."""
     model, state = scene(subject, configuration, form)
+    model = model.replace(inertia=inertia)
     bound = float(stable_dt(model, state))
 
     def grows(ratio: float) -> bool:

@@ -9,7 +9,9 @@ from benchmarks.harness import Page, Result, Row, Tables, one_line, provenance, 
 from benchmarks.stability.dt_crit import CONFIGURATIONS
 
 VERDICTS = ("pass", "refused", "FAIL")
-PARTS = ("critical", "matrix", "pairwise", "stiffness", "degenerate")
+KINDS = ("critical", "matrix", "pairwise", "stiffness", "degenerate")
+SHARPENED = "sharpened-"
+PARTS = KINDS + tuple(SHARPENED + kind for kind in KINDS)
 _LEFT_OUT = ("name", "failed", "good")  # the name is the job's
 _FIGURES = ("substeps", "lowest_loss", "momentum", "retries")
 
@@ -18,10 +20,10 @@ def write_tables(result: Result) -> Tables:
     """The tables of docs/stability.md."""
     counts = {verdict.lower(): partial(_count, verdict) for verdict in VERDICTS}
     tables = {"runs": provenance(result, PARTS, counts)}
-    if "critical" in result:
-        tables["critical"] = _write_critical(result["critical"]["rows"])
-    for part in (part for part in PARTS[1:] if part in result):
-        tables[part] = _write_part(result[part]["rows"], whole=part == "degenerate")
+    for part in (part for part in PARTS if part in result):
+        rows = result[part]["rows"]
+        critical = part.endswith("critical")
+        tables[part] = _write_critical(rows) if critical else _write_part(rows, whole=part == "degenerate")
     return tables
 
 

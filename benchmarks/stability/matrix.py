@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 from functools import partial
 
@@ -11,6 +12,7 @@ from benchmarks.stability.degenerate import Edge, edges
 from benchmarks.stability.materials import MATERIALS
 from benchmarks.stability.pairwise import covering_array
 from benchmarks.stability.scenario import Scenario, StepRule
+from physagent_jax.mpm import Lumped, Sharpened
 from physagent_jax.mpm.timestep import SAFETY
 
 FORCES = ("drop", "translation", "scale", "impulse", "torque")
@@ -72,16 +74,17 @@ def stiffness() -> list[Scenario]:
     return [Scenario(m, youngs_modulus=E, wall="corner") for m in MATERIALS for E in MODULI]
 
 
-def degenerate() -> list[tuple[str, Callable[[], Result]]]:
+def degenerate(inertia: Lumped | Sharpened = Lumped()) -> list[tuple[str, Callable[[], Result]]]:
     """Inputs at the edge of sense, and the criteria that compare runs, by name."""
     return [
-        *((f"{edge.name}: {edge.scenario.material}", partial(_judge, edge)) for edge in edges()),
-        *comparisons(),
+        *((f"{edge.name}: {edge.scenario.material}", partial(_judge, edge, inertia)) for edge in edges()),
+        *comparisons(inertia),
     ]
 
 
-def _judge(edge: Edge) -> Result:
+def _judge(edge: Edge, inertia: Lumped | Sharpened) -> Result:
     """FAIL too where the input was expected to be refused and was not, or the other way round."""
+    edge = dataclasses.replace(edge, scenario=dataclasses.replace(edge.scenario, inertia=inertia))
     result = examine(edge.scenario, edge.name, edge.build)
     if edge.expected != "either" and result.verdict != edge.expected and not result.failed:
         result.fail("input", f"{result.verdict}, expected {edge.expected}: {result.message}")

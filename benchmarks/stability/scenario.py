@@ -11,7 +11,7 @@ import numpy as np
 from benchmarks.cases.base import lattice
 from benchmarks.stability.materials import make_material
 from physagent_jax.forces.terms import Stretch, Torque, UniformAcceleration
-from physagent_jax.mpm import DomainBox, Grid, Model, State, simulate, stable_dt
+from physagent_jax.mpm import DomainBox, Grid, Lumped, Model, Sharpened, State, simulate, stable_dt
 from physagent_jax.mpm.timestep import SAFETY
 
 Force = Literal["drop", "translation", "scale", "impulse", "torque"]
@@ -48,7 +48,7 @@ class Scenario:
         per_cell: Particles per cell; 0 = random, 1 to 27.
         wall: "far" from any, "resting" on the floor under gravity, or thrown into a "corner" under gravity.
         dtype: "float32" or "float64" (which needs x64 enabled).
-        stress_form: As `Model` has it.
+        stress_form, inertia: As `Model` has them.
         most_steps: The clip is cut to so many automatic steps.
     """
 
@@ -64,6 +64,7 @@ class Scenario:
     wall: Wall = "far"
     dtype: str = "float32"
     stress_form: Literal["mls", "gradient"] = "mls"
+    inertia: Lumped | Sharpened = Lumped()
     most_steps: int = 2000
 
     @property
@@ -133,6 +134,7 @@ def build(scenario: Scenario) -> Run:
         boundaries=(DomainBox(3),),
         wall=WALL,
         stress_form=scenario.stress_form,
+        inertia=scenario.inertia,
     )
     bound = float(stable_dt(model, state))
     clip = min(CLIP, scenario.most_steps * 0.7 * bound)

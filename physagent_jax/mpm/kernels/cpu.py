@@ -113,9 +113,7 @@ def grid_velocity(nodes: jax.Array, least: jax.Array) -> jax.Array:
 
 
 @jax.custom_vjp
-def grid_velocities(
-    nodes: jax.Array, least: jax.Array
-) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
+def grid_velocities(nodes: jax.Array, least: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
     """As `transfer.grid_velocities`; only its derivative is a kernel, as that of `grid_velocity`."""
     return transfer.grid_velocities(nodes, least)
 

@@ -79,9 +79,15 @@ def grid_velocities_adjoint(team, nodes, least, bars, results):
             mass = load_batch(old, o + 3 * total)
             zero, one = mass - mass, splat_like(cast_like(1, least), mass)
             share = select_greater(mass, splat_like(least, mass), one / mass, zero)
-            a, b, c = load_batch(brought, o), load_batch(brought, o + total), load_batch(brought, o + 2 * total)
+            a, b, c = (
+                load_batch(brought, o),
+                load_batch(brought, o + total),
+                load_batch(brought, o + 2 * total),
+            )
             d, e, f = load_batch(given, o), load_batch(given, o + total), load_batch(given, o + 2 * total)
-            along = a * load_batch(old, o) + b * load_batch(old, o + total) + c * load_batch(old, o + 2 * total)
+            along = (
+                a * load_batch(old, o) + b * load_batch(old, o + total) + c * load_batch(old, o + 2 * total)
+            )
             along = along + d * load_batch(old, o + 4 * total) + e * load_batch(old, o + 5 * total)
             along = along + f * load_batch(old, o + 6 * total)
             store(new, o, share * a)
