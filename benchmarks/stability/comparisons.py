@@ -13,7 +13,7 @@ import numpy as np
 
 from benchmarks.stability.criteria import Result
 from benchmarks.stability.materials import FLUID, MATERIALS, make_material
-from benchmarks.stability.scenario import GRAVITY, Run, Scenario, build
+from benchmarks.stability.scenario import GRAVITY, LUMPED, Run, Scenario, build
 from physagent_jax.mpm import (
     Contact,
     HalfSpace,
@@ -36,7 +36,7 @@ _FOREVER = 1e9
 Inertia = Lumped | Sharpened
 
 
-def comparisons(inertia: Inertia = Lumped()) -> Iterator[tuple[str, Callable[[], Result]]]:
+def comparisons(inertia: Inertia = LUMPED) -> Iterator[tuple[str, Callable[[], Result]]]:
     """All checks of this module, by name."""
     for material in MATERIALS:
         yield f"P7 comes to rest: {material}", partial(at_rest, material, inertia)
@@ -47,7 +47,7 @@ def comparisons(inertia: Inertia = Lumped()) -> Iterator[tuple[str, Callable[[],
         yield f"P10 shift by whole cells: {material}", partial(shifted, material, inertia)
 
 
-def at_rest(material: str, inertia: Inertia = Lumped()) -> Result:
+def at_rest(material: str, inertia: Inertia = LUMPED) -> Result:
     """P7: a column that fills a small box is let go under gravity, with damping, and comes to rest."""
     result = Result(f"P7 comes to rest: {material}")
     run = build(Scenario(material, wall="resting", cells=10, inertia=inertia))
@@ -66,7 +66,7 @@ def at_rest(material: str, inertia: Inertia = Lumped()) -> Result:
     return result
 
 
-def permuted(material: str, inertia: Inertia = Lumped()) -> Result:
+def permuted(material: str, inertia: Inertia = LUMPED) -> Result:
     """P10: the order of particles does not matter."""
     run = build(Scenario(material, wall="corner", inertia=inertia))
     count = len(run.state.x)
@@ -81,7 +81,7 @@ def permuted(material: str, inertia: Inertia = Lumped()) -> Result:
     return _compare("P10", f"P10 order of particles: {material}", one.x[order], other.x, ORDER)
 
 
-def shifted(material: str, inertia: Inertia = Lumped()) -> Result:
+def shifted(material: str, inertia: Inertia = LUMPED) -> Result:
     """P10: a shift by whole cells does not matter, where no wall is near."""
     run = build(Scenario(material, force="torque", inertia=inertia))
     shift = jnp.asarray([3, -2, 1], run.state.x.dtype) * run.model.grid.dx
@@ -90,7 +90,7 @@ def shifted(material: str, inertia: Inertia = Lumped()) -> Result:
     return _compare("P10", f"P10 shift by whole cells: {material}", one.x + shift, other.x, ORDER)
 
 
-def unused(name: str, with_it: Run, without: Run, inertia: Inertia = Lumped()) -> Result:
+def unused(name: str, with_it: Run, without: Run, inertia: Inertia = LUMPED) -> Result:
     """P9: what a scene does not use changes nothing; the figures say what it would cost."""
     with_it, without = (
         dataclasses.replace(run, model=run.model.replace(inertia=inertia)) for run in (with_it, without)

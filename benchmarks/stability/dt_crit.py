@@ -16,6 +16,7 @@ import numpy as np
 
 from benchmarks.cases.base import lattice
 from benchmarks.stability.materials import SNOW_CAP, make_material
+from benchmarks.stability.scenario import LUMPED
 from physagent_jax.mpm import Grid, Lumped, Model, Sharpened, State, stable_dt, step
 
 CONFIGURATIONS = ("isolated", "spray", "plate", "block")
@@ -73,7 +74,7 @@ class Critical:
         return self.ratio >= REQUIRED
 
 
-def measure(subject: str, configuration: str, form: str, inertia: Lumped | Sharpened = Lumped()) -> Critical:
+def measure(subject: str, configuration: str, form: str, inertia: Lumped | Sharpened = LUMPED) -> Critical:
     """Bisect the critical step; needs x64."""
     model, state = scene(subject, configuration, form)
     model = model.replace(inertia=inertia)

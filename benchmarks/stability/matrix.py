@@ -11,7 +11,7 @@ from benchmarks.stability.criteria import Result, examine
 from benchmarks.stability.degenerate import Edge, edges
 from benchmarks.stability.materials import MATERIALS
 from benchmarks.stability.pairwise import covering_array
-from benchmarks.stability.scenario import Scenario, StepRule
+from benchmarks.stability.scenario import LUMPED, Scenario, StepRule
 from physagent_jax.mpm import Lumped, Sharpened
 from physagent_jax.mpm.timestep import SAFETY
 
@@ -74,7 +74,7 @@ def stiffness() -> list[Scenario]:
     return [Scenario(m, youngs_modulus=E, wall="corner") for m in MATERIALS for E in MODULI]
 
 
-def degenerate(inertia: Lumped | Sharpened = Lumped()) -> list[tuple[str, Callable[[], Result]]]:
+def degenerate(inertia: Lumped | Sharpened = LUMPED) -> list[tuple[str, Callable[[], Result]]]:
     """Inputs at the edge of sense, and the criteria that compare runs, by name."""
     return [
         *((f"{edge.name}: {edge.scenario.material}", partial(_judge, edge, inertia)) for edge in edges()),

@@ -14,6 +14,8 @@ from physagent_jax.forces.terms import Stretch, Torque, UniformAcceleration
 from physagent_jax.mpm import DomainBox, Grid, Lumped, Model, Sharpened, State, simulate, stable_dt
 from physagent_jax.mpm.timestep import SAFETY
 
+LUMPED = Lumped()
+
 Force = Literal["drop", "translation", "scale", "impulse", "torque"]
 Wall = Literal["far", "resting", "corner"]
 StepRule = tuple[Literal["auto", "bound", "fixed"], float]
@@ -64,7 +66,7 @@ class Scenario:
     wall: Wall = "far"
     dtype: str = "float32"
     stress_form: Literal["mls", "gradient"] = "mls"
-    inertia: Lumped | Sharpened = Lumped()
+    inertia: Lumped | Sharpened = LUMPED
     most_steps: int = 2000
 
     @property

@@ -79,7 +79,9 @@ def sharpen(
         beta: Strength.
         increments: Changes of node velocities [m/s], shape (nx, ny, nz, 3).
         mass: Node masses [kg], shape (nx, ny, nz).
-        squares, unit, least: As `count_particles` takes them.
+        squares: sum w m^2 ``unit`` [kg], same shape.
+        unit: As of `count_particles` [1/kg].
+        least: As of `count_particles` [kg].
     """
     count, flows = count_particles(mass, squares, unit, least), jnp.zeros_like(increments)
     for axis in range(3):

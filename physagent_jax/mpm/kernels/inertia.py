@@ -1,4 +1,4 @@
-"""The stencil of `mpm.inertia.sharpen`: each node takes from its six neighbours; its adjoint, and that of what it takes.
+"""The stencil of `mpm.inertia.sharpen`: a node takes from its six neighbours; its adjoint, and that of what it takes.
 
 XLA would join it with what makes the increments, and make those anew for every neighbour.
 """
