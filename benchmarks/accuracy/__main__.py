@@ -1,9 +1,9 @@
 """`python -m benchmarks.accuracy [--quick] [--json OUT] [--plot PNG] [--markdown MD]`: error against wall time.
 
-Three tables. "verification": every case at the resolution its bar holds for. "work_precision": grid size x step
+Four tables. "verification": every case at the resolution its bar holds for. "work_precision": grid size x step
 policy, then transfer, stress form and precision at the middle grid, for the cases with a smooth error, and the
 same problems on the peers that are installed, in the same run. Wall times are warm; compilation is apart.
-"quadrature": what the number of particles per cell does to bending.
+"quadrature": what the number of particles per cell does to bending. "price": what sharpened increments cost.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from typing import Literal
 import tyro
 
 from benchmarks import harness
+from benchmarks.accuracy import price
 from benchmarks.accuracy.markdown import PAGE, PARTS
 from benchmarks.accuracy.peers import theirs
 from benchmarks.accuracy.study import (
@@ -36,6 +37,7 @@ from benchmarks.accuracy.study import (
 from benchmarks.cases.catalogue import CASES, EXPENSIVE, STUDIED, Studied
 from benchmarks.harness import RAW, Job
 from benchmarks.peers.base import Found, find
+from physagent_jax.kernels.threads import thread_count
 from physagent_jax.mpm.timestep import CLASSICAL_SHARE
 
 _PEERS = (
@@ -51,7 +53,7 @@ class Command(harness.Command):
 
     json: Path = RAW / "accuracy.json"
     """File of the raw rows; those of other parts are kept."""
-    parts: tuple[Literal["verification", "work_precision", "quadrature"], ...] = PARTS
+    parts: tuple[Literal["verification", "work_precision", "quadrature", "price"], ...] = PARTS
     """Tables to measure; the file's others are kept."""
     plot: Path | None = None
     """Also draw the work-precision plot here (PNG)."""
@@ -70,6 +72,7 @@ def main() -> int:
         "verification": lambda: _list_verification(command),
         "work_precision": lambda: _list_studies(command, usable),
         "quadrature": lambda: _list_quadrature(command),
+        "price": lambda: _list_prices(command),
     }
     about = {"peers": {name: found.reason or found.version for name, found in peers.items()}}
     primary = {studied.case.name: studied.error for studied in STUDIED}
@@ -99,6 +102,14 @@ def _list_quadrature(command: Command) -> Iterator[Job]:
         label = f"{numerics.stress_form}, {numerics.per_axis} per axis"
         work = partial(ours, QUADRATURE_CASE, label, numerics)
         yield _make_job(f"{label}, {numerics.resolution} cells", QUADRATURE_ERROR, work)
+
+
+def _list_prices(command: Command) -> Iterator[Job]:
+    """A row for every number of particles and of threads."""
+    for particles, substeps in price.CASES[:1] if command.quick else price.CASES:
+        for threads in dict.fromkeys((1, thread_count())):
+            work = partial(price.measure_price, particles, substeps, threads, 3 if command.quick else 9)
+            yield Job(f"{particles} particles, {threads} thread(s)", work)
 
 
 def _list_studies(command: Command, peers: dict[str, Found]) -> Iterator[Job]:

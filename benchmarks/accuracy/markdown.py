@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from benchmarks.accuracy.study import QUADRATURE_ERROR
+import numpy as np
+
+from benchmarks.accuracy.study import NEAR_BOUND, QUADRATURE_ERROR, SHARPENED, rule_words
 from benchmarks.cases.catalogue import CASES, STUDIED
 from benchmarks.harness import Page, Result, Tables, number, provenance, table
 
-PARTS = ("verification", "work_precision", "quadrature")
+PARTS = ("verification", "work_precision", "quadrature", "price")
 
 _DENSITIES = ("cells through the height", "stress form", "2 per axis", "3 per axis", "4 per axis")
 _CASES = (
@@ -18,6 +20,25 @@ _CASES = (
     "bar",
     "wall [s]",
     "compile [s]",
+)
+_PRICES = (
+    "particles",
+    "threads",
+    "substep: lumped [ms]",
+    "sharpened [ms]",
+    "times lumped",
+    "value and gradient: lumped [ms]",
+    "sharpened [ms]",
+    "times lumped",
+)
+_EQUAL = (
+    "case",
+    "cells",
+    "lumped: error",
+    "seconds",
+    "sharpened, as many cells: error",
+    "seconds",
+    "sharpened, as many seconds: error",
 )
 _RUNS = ("case", "code", "numerics", "cells", "steps", "dt / bound", "error", "wall [s]")
 
@@ -36,8 +57,11 @@ def write_tables(result: Result) -> Tables:
         )
         tables["work"] = _write_studies(work["rows"], primary)
         tables["gains"] = _summarise(work["rows"], primary)
+        tables["equal"] = _compare_at_equal_seconds(work["rows"], primary)
     if densities := result.get("quadrature"):
         tables["quadrature"] = table(_DENSITIES, _make_density_lines(densities["rows"]))
+    if prices := result.get("price"):
+        tables["price"] = table(_PRICES, [_make_price_line(row) for row in prices["rows"]])
     return tables
 
 
@@ -93,6 +117,54 @@ def _make_study_line(row: dict, primary: str) -> list:
 def _format_wall_time(row: dict) -> str:
     shown = " to ".join(number(value) for value in dict.fromkeys(row["wall_range"]))
     return f"{number(row['wall'])} ({shown})" if " to " in shown else number(row["wall"])
+
+
+def _make_price_line(row: dict) -> list:
+    line = [row["particles"], row["threads"]]
+    for kind in ("forward", "gradient"):
+        (lumped, sharpened), (ratio, least, most) = row[f"{kind}_ms"], row[f"{kind}_ratio"]
+        line += [number(lumped), number(sharpened), f"{ratio:.2f} ({least:.2f} to {most:.2f})"]
+    return line
+
+
+def _compare_at_equal_seconds(rows: list[dict], primary: dict[str, str]) -> str:
+    """Sharpened errors at the seconds of lumped runs, from the line through the two nearest, both in logarithms."""
+    lines, near = [], rule_words(NEAR_BOUND)
+    for case, name in primary.items():
+        done = [
+            row for row in rows if row["case"] == case and row["code"] == "ours" and name in row["errors"]
+        ]
+        plain, sharp = (
+            sorted(
+                (row["resolution"], row["wall"], abs(row["errors"][name]))
+                for row in done
+                if row["label"] == label
+            )
+            for label in (near, near + SHARPENED)
+        )
+        if len(sharp) < 2:
+            continue
+        walls, errors = np.log([[each[1], each[2]] for each in sharp]).T
+        for (cells, wall, error), (_, other_wall, other_error) in zip(plain, sharp):
+            k = int(np.clip(np.searchsorted(walls, np.log(wall)), 1, len(walls) - 1))
+            slope = (errors[k] - errors[k - 1]) / (walls[k] - walls[k - 1])
+            equal = float(np.exp(errors[k] + slope * (np.log(wall) - walls[k])))
+            lines.append(
+                [
+                    case,
+                    cells,
+                    _percent(error),
+                    number(wall),
+                    _percent(other_error),
+                    number(other_wall),
+                    _percent(equal),
+                ]
+            )
+    return table(_EQUAL, lines)
+
+
+def _percent(error: float) -> str:
+    return f"{100 * error:.3g} %"
 
 
 def _summarise(rows: list[dict], primary: dict[str, str]) -> str:

@@ -12,6 +12,8 @@ import matplotlib.pyplot as plt  # noqa: E402  (after the choice of the backend)
 # Colour-blind-safe (Okabe & Ito); one fixed place per kind of run, so that panels compare.
 _STYLES = {
     "0.9 x bound": ("#0072B2", "o"),
+    "0.9 x bound, sharpened": ("#B2182B", "o"),
+    "0.45 x bound, sharpened": ("#F4A582", "s"),
     "0.45 x bound": ("#56B4E9", "s"),
     "fixed 0.0002 s": ("#D55E00", "X"),
     "classical stress form": ("#009E73", "^"),

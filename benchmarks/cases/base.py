@@ -136,8 +136,11 @@ class Case(Protocol):
         ...
 
 
-def run(problem: Problem, repeats: int = 1) -> Signal:
-    """Run a problem on our simulator; the first run is compiled beforehand, and ``repeats`` of them are timed."""
+def run(problem: Problem, repeats: int = 1, seconds: float = 0.0) -> Signal:
+    """Run a problem on our simulator; the first run is compiled beforehand.
+
+    ``repeats`` of them are timed, or as many as take ``seconds`` together, but 25 at most.
+    """
 
     def sample(state, _):
         state = jax.lax.fori_loop(0, problem.every, lambda _, s: step(problem.model, s), state)
@@ -149,7 +152,7 @@ def run(problem: Problem, repeats: int = 1) -> Signal:
     begun = time.perf_counter()
     compiled = jax.jit(roll).lower(problem.state).compile()
     compile_seconds, walls = time.perf_counter() - begun, []
-    for _ in range(repeats):
+    while len(walls) < repeats or sum(walls) < seconds and len(walls) < 25:
         begun = time.perf_counter()
         state, values = jax.block_until_ready(compiled(problem.state))
         walls.append(time.perf_counter() - begun)

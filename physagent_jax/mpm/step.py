@@ -164,7 +164,9 @@ def scatter(
         inputs = model.mass, model.volume, dv, push, unit, model.dt
         if use_cpu:
             p2g = kernels.load_cpu_kernels().p2g_apart
-            return p2g(form, grid, x, v, C, total, lame, viscous, *inputs), state
+            nodes, x, F = p2g(form, grid, x, v, C, total, lame, viscous, *inputs)
+            shared = lame is not None and viscous is None and not model.constraints
+            return nodes, dataclasses.replace(state, x=x, F=F) if shared else state
         return transfer.p2g_apart(form, grid, x, v, C, total, *inputs), state
     if lame is not None and use_cuda:
         particles = constrained.x, v, constrained.C, constrained.F, *lame

@@ -135,12 +135,12 @@ def scatter_apart(
 
 @njit(**OPTIONS)
 def p2g_apart_adjoint(
-    team, particles, law, dv, push, origin, dt, dx, unit, options, bars, results, totals, padded
+    team, particles, law, dv, push, origin, dt, dx, unit, options, bars, passed, results, totals, padded
 ):
     """Fill ``results``: the derivatives by x, v, C, tau (or F), mu, lam, mass, volume and push, of the MLS form.
 
     ``particles`` are x, v, C, tau, mass and volume; ``bars`` those by the nodes' eight numbers, ordered as in
-    `p2g_apart`. ``options`` are whether ``tau`` is F of a neo-Hookean law, whose mu and lam are ``law`` and whose
+    `p2g_apart`; ``passed`` those by x and tau of what comes after, which are added. ``options`` are whether ``tau`` is F of a neo-Hookean law, whose mu and lam are ``law`` and whose
     derivatives are written then, and whether ``push`` has a row per particle. ``totals`` gets a row per share of the
     particles: the derivatives by dv, dt and a push of all. ``padded`` has room for two grids and `PADDING` each.
     """
@@ -162,6 +162,7 @@ def p2g_apart_adjoint(
             unit,
             options,
             (padded[:size], padded[size:]),
+            passed,
             results,
             totals[share],
             shape,
@@ -172,16 +173,15 @@ def p2g_apart_adjoint(
 
 @njit(**OPTIONS)
 def gather_apart(
-    particles, law, dv, push, origin, dt, dx, unit, options, bars, results, total, shape, first, last
+    particles, law, dv, push, origin, dt, dx, unit, options, bars, passed, results, total, shape, first, last
 ):
     """`p2g_apart_adjoint` of the particles ``first`` to ``last``."""
     (x, v, C, tau, mass, volume), (mu, lam), (neo_hookean, pushed) = particles, law, options
     bar_x, bar_v, bar_C, bar_tau, bar_mu, bar_lam, bar_mass, bar_volume, bar_push = results
     flat_C, flat_tau, kick, by_dt = flatten(C), flatten(tau), (dv[0], dv[1], dv[2]), cast_like(0, dx)
     zero, cells = cast_like(0, dx), cast_like(1, dx) / dx
-    still, logs = (zero, zero, zero), np.empty(BLOCK, x.dtype)
-    nothing = pack(still)
-    by_dv, by_push = nothing, nothing
+    still, logs, (passed_x, passed_tau) = (zero, zero, zero), np.empty(BLOCK, x.dtype), passed
+    by_dv, by_push = pack(still), pack(still)
     for begin in range(first, last, BLOCK):
         end = min(begin + BLOCK, last)
         if neo_hookean:
@@ -223,7 +223,8 @@ def gather_apart(
             n0, n1, n2, by_square = unpack_node(mean)
             n = n0, n1, n2
             s0, s1, s2 = s0 + e0 - dot(a0, n), s1 + e1 - dot(a1, n), s2 + e2 - dot(a2, n)
-            store_flat(bar_x, 3 * p, (cells * s0, cells * s1, cells * s2))
+            d0, d1, d2 = passed_x[3 * p], passed_x[3 * p + 1], passed_x[3 * p + 2]
+            store_flat(bar_x, 3 * p, (d0 + cells * s0, d1 + cells * s1, d2 + cells * s2))
             by_mass += by_square * (unit * (m + m))
             by_kick = splat_like(m, mean) * mean
             if pushed:
@@ -244,13 +245,14 @@ def gather_apart(
                     logs[p - begin],
                     (s * r0, s * r1, s * r2),
                     (s * g0, s * g1, s * g2),
-                    (nothing, nothing, nothing),
+                    load_rows(passed_tau, 9 * p),
                     bar_tau,
                     bar_mu,
                     bar_lam,
                 )
             else:
-                store_rows(bar_tau, 9 * p, s * r0, s * r1, s * r2)
+                d0, d1, d2 = load_rows(passed_tau, 9 * p)
+                store_rows(bar_tau, 9 * p, d0 + s * r0, d1 + s * r1, d2 + s * r2)
     total[0], total[1], total[2] = unpack(by_dv)
     total[3] = by_dt / dt
     total[4], total[5], total[6] = unpack(by_push)

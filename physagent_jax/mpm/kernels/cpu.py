@@ -61,13 +61,14 @@ def p2g_kelvin_voigt(
 @_custom_vjp(0)
 def p2g_apart(
     form: str, grid: Grid, x, v, C, tau, lame, viscous, mass, volume, dv, push, unit, dt
-) -> jax.Array:
+) -> tuple[jax.Array, jax.Array, jax.Array]:
     """As `transfer.p2g_apart`, or with ``tau`` = F the stress of `materials.NeoHookean` where ``lame`` is (mu, lam).
 
-    ``viscous`` are viscosity and velocity gradient as of `p2g_kelvin_voigt`, or None; only beside ``lame``.
+    ``viscous`` are viscosity and velocity gradient as of `p2g_kelvin_voigt`, or None; only beside ``lame``. ``x`` and
+    ``tau`` come back as of `p2g_neo_hookean`.
     """
     options = dict(lame=lame, viscous=viscous, apart=(push, unit))
-    return _scatter(form, grid, x, v, C, tau, mass, volume, dv, dt, **options)
+    return _scatter(form, grid, x, v, C, tau, mass, volume, dv, dt, **options), x, tau
 
 
 def _scatter(
@@ -291,7 +292,7 @@ def _p2g_apart_forward(form, grid, *operands):
     return p2g_apart(form, grid, *operands), (grid, operands)
 
 
-def _p2g_apart_backward(form, residuals, cotangent):
+def _p2g_apart_backward(form, residuals, cotangents):
     grid, operands = residuals
     x, v, C, tau, lame, viscous, *others = operands
     if form != "mls" or viscous is not None:  # there is no adjoint kernel
@@ -300,10 +301,10 @@ def _p2g_apart_backward(form, residuals, cotangent):
             stress = tau if lame is None else NeoHookean(*lame).stress(tau)
             stress = stress if viscous is None else stress + viscous_stress(*viscous, tau)
             if form != "mls":
-                return transfer.p2g_apart(form, grid, x, v, C, stress, *others)
-            return p2g_apart(form, grid, x, v, C, stress, None, None, *others)
+                return transfer.p2g_apart(form, grid, x, v, C, stress, *others), x, tau
+            return p2g_apart(form, grid, x, v, C, stress, None, None, *others)[0], x, tau
 
-        return (None, *jax.vjp(unfused, *operands)[1](cotangent))
+        return (None, *jax.vjp(unfused, *operands)[1](tuple(cotangents)))
     mass, volume, dv, push, unit, dt = others
     count, shares = len(x), thread_count() * SHARES_PER_THREAD
     mu, lam = lame or (jnp.zeros(1, x.dtype),) * 2
@@ -315,11 +316,13 @@ def _p2g_apart_backward(form, residuals, cotangent):
         register_handler("p2g_apart_adjoint", x.dtype.name),
         results,
         vmap_method="sequential",
-        input_layouts=(*(None,) * 11, _BY_NUMBER, None),
+        input_layouts=(*(None,) * 11, _BY_NUMBER, *(None,) * 3),
+        input_output_aliases={12: 0, 13: 3},
     )
-    pushed = len(push) == count
+    pushed, (cotangent, *passed) = len(push) == count, cotangents
     scalars = _stack_scalars(x.dtype, dt, grid.dx, unit, lame is not None, pushed)
-    *bars, totals, _ = call(*particles, dv, push, grid.origin, cotangent, scalars, **choose_team())
+    passed = [each.reshape(-1) for each in passed]
+    *bars, totals, _ = call(*particles, dv, push, grid.origin, cotangent, *passed, scalars, **choose_team())
     bars = [bar.reshape(like.shape) for bar, like in zip(bars, (*particles, push))]
     total = totals.sum(0)
     by_push = bars[8] if pushed else total[None, 4:7]

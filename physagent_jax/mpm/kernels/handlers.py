@@ -146,7 +146,7 @@ def _p2g_adjoint(frame, number, team):
 
 @njit(**NO_WRAPPERS)
 def _p2g_apart_adjoint(frame, number, team):
-    scalars = ffi.get_operand(frame, 12, number, 1)
+    scalars = ffi.get_operand(frame, 14, number, 1)
     p2g_apart_adjoint(
         team,
         (
@@ -166,6 +166,7 @@ def _p2g_apart_adjoint(frame, number, team):
         scalars[2],
         (scalars[3] != 0, scalars[4] != 0),
         ffi.get_operand(frame, 11, number, 4),
+        (ffi.get_operand(frame, 12, number, 1), ffi.get_operand(frame, 13, number, 1)),
         (
             ffi.get_result(frame, 0, number, 1),
             ffi.get_result(frame, 1, number, 1),
