@@ -76,6 +76,10 @@ Coordinate = Annotated[float, Field(ge=-1e12, le=1e12)]
 FRONT = frozenset("front avant vorn vorne anteriore frente delantera delantero dianteira dianteiro".split())
 REAR = frozenset("rear back arriere hinten posteriore trasera trasero traseira traseiro".split())
 """Words of names for the front and the rear, in English and other languages that objects are made in."""
+ROLLING = frozenset(
+    "wheel wheels tyre tyres tire tires pneu pneus roda rodas roue roues rueda ruedas rad reifen".split()
+)
+"""The same for what rolls."""
 MOST_LETTERS = 60
 _SURE = 0.6  # confidence from which on a role is certain
 

@@ -13,11 +13,12 @@ import math
 from collections.abc import Iterable, Sequence
 
 from physagent_jax.core.strict import Vector
-from physagent_jax.forces.calibration import GRAVITY, MAGNITUDE_MAX
+from physagent_jax.forces.calibration import GAIN_MIN, GRAVITY, MAGNITUDE_MAX, MAGNITUDE_MIN
 from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.part import Part
-from physagent_jax.forces.schema import VelocityConstraint
+from physagent_jax.forces.schema import ConstraintType, VelocityConstraint
 from physagent_jax.motion.hinges import find_box
+from physagent_jax.motion.parts import join_rest
 from physagent_jax.motion.schema import ExpectedMotion, SceneBrief
 from physagent_jax.motion.vectors import (
     add,
@@ -47,6 +48,8 @@ _LEVEL = 0.5  # length of the level part of its arm, from which on that tells a 
 _UP = 0.7  # cosine to the upright
 _STEPS = 8  # of its flight that are looked at
 _MOVED, _REST = 16, 128  # places of it and of the rest that are looked at
+_LEAST = 0.2  # [s] that it takes at least
+_LOW = 0.1  # of the object's height, up to which a part bears it
 _SETTLES = 0.4  # [s] after it has come down
 _DELAY = 0.2  # [s] before it leaves
 _DRAWN, _DRAWING = 0.22, 0.35  # [body lengths] that a wheel is drawn off its axle, and [s] in which it is
@@ -56,7 +59,7 @@ _LEVELLED = 0.3  # vertical component of its axle up to which it can roll
 
 
 def detach(
-    part: Part, brief: SceneBrief, frame_count: int, motion: ExpectedMotion
+    part: Part, brief: SceneBrief, frame_count: int, motion: ExpectedMotion, held: bool = True
 ) -> tuple[list[VelocityConstraint], ExpectedMotion]:
     """The constraints by which a part comes off, and the motion as it is then expected.
 
@@ -65,12 +68,13 @@ def detach(
         brief: The scene.
         frame_count: Length of the clip [frames].
         motion: The motion; its direction tells a way that is not down.
+        held: Whether the rest is held.
     """
     up, box = brief.directions.up, find_box(brief)
     first = min(motion.window[0] + brief.count_frames(_DELAY), max(motion.window[1] - 2.0, motion.window[0]))
     # What is beside the joint goes with the nearer of the two: it would tie them together.
     whole = part.moved.model_copy(update=dict(outside=part.rest.inside, rigid=True))
-    driver = PartDriver(part.model_copy(update=dict(moved=whole)), brief.frame_dt, frame_count)
+    driver = PartDriver(part.model_copy(update=dict(moved=whole)), brief.frame_dt, frame_count, held)
     if brief.world == "ground" and part.axle is not None and abs(dot(part.axle, up)) < _LEVELLED:
         radius = part.joint[2] * box[2]
         low = min(place[2] for place in part.moved.inside) * box[2]
@@ -99,6 +103,37 @@ def detach(
         travel = add([scale(flight.way, flight.apart), scale(flight.velocity, 0.5 * rising)])
         ends = first + led + brief.count_frames(rising)
     return [made], _expect(motion, travel, min(ends, frame_count - 1.0))
+
+
+def unsettles(parts: Sequence[Part], brief: SceneBrief) -> bool:
+    """Return whether several pieces of their own are such that the object stands on: without them it falls.
+
+    What is one skin with the rest tears off slowly, and is costly to simulate where nothing holds the rest.
+    """
+    feet = [each for each in parts if min(place[2] for place in each.moved.inside) < _LOW]
+    return brief.world == "ground" and len(feet) > 1 and all(each.moved.rigid for each in feet)
+
+
+def hold_rest(
+    parts: Sequence[Part], leads: Sequence[VelocityConstraint], brief: SceneBrief
+) -> VelocityConstraint:
+    """The hold of all the rest until its parts have come off: falling meanwhile, it would drag them along.
+
+    Args:
+        parts: The parts that come off.
+        leads: The constraints by which they do.
+        brief: The scene.
+    """
+    ends = [each.active_time[1] for each in leads if each.active_time is not None]
+    return VelocityConstraint(
+        constraint_type=ConstraintType.PARTICLE_TRANSLATION,
+        vector=brief.directions.up,
+        magnitude=MAGNITUDE_MIN,
+        gain=GAIN_MIN,
+        active_time=(0.0, 1.0),
+        held_until=max([2.0, *ends]),
+        region=join_rest(parts).model_copy(update=dict(label="all that stays")),
+    )
 
 
 def _expect(motion: ExpectedMotion, travel: Vector, end: float) -> ExpectedMotion:
@@ -153,7 +188,8 @@ class _Flight:
         speed = math.sqrt(2.0 * gravity * rise)
         self._moved, self._rest, self._down = moved, rest, scale(up, -gravity)
         self.level, self.reach = level, reach
-        self.seconds = max((speed + math.sqrt(2.0 * gravity * (rise + height))) / gravity, 1e-2)
+        # What stands on the ground already would be shot along it.
+        self.seconds = max((speed + math.sqrt(2.0 * gravity * (rise + height))) / gravity, _LEAST)
         self.velocity: Vector = add([scale(level, reach / self.seconds), scale(up, speed)])
         self.way = normalise(self.velocity) or level
         self.apart = min(_APART, key=lambda each: self._count_near(scale(self.way, each)))

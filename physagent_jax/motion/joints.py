@@ -104,6 +104,7 @@ _OWN_WAYS = dict(
     forward=1.0, forwards=1.0, backward=-1.0, backwards=-1.0, back=-1.0
 )  # as it looks, and the other way
 _SWINGS = 2  # of a limb that wags, unless the sentence counts them
+_HOME = 0.75  # of what is left of its time, by which what comes back is there: it is seen to have come
 _TIME = 1.0  # [s] in which a limb gets where it goes, at most; less strongly is slower
 Window = tuple[float, float]
 
@@ -118,6 +119,7 @@ class Turning:
         frame_count: Length of the clip [frames].
         slides: Whether it sits loose on the rest, as a lid does, and is moved rather than turned.
         curls: Whether it bends over all of its length.
+        held: Whether the object is held somewhere; else the rest carries the limb.
     """
 
     part: Part
@@ -125,6 +127,7 @@ class Turning:
     frame_count: int
     slides: bool = False
     curls: bool = False
+    held: bool = True
 
     @functools.cached_property
     def arm(self) -> Vector:
@@ -217,7 +220,7 @@ class Turning:
         let_go = motion.released or motion.sudden and not motion.stays
         stop = None if let_go or until <= window[1] else until
         kept = max(window[1], min(motion.window[1], until))
-        back = (kept, min(kept + window[1] - window[0], until))
+        back = (kept, kept + min(window[1] - window[0], _HOME * (until - kept)))
         if motion.kind is MotionKind.ROTATE and axis is not None:
             angle, course, turns = self.find_angle(motion, axis), axis, motion.manner != "hinge"
             bring = functools.partial(self.turn, axis)
@@ -522,7 +525,7 @@ class Turning:
     @property
     def driver(self) -> PartDriver:
         """Makes the constraints."""
-        return PartDriver(self.part, self.brief.frame_dt, self.frame_count)
+        return PartDriver(self.part, self.brief.frame_dt, self.frame_count, self.held)
 
 
 def is_undone(done: ExpectedMotion, motion: ExpectedMotion) -> bool:

@@ -78,6 +78,7 @@ _LEVELLING = 0.4  # of the time in which it is set down, in which it is turned b
 _ALONG_LIMB = 0.4  # cosine of a stretch to a limb from which on it is drawn out along itself
 _AROUND = 2.0  # [body lengths]: all of a limb's joint, and all of its length
 _LENGTHENED = 0.5  # of its length, by which a plain word draws a limb out
+_LONGER = 0.15  # [body lengths] the same at least, but no more than it is long
 _DRAWN_OUT, _SNAP = 1.0, 0.2  # [s] in which it is drawn out, at most, and snaps back
 _NO_WAY = (0.0, 0.0, 0.0)
 _PLATE = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
@@ -346,10 +347,11 @@ def _stretch_limb(wish: Wish) -> _Replaced:
     kept = end if goes else _find_next(wish, end)
     spans = [(way, (first, until), kept if kept > until else None)]
     spans += [(scale(way, -1.0), (end, end + back), None)] if goes else []
-    plain = 0.0 if here.amount else _LENGTHENED * here.strength  # of one limb, less is hardly seen
-    length = max(find_strain(here, brief), plain) * long
+    least = max(_LENGTHENED * long, min(_LONGER, long)) * here.strength  # of one limb, less is hardly seen
+    length = max(find_strain(here, brief) * long, 0.0 if here.amount else least)
     made = [driver.shift(each, length, span, stop) for each, span, stop in spans]
-    made = [each.model_copy(update=dict(bend=place)) for each in made]
+    own = part.moved.model_copy(update=dict(rigid=False))  # a piece of its own gets longer as well
+    made = [each.model_copy(update=dict(bend=place, region=own)) for each in made]
     return _put(wish, causes, *made), "it is drawn out along itself" + ", and snaps back" * goes
 
 

@@ -1,25 +1,35 @@
-"""Places that are pressed in: the upper end of a part, where a blow dents what stands, and where a finger pokes it."""
+"""Places that are pressed in: the upper end of a part, where a blow dents what stands, where a hand or a finger hits.
+
+What is soft quivers after a hand. Its own elasticity would show that of a tall jelly alone, so it is led to and fro.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.part import Part
-from physagent_jax.forces.schema import BoxRegion, CellsRegion, Region, VelocityConstraint
+from physagent_jax.forces.schema import Bend, BoxRegion, CellsRegion, Region, VelocityConstraint
 from physagent_jax.forces.slabs import make_box
 from physagent_jax.motion.schema import ExpectedMotion, SceneBrief
+from physagent_jax.motion.swaying import make_upper
 from physagent_jax.motion.vectors import add, cosine, cross, scale
 from physagent_jax.motion.windows import Window, divide
 
 _VERTICAL = 0.7  # cosine
 _DENT = 0.35  # [box] twice as far as a dent reaches from its middle: up and down, to either side, inwards
 _POKED = 0.3  # of the half that is poked, how deep with a strength of 1
-_FINGER = 0.24  # [box] a finger's breadth
+_FINGER, _PALM = 0.24, 0.42  # [box] breadths of a finger and of a hand
 _PLACE = "place that is poked"
 LEAST_ROOM = 4.0  # frames of a poke, without which nothing of it is seen
 _QUICK, _STAYS = 0.24, 0.08  # [s] in which a finger goes in, and for which it stays
+_COMES = 0.2  # [s] in which it is seen to come
+_QUIVERS = 0.08  # [body lengths] by which the top goes to either side at first, with a strength of 1
+_FADES = (1.0, -0.75, 0.55, -0.38, 0.25, -0.12, 0.0)  # of that, where each of its strokes ends
+_STROKE = 0.12  # [s] that a stroke takes
+_AROUND = 2.0  # [body lengths]: all of its foot, and all of its height
 _DEEP = 1.0  # of a squeeze's strain, by which a dent goes in: much of it is given way to
 
 
@@ -46,7 +56,15 @@ def find_pressed(
 
 
 def poke(
-    brief: SceneBrief, way: Vector, height: float, strength: float, count: int, window: Window
+    brief: SceneBrief,
+    way: Vector,
+    height: float,
+    strength: float,
+    count: int,
+    window: Window,
+    palm: bool = False,
+    held: bool = False,
+    quivers: bool = False,
 ) -> list[VelocityConstraint]:
     """The plates of a finger's size that dent what is soft, each going back as fast as it came.
 
@@ -57,21 +75,57 @@ def poke(
         strength: Factor on the depth.
         count: How often.
         window: First and last frame, with `LEAST_ROOM` for each.
+        palm: Whether it is of a hand's size.
+        held: Whether the object is held somewhere, which its depth goes by.
+        quivers: Whether it then quivers.
     """
+    breadth = _PALM if palm else _FINGER
     up = brief.directions.up
     across = cross(up, way) if abs(cosine(way, up)) < _VERTICAL else brief.directions.right
     middle = (0.5, 0.5, height if abs(cosine(way, up)) < _VERTICAL else 0.5)
     surface = add((middle, scale(way, -0.5)))
-    beside = [scale(each, sign * _FINGER) for each in (across, cross(across, way)) for sign in (1.0, -1.0)]
+    beside = [scale(each, sign * breadth) for each in (across, cross(across, way)) for sign in (1.0, -1.0)]
     place = CellsRegion(
         inside=(surface,), outside=tuple(add((surface, each)) for each in (*beside, way)), label=_PLACE
     )
     part = Part(moved=place, rest=place, joint=surface, arm=way, side=scale(way, -1.0), share=1.0)
-    driver = PartDriver(part, brief.frame_dt, brief.frame_count, held=False)
+    driver = PartDriver(part, brief.frame_dt, brief.frame_count, held=held)
     room = (window[1] - window[0]) / count  # in which it also goes back
     quick, stays = min(brief.count_frames(_QUICK), 0.4 * room), min(brief.count_frames(_STAYS), 0.2 * room)
-    spans = [(begin, begin + quick) for begin, _ in divide(window, [1.0] * count)]
-    return [driver.press(way, _POKED * strength, span, span[1] + stays) for span in spans]
+    comes = min(brief.count_frames(_COMES), 0.2 * room)
+    spans = [(begin + comes, begin + comes + quick) for begin, _ in divide(window, [1.0] * count)]
+    made = [driver.press(way, _POKED * strength, span, span[1] + stays) for span in spans]
+    after = (find_end_of_poke(made, window), window[1])
+    return [*made, *(quiver(brief, way, strength, after, held) if quivers else ())]
+
+
+def quiver(
+    brief: SceneBrief, way: Vector, strength: float, window: Window, held: bool = False
+) -> list[VelocityConstraint]:
+    """The strokes to and fro, less and less, of what is soft and stands on its foot.
+
+    Args:
+        brief: The scene.
+        way: Where it goes first (unit world vector); what was hit from above quivers sideways.
+        strength: Factor on the way.
+        window: First and last frame.
+        held: Whether the object is held somewhere.
+    """
+    level = way if abs(cosine(way, brief.directions.up)) < _VERTICAL else brief.directions.right
+    part, ends = make_upper(brief), (0.0, *_FADES)
+    driver = PartDriver(part, brief.frame_dt, brief.frame_count, held=held)
+    frames = min(brief.count_frames(_STROKE), (window[1] - window[0]) / len(_FADES))
+    place = Bend(joint=part.joint, rest=part.rest, reach=_AROUND, depth=min(brief.extents[1], _AROUND))
+    made = [
+        driver.shift(
+            level,
+            _QUIVERS * strength * (after - before),
+            (window[0] + k * frames, window[0] + (k + 1) * frames),
+            None,
+        )
+        for k, (before, after) in enumerate(pairwise(ends))
+    ]
+    return [each.model_copy(update=dict(bend=place)) for each in made]
 
 
 def find_end_of_poke(made: Sequence[VelocityConstraint], window: Window) -> float:

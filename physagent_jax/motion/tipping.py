@@ -15,9 +15,10 @@ from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.schema import Action, VelocityConstraint
 from physagent_jax.forces.upright import leave_upright
 from physagent_jax.motion.axes import find_lean_axis
+from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.swaying import find_tipping_way, lies, make_upper
-from physagent_jax.motion.vectors import clamp, dot
+from physagent_jax.motion.vectors import clamp, cross, dot, normalise, scale
 from physagent_jax.motion.windows import Window
 
 SLOW = 0.75  # strength below which tipping over is to be seen to be slow
@@ -27,6 +28,8 @@ _LED, _MOST = (
 )  # [degrees] that it is led by at least, and at most: beyond, another edge may be in the way
 _SIDE = 90.0  # [degrees] that what is broad is led by onto its side, and kept there: it would go on, or back
 _FLAT = 0.6  # height over breadth below which what has no edge and is long is no log
+_THIN = 0.75  # breadth over height below which what is long stands on a line
+_ALONG = 0.7  # cosine to the line of what stands thin, from which on a way leads over its end
 _OFF_END = 25.0  # [degrees] that what was set up on its end is led by: it is slim there
 _ASKEW, _LEVEL = 10.0, 0.3  # [degrees] off a quarter turn; vertical component of an axis
 _PAST = 8.0  # [degrees] beyond the balance of a box of its extents
@@ -100,6 +103,24 @@ def find_end_axis(before: Sequence[ExpectedMotion]) -> Vector | None:
     return last.direction if last is not None and level and quarter else None
 
 
+def find_own_side(way: Vector, brief: SceneBrief) -> Vector | None:
+    """The side onto which what stands thin falls when a way (unit world vector) leads over its end; None = that way.
+
+    A bicycle that is knocked over "to the left" falls onto its own left side, and not over its rear wheel.
+    """
+    long, up, table = brief.long_axis, brief.directions.up, brief.directions
+    if long is None or not (lies(brief) and _is_thin(brief)) or abs(dot(way, long)) < _ALONG:
+        return None
+    left = cross(up, sum_directions(("ahead",), brief))
+    return normalise(scale(left, 1.0 if dot(way, table.left) > 0 else -1.0))
+
+
+def _is_thin(brief: SceneBrief) -> bool:
+    """Return whether it stands on a line, as a bicycle does: longer than high, and higher than broad."""
+    width, height, depth = brief.extents
+    return min(width, depth) < _THIN * height
+
+
 def _find_angle(way: Vector, brief: SceneBrief, aside: bool) -> float:
     """The angle that it is led by [degrees]; 0 if it is so broad that it would go over another edge first, or rolls."""
     width, height, depth = brief.extents
@@ -108,6 +129,6 @@ def _find_angle(way: Vector, brief: SceneBrief, aside: bool) -> float:
     across = width * abs(dot(over, table.right)) + depth * abs(dot(over, table.toward))
     across = across if reach is None else 2 * reach
     angle = max(_LED, math.degrees(math.atan2(across, height)) + _PAST)
-    # A log; a car tips over its wheels, and a pan over its rim.
-    rolls = lies(brief) and reach is None and height > _FLAT * min(width, depth)
+    # A log; a car tips over its wheels, a bicycle over the line of its own, and a pan over its rim.
+    rolls = lies(brief) and reach is None and height > _FLAT * min(width, depth) and not _is_thin(brief)
     return 0.0 if rolls else angle if angle <= _MOST else _SIDE * aside

@@ -137,6 +137,13 @@ class Ends:
             self.poses[frame][k] = step.after(base)
         self._last = after, belongs
 
+    def bring_home(self, frame: int, part: int, least: float) -> None:
+        """Put a part back to where it was at first, if it is taken to be farther off than ``least`` [m], or is lost."""
+        k = len(DIRECTIONS) + part
+        pose, center = self.poses[frame][k], self.centers[k]
+        if pose is None or np.linalg.norm(pose(center) - center) > least:
+            self.poses[frame][k] = Affine.identity()
+
     def loses_part(self, pairs: np.ndarray) -> bool:
         """Return whether a part has lost half of the link's points that lie on it, and enough are left to go on from.
 

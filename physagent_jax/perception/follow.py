@@ -30,6 +30,10 @@ KEPT_FIT = 0.35
 """No motion is fitted to a smaller fraction of the seeds."""
 LARGEST_TILT = 20.0
 """A new link starts when the object has turned further out of the picture plane [deg]."""
+AROUND, SAME_COLOUR, SAME_PICTURE = 2, 24, 0.02
+"""Pixels around a part, their difference, of 255, and the share of them that may differ, where it looks as at first."""
+AWAY = 1.5
+"""A part that looks so is not farther off than this [px]; nearer by, its own tracks tell its place better."""
 LEAST_CORNER = 1e-5
 """Smallest eigenvalue of the gradient's covariance that counts as texture (as `cv2.cornerMinEigenVal` scales it)."""
 
@@ -108,7 +112,32 @@ def follow(
             start, base, chain = start + 1, Affine.identity(), chain + 1
             if path.ends is not None:
                 path.ends.lose()
+    if path.ends is not None and path.ends.prompts:
+        _bring_home(path.ends, frames, depths[0], camera)
     return path
+
+
+def _bring_home(ends: Ends, frames: np.ndarray, depth: np.ndarray, camera: Camera) -> None:
+    """Put parts back where the picture shows them as it did at first: tracks that were lost on the way out drift.
+
+    Args:
+        ends: The parts, as they were followed.
+        frames: Pictures, uint8, shape (T, H, W, 3).
+        depth: Trusted z-depth of the first one [m], nan elsewhere, shape (H, W).
+        camera: The camera.
+    """
+    y, x = np.nonzero(np.isfinite(depth))
+    surface = lift.unproject(np.stack([x + 0.5, y + 0.5], 1), depth[y, x], camera)
+    pixel = float(np.median(depth[y, x]) / np.asarray(camera.K)[0, 0])
+    for part, mine in enumerate(ends.find_parts(0, surface).T):
+        own = np.zeros(depth.shape, np.uint8)
+        own[y[mine], x[mine]] = 1
+        around = cv2.dilate(own, np.ones((2 * AROUND + 1,) * 2, np.uint8)) > 0
+        first = frames[0][around].astype(np.int16)
+        for t, frame in enumerate(frames[1:], 1):
+            changed = np.abs(frame[around] - first).max(-1) > SAME_COLOUR
+            if around.any() and changed.mean() < SAME_PICTURE:
+                ends.bring_home(t, part, AWAY * pixel)
 
 
 def link(path, span, base, chain, own, clip: EncodedClip, depths, camera, more=()) -> int:

@@ -17,6 +17,8 @@ PANEL, THICKNESS = (
     0.02,
 )  # times as large as the object across it a plate is drawn; half its thickness [sizes]
 GRIP = 1.08  # times as large as what it holds a hand is drawn
+FINGER = 0.07  # half the length of what is drawn of a finger or a hand [sizes]
+COMES = 0.2  # [s] in which it is seen to come, and to go
 MOST_HELD = 0.5  # share of the particles; who moves more of the object than that is no hand
 
 
@@ -90,7 +92,9 @@ def _draw_grip(grip, time: float, x: np.ndarray, size: float) -> Block | None:
     if isinstance(grip, MovingPlate):
         face = grip.face
         start, end = float(face.start), float(face.end)
-        if not start <= time < end:
+        speed = 0.0 if face.velocity is None else float(np.asarray(face.velocity) @ np.asarray(face.normal))
+        comes, goes = (COMES * (grip.edges is not None and sign * speed > 0) for sign in (1, -1))
+        if not start - comes <= time < end + goes:
             return None
         moved = 0.0 if face.velocity is None else (time - start) * np.asarray(face.velocity, np.float64)
         point, normal = np.asarray(face.point, np.float64) + moved, np.asarray(face.normal, np.float64)
@@ -99,7 +103,7 @@ def _draw_grip(grip, time: float, x: np.ndarray, size: float) -> Block | None:
         edges = np.asarray(grip.edges, np.float64)
         lengths = np.linalg.norm(edges, axis=1)
         axes = np.concatenate([normal[None], edges / lengths[:, None]])
-        half = np.array([THICKNESS * size, *(1 / lengths)])
+        half = np.array([FINGER * size, *(1 / lengths)])
         return Block(point - half[0] * normal, axes, half)
     if not isinstance(grip, PrescribedMotion):
         return None

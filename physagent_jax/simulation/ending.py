@@ -22,6 +22,7 @@ from physagent_jax.scene.compile import CompiledScene
 from physagent_jax.scene.compile.idle import is_led_to_end
 from physagent_jax.scene.config import DomainBox
 from physagent_jax.simulation.recording import Recording
+from physagent_jax.simulation.rolling import Rolling
 
 LONGEST = 1.0  # [s] beyond the planned frames
 STILL = 0.04  # [sizes / s]; what is slower looks still
@@ -61,8 +62,12 @@ def go_on(recording: Recording) -> Moved:
                 break
     if not more:
         return x, F
+    rolling = Rolling.of(scene)
+    for each in x[1:]:
+        rolling.advance(each)
+    shown = [rolling.show(frame).state for frame in more]
     return tuple(  # type: ignore[return-value]
-        np.concatenate([each, np.stack([np.asarray(getattr(frame.state, name)) for frame in more])])
+        np.concatenate([each, np.stack([np.asarray(getattr(state, name)) for state in shown])])
         for each, name in ((x, "x"), (F, "F"))
     )
 

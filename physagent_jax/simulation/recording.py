@@ -135,7 +135,8 @@ class Recording:
         scene: What was simulated.
         rgb: Pictures, uint8, shape (T, height, width, 3).
         depth: z-depth [m], 0 where nothing is, shape (T, height, width).
-        x: Positions of the model's particles [m], shape (T, n, 3); ``x[:, scene.back]`` are the body's.
+        x: Positions of the model's particles [m], shape (T, n, 3), wheels turned (`rolling`); ``x[:, scene.back]`` are
+            the body's.
         F: Their deformation gradients, shape (T, n, 3, 3).
         gaussians: Gaussian centres [m], shape (T, g, 3).
         record: Facts and figures, the true motion among them.

@@ -27,6 +27,7 @@ from physagent_jax.simulation.recording import (
     RestartCache,
     find_rest_centre,
 )
+from physagent_jax.simulation.rolling import Rolling
 from physagent_jax.simulation.shared_frames import find_last_shared_frame, find_restart_frames, is_clock_right
 from physagent_jax.simulation.stopwatch import Stopwatch
 
@@ -66,12 +67,14 @@ def simulate_scene(
     if progress and reused:
         progress(reused, total)
     wanted, centre = find_restart_frames(scene.config), find_rest_centre(scene)
-    last = begin
+    last, rolling = begin, Rolling.of(scene)
+    for output in outputs[1:]:
+        rolling.advance(output.x)
     frames = simulate_frames(scene, begin, most_substeps)
     frames = check_pace(frames, total, most_substeps) if foresee else frames
     for batch in _split_batches(watch.timed("simulate", frames)):
         with watch("render"):
-            outputs += _compute_outputs(scene, batch)
+            outputs += _compute_outputs(scene, batch, rolling)
         with watch("simulate"):
             for frame in batch:
                 statistics.append(FrameStatistics.of(scene, frame, centre))
@@ -108,7 +111,8 @@ def _split_batches(frames: Iterator[Frame]) -> Iterator[list[Frame]]:
         yield batch
 
 
-def _compute_outputs(scene: CompiledScene, batch: list[Frame]) -> list[FrameOutput]:
+def _compute_outputs(scene: CompiledScene, batch: list[Frame], rolling: Rolling) -> list[FrameOutput]:
+    batch = [rolling.show(frame) for frame in batch]
     splats = [deform_splats(scene, frame) for frame in batch]
     background = scene.config.rendering.background
     rgb_frames = render_all(splats, scene.camera, background=background, kernels=scene.model.kernels)

@@ -4,7 +4,8 @@
 act; none of that can be traced. With the schedule of a recording it is done again as it was (`mpm.replay`), called from
 Python. Without one, all of it is fixed, and the whole is one function for `jax.jit` and `jax.vmap`: the grid is the
 whole domain, the step a fraction of the bound at rest, and every force is evaluated in every step. The law of motion is
-the same, so these two differ by what their time steps differ.
+the same, so these two differ by what their time steps differ. Wheels do not turn here: that is of the pictures
+(`rolling`).
 """
 
 from __future__ import annotations

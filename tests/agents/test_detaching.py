@@ -128,6 +128,44 @@ def test_a_wheel_is_drawn_off_its_axle_and_rolls_on(words, sign):
     assert made[1].vector == pytest.approx((0, sign, 0)) and made[1].pivot[2] == 0.0
 
 
+def make_wheels():
+    """Four wheels that bear an object, each about the world's y axis."""
+    told = dict(name="wheel", roles=(), origin="file", axle=(0.0, 1.0, 0.0))
+    sides = [(x, y, -1.1) for x in (-0.6, 0.6) for y in (-0.6, 0.6)]
+    wheels = [make_part("side", (0, 0, 0), side).model_copy(update=told) for side in sides]
+    places = [(0.5 + 0.4 * x, 0.5 + 0.4 * y, 0.25) for x, y, _ in sides]
+    pieces = [each.moved.model_copy(update=dict(rigid=True)) for each in wheels]
+    told = [dict(joint=place, moved=piece) for place, piece in zip(places, pieces)]
+    return [each.model_copy(update=more) for each, more in zip(wheels, told)]
+
+
+@pytest.mark.parametrize(
+    "sentence", ["the wheels fall off and it drops to the ground", "all of its wheels come off"]
+)
+def test_what_loses_its_wheels_is_held_until_they_are_off_and_falls(sentence):
+    reply = read(sentence, *make_wheels(), **GROUND)
+    made = reply.force_field.constraints
+    leads, (hold,) = made[:-1], made[-1:]
+    assert reply.anchor.kind == "none" and not reply.unsure
+    assert hold.held_until == max(each.active_time[1] for each in leads) < 25
+    wheels = {each.region.inside for each in leads}
+    assert len(wheels) == 4 and not wheels & {hold.region.inside}
+
+
+def test_what_loses_one_wheel_of_four_stands_on_the_others():
+    reply = read("the left wheel comes off", *make_wheels()[:1], LEFT_ARM, **GROUND)
+    assert reply.anchor.kind == "rest"
+
+
+def test_a_part_that_stands_on_the_ground_is_not_shot_along_it():
+    """It leaves no faster than it goes aside in a fifth of a second."""
+    legs = [make_part("leg", (0, 0, -0.2), (x, 0, -1.1)) for x in (-0.6, 0.6)]
+    scene = brief(parts=tuple(legs), **GROUND)
+    for lead in read("its legs come off", *legs, **GROUND).force_field.constraints:
+        seconds = (lead.active_time[1] - lead.active_time[0]) * scene.frame_dt
+        assert seconds > 0.05
+
+
 def test_what_else_is_said_is_said_to_be_of_the_part():
     notes = read("the head falls off and rolls away", **GROUND).notes
     assert any("'rolls'" in note and "the part that comes off" in note for note in notes)

@@ -82,6 +82,46 @@ def test_a_limb_that_is_let_go_falls_back_alone(sentence):
     assert not reply.unsure and reply.anchor.kind == "rest"
 
 
+@pytest.mark.parametrize(
+    "sentence",
+    [
+        "somebody pulls on its left arm and it stretches",
+        "pull on the left arm, and the left arm gets longer",
+        "the left arm is pulled until it stretches",
+    ],
+)
+def test_the_part_that_is_pulled_stretches_and_not_all_of_it(sentence):
+    (seen,) = read(sentence, frame_count=100).expectations
+    assert (seen.kind, seen.limb) == (MotionKind.STRETCH, 0)
+    assert abs(cosine(seen.direction, (1, 0, 0))) == pytest.approx(1.0)
+
+
+def test_what_is_pulled_as_a_whole_stretches_as_a_whole():
+    seen = read("somebody pulls it to the left and it stretches", frame_count=100).expectations
+    assert seen[-1].kind is MotionKind.STRETCH and seen[-1].limb is None
+
+
+def test_a_limb_goes_as_far_while_the_rest_moves():
+    """M = 1 means less where nothing holds the object (`find_reference_time`)."""
+    angles = []
+    for sentence, reference in (
+        ("raise its left arm", HELD_TIME),
+        ("it jumps and raises its left arm", 1.92),
+    ):
+        made = read(sentence, world="ground").force_field.constraints
+        turn = next(each for each in made if each.constraint_type is ConstraintType.PARTICLE_ROTATION)
+        seconds = (turn.active_time[1] - turn.active_time[0]) * brief().frame_dt
+        angles.append(turn.magnitude * turn.gain * seconds / reference)
+    assert angles[1] == pytest.approx(angles[0], rel=0.02)
+
+
+def test_a_limb_that_comes_back_is_there_before_the_clip_ends():
+    out, back = read(
+        "slowly tilt its left arm to the right and let it come back", frame_count=76
+    ).force_field.constraints
+    assert back.active_time[1] < 0.95 * 75 and out.magnitude * out.gain > 0
+
+
 def test_a_limb_that_is_stretched_across_itself_is_left_to_a_force():
     reply = read("stretch its left arm upwards", frame_count=100)
     assert not [each for each in reply.force_field.constraints if each.bend is not None]

@@ -105,3 +105,39 @@ def test_it_rocks_where_it_stands_once_it_has_arrived():
     moved, rocked = (each.window for each in reply.expectations)
     turns = [each for each in reply.force_field.constraints if each.constraint_type.skill.is_axis]
     assert moved[1] == rocked[0] and turns and len(reply.force_field.actions) < 3
+
+
+BROAD = JELLY.model_copy(update=dict(extents=(1.0, 0.3, 0.9)))
+QUIVERS = ConstraintType.PARTICLE_TRANSLATION
+
+
+@pytest.mark.parametrize("verb", ["slap", "pat", "smack", "spank"])
+def test_an_open_hand_is_broader_than_a_finger_and_leaves_what_is_hard_alone(verb):
+    (hand,), (finger,) = (list_fingers(read(f"{each} it from the right", JELLY)) for each in (verb, "poke"))
+    breadths = [max(abs(place[1] - 0.5) for place in each.region.outside) for each in (hand, finger)]
+    assert hand.vector == LEFT and breadths[0] > 1.5 * breadths[1]
+    assert not list_fingers(read(f"{verb} it from the right", HARD))
+
+
+def test_what_is_flat_quivers_after_a_hand_and_ends_where_it_was():
+    """Its strokes get smaller, each goes against the one before, and their sum is nothing."""
+    reply = read("slap it", BROAD)
+    strokes = [each for each in reply.force_field.constraints if each.constraint_type is QUIVERS]
+    (hand,) = list_fingers(reply)
+    ways = [
+        each.magnitude * each.gain * (each.active_time[1] - each.active_time[0]) * each.vector[0]
+        for each in strokes
+    ]
+    assert hand.vector == DOWN and strokes[0].active_time[0] >= hand.held_until
+    assert all(one * other < 0 for one, other in zip(ways, ways[1:]))
+    assert all(abs(one) > abs(other) for one, other in zip(ways[1:], ways[2:]))
+    assert sum(ways) == pytest.approx(0.0, abs=0.01 * abs(ways[0]))
+    assert reply.expectations[0].kind is MotionKind.SWAY and reply.expectations[0].jiggles
+
+
+def test_what_is_said_to_quiver_does_so_when_the_hand_has_gone():
+    reply = read("someone slaps it on top and it quivers", BROAD)
+    (hand,) = list_fingers(reply)
+    first = min(each.active_time[0] for each in reply.force_field.constraints if each is not hand)
+    assert first >= hand.held_until
+    assert [each.kind for each in reply.expectations] == [MotionKind.SWAY, MotionKind.SWAY]

@@ -653,3 +653,27 @@ def test_what_was_set_up_on_its_end_goes_on_past_its_balance_there():
     assert led.vector == pytest.approx(stood.direction) and led.region is None and led.held_until is None
     assert led.active_time[1] - led.active_time[0] < 15
     assert all(each.active_time[1] <= led.active_time[0] for each in reply.force_field.actions)
+
+
+THIN = dict(object_name="bike", extents=(1.0, 0.55, 0.28), long_axis=(1.0, 0.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("prompt", "sign"),
+    [
+        ("the bike is knocked over to the left", 1),
+        ("the bike topples onto its right side", -1),
+        ("somebody shoves the bike and it tips over to the right", -1),
+    ],
+)
+def test_what_stands_thin_falls_onto_a_side_and_not_over_its_end(prompt, sign):
+    """Its front is to the right, so that its left side is away from the viewer."""
+    reply = compile_whole(prompt, **THIN)
+    seen = [each for each in reply.expectations if each.kind is MotionKind.ROTATE]
+    assert seen[0].direction == pytest.approx((-sign, 0.0, 0.0))
+
+
+def test_what_is_broad_goes_over_its_end_as_told():
+    reply = compile_whole("the statue topples over to the left", **THIN | dict(extents=(1.0, 0.5, 0.8)))
+    seen = [each for each in reply.expectations if each.kind is MotionKind.ROTATE]
+    assert seen[0].direction == pytest.approx(LEFT)

@@ -320,3 +320,13 @@ def test_what_goes_along_is_pushed_to_and_fro_and_not_led():
 def test_the_front_that_a_wave_lifts_is_the_objects():
     (lift,) = read("a wave lifts the front of the robot up", brief(world="ground")).expectations
     assert lift.kind is MotionKind.MOVE and lift.direction == UP and lift.part is not None
+
+
+@pytest.mark.parametrize(
+    "sentence", ["somebody pushes it and it rolls backward", "a nudge sends it rolling backward"]
+)
+def test_what_is_pushed_goes_the_way_that_it_then_rolls(sentence):
+    """No way is told of the push itself."""
+    car = brief(object_name="van", object_kind="vehicle", world="ground")
+    ways = {each.direction for each in read(sentence, car).expectations}
+    assert ways == {read("it rolls backward", car).expectations[0].direction}

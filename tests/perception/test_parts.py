@@ -13,6 +13,7 @@ from physagent_jax.perception import fit, follow, lift, timing
 from physagent_jax.perception.backends.colour import ColorSegmenter
 from physagent_jax.perception.backends.depth_sensor import DepthSensor
 from physagent_jax.perception.backends.flow import FlowTracker
+from physagent_jax.perception.ends import PartPrompt
 from physagent_jax.perception.overlay import draw_overlay
 from physagent_jax.perception.protocols import Tracks
 from physagent_jax.perception.words import ViewerWords, name_world_axis
@@ -257,3 +258,26 @@ def test_seeds_without_depth_do_not_stop_the_measurement():
     )
     assert reached == 1
     np.testing.assert_allclose(path.poses[1].matrix, np.eye(3), atol=1e-6)
+
+
+@pytest.mark.parametrize("changed", [False, True])
+def test_a_part_is_back_where_the_picture_shows_it_as_at_first(changed):
+    """Its tracks drift by a pixel per frame; the last picture is the first one, or another."""
+    camera = look_at((0, -3, 0), (0, 0, 0), (0, 0, 1), fov_degrees=40, width=64, height=64)
+    rng, depths = np.random.default_rng(0), np.full((6, 64, 64), np.nan)
+    depths[:, 12:52, 12:52] = 3.0
+    frames = rng.integers(0, 255, (6, 64, 64, 3), np.uint8)
+    frames[5] = frames[5] if changed else frames[0]
+
+    def track(queries, until):
+        shifts = np.arange(6.0)[:, None, None] * (1.0, 0.0)
+        seen = np.ones((6, len(queries)), bool)
+        return Tracks(queries[None, :, 1:] + shifts, seen, seen.astype(float))
+
+    surface = lift.unproject_surface(depths[0], camera)
+    right = surface[:, 0] > 0.25
+    prompt = PartPrompt(0, surface[right][::7], surface[~right][::7])
+    path = follow.follow(frames, depths, camera, SimpleNamespace(track=track), (prompt,))
+    ways = [None if p is None else np.linalg.norm(p.offset) for p in (each[-1] for each in path.ends.poses)]
+    assert ways[1] > 0.01
+    assert (ways[5] == 0.0) is not changed

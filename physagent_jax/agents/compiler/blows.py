@@ -114,11 +114,15 @@ def _poke(task: Task) -> None:
         way = brief.directions.down  # on its broadest side
     box = make_box(event.region)
     height = 0.5 if box is None else 0.5 * (box.low[2] + box.high[2])
-    task.builder.constraints += poke(brief, way, height, event.strength, event.count, task.window)
-    task.builder.notes.append(f"'{event.words}': it is soft, so that a finger goes in and back.")
+    hand, held = "hand" if event.motion.palm else "finger", task.builder.anchored and event.motion.palm
+    above = event.motion.palm and dot(way, brief.directions.down) > _UPRIGHT  # hit aside, it swings by itself
+    about = dict(palm=event.motion.palm, held=held, quivers=above and event.trembles)
+    task.builder.constraints += poke(brief, way, height, event.strength, event.count, task.window, **about)
+    task.builder.notes.append(f"'{event.words}': it is soft, so that a {hand} goes in and back.")
     # It goes along as a whole, as far as it is not held.
-    whole = dict(part=None, partial=False, strength=MAGNITUDE_MIN)
-    task.expect(MotionKind.MOVE, way, task.window, repeats=event.count, sudden=True, released=True, **whole)
+    whole = dict(part=None, partial=False, strength=MAGNITUDE_MIN, jiggles=above or event.trembles)
+    kind, way = (MotionKind.SWAY, brief.directions.right) if above else (MotionKind.MOVE, way)
+    task.expect(kind, way, task.window, repeats=event.count, sudden=True, released=True, **whole)
 
 
 def spin_aloft(task: Task, axis: Vector) -> bool:

@@ -18,6 +18,7 @@ from physagent_jax.motion.axes import find_lean_axis, find_turn_towards
 from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.schema import Amount, SceneBrief
 from physagent_jax.motion.swaying import lies
+from physagent_jax.motion.tipping import find_own_side
 from physagent_jax.motion.vectors import add, cross, dot, normalise, scale
 
 ASSUMED = "left"
@@ -46,7 +47,8 @@ def take_heading(event: Event, brief: SceneBrief) -> None:
     rules = (_find_axis, _find_long_axis, _add_ways, _find_line, _find_swing, _find_obstacle, _find_blow)
     found = (rule(event, brief) for rule in rules)
     heading = next((each for each in found if each is not None), None) or _assume(event, brief)
-    event.direction = heading.vector
+    falls = event.effect is Effect.TOPPLE and heading.vector is not None and not event.parts
+    event.direction = falls and find_own_side(heading.vector, brief) or heading.vector
     event.sources["vector"] = ValueSource(heading.words, heading.why)
 
 

@@ -407,6 +407,8 @@ def _take_over_direction(event: Event, before: Event, brief: SceneBrief) -> None
     carried &= pushed and before.direction is not None and abs(before.direction[2]) < _STEEP
     if event.notes and (likewise or driven or slides or carried):  # "it is hit from the left and slides"
         _turn(event, before.direction, "no direction given: as before")
+    elif before.effect is Effect.PUSH and event.phrase == "cruise" and before.notes and not before.parts:
+        _turn(before, event.direction, "the way that it then goes")  # "push the car and it rolls forward"
     width, height, depth = brief.extents
     rolls = before.effect is Effect.TOPPLE and event.effect is Effect.ROLL
     if rolls and (height > _TALL * max(width, depth) or _lies_on_its_side(before)):

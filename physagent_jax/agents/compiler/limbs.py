@@ -16,7 +16,7 @@ from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.forces.part import is_plural, split_name
 from physagent_jax.forces.schema import ConstraintType, VelocityConstraint
-from physagent_jax.motion.detaching import detach
+from physagent_jax.motion.detaching import detach, hold_rest, unsettles
 from physagent_jax.motion.hinges import find_hinge
 from physagent_jax.motion.joints import Turning, is_undone
 from physagent_jax.motion.limbs import LOOSE, LOW, PLACES, STEMS, choose_parts, find_front, sum_directions
@@ -128,26 +128,31 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
     moved = [brief.parts[each.limb].moved for each in asked if each.limb is not None]
     kept = [index for index, each in enumerate(reply.force_field.actions) if each.region not in moved]
     actions = tuple(reply.force_field.actions[index] for index in kept)
+    alone = all(each in limbs or each.kind is MotionKind.STILL for each in reply.expectations)
+    gone = [brief.parts[each.limb] for each in asked if each.manner == "detach" and each.limb is not None]
+    falls, anchor = unsettles(gone, brief), reply.anchor  # "the wheels fall off": what stood on them falls
+    held = alone and not falls or anchor.kind in ("base", "top") or brief.anchored is not None
     constraints, expectations = list(reply.force_field.constraints), []
     for each in reply.expectations:
         expected = each
         if each in asked:
-            more, expected = _drive(each, asked, brief, frame_count)
+            more, expected = _drive(each, asked, brief, frame_count, held)
             constraints += more
         expectations.append(expected)
-    alone = all(each in limbs or each.kind is MotionKind.STILL for each in reply.expectations)
-    anchor = reply.anchor
-    held = {each.limb: brief.parts[each.limb] for each in limbs if each.limb is not None}
+    driven = {each.limb: brief.parts[each.limb] for each in limbs if each.limb is not None}
     turns = bool(asked) and all(e.kind is MotionKind.ROTATE and brief.parts[e.limb or 0].axle for e in asked)
-    if alone and (anchor.kind is None or anchor.kind == "base" and turns):
-        region = join_rest([held[limb] for limb in sorted(held)])
+    if falls:
+        constraints.append(hold_rest(gone, constraints, brief))
+        anchor = anchor if anchor.kind else AnchorRequest(kind="none", words=limbs[0].words)
+    elif alone and (anchor.kind is None or anchor.kind == "base" and turns):
+        region = join_rest([driven[limb] for limb in sorted(driven)])
         anchor = AnchorRequest(kind="rest", words=limbs[0].words or "a part", region=region)
     elif not alone and brief.anchored is None and anchor.kind in (None, "none"):
-        constraints = [_carry(each, [part.moved for part in held.values()]) for each in constraints]
+        constraints = [_carry(each, [part.moved for part in driven.values()]) for each in constraints]
     field = reply.force_field.model_copy(update=dict(actions=actions, constraints=tuple(constraints)))
     kinds = {each.constraint_type for each in constraints}
     done = next((words for kind, words in _DONE.items() if kind in kinds), "is moved alone")
-    moved_parts = ", ".join(each.moved.label or "a part" for each in held.values())
+    moved_parts = ", ".join(each.moved.label or "a part" for each in driven.values())
     note = f"{moved_parts}: it {done}" + (", and the rest is held." if anchor.kind == "rest" else ".")
     told = dict(expectations=tuple(expectations), evidence=_follow(reply.evidence, kept))
     notes = (*reply.notes, note)
@@ -173,13 +178,13 @@ def _follow(items: Sequence[Evidence], kept: list[int]) -> tuple[Evidence, ...]:
 
 
 def _drive(
-    motion: ExpectedMotion, asked: list[ExpectedMotion], brief: SceneBrief, frame_count: int
+    motion: ExpectedMotion, asked: list[ExpectedMotion], brief: SceneBrief, frame_count: int, held: bool
 ) -> tuple[list[VelocityConstraint], ExpectedMotion]:
     """The constraints that bring about a limb's motion, and the motion as it is then expected."""
     assert motion.limb is not None
     part = brief.parts[motion.limb]
     if motion.manner == "detach":
-        return detach(part, brief, frame_count, motion)
+        return detach(part, brief, frame_count, motion, held=held)
     before = [e for e in asked if e.limb == motion.limb and e.window[1] <= motion.window[0] + 0.5]
     if motion.manner == "hinge" and (hinge := find_hinge(part, brief)):
         part = part.model_copy(update=dict(joint=hinge.joint))
@@ -187,7 +192,7 @@ def _drive(
         motion = hinge.swing(find_hinge(brief.parts[first], brief), motion, before)
     slides = part.seated and (part.origin == "place" or LOOSE.issuperset(find_roles(part.name)))
     later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > motion.window[0] + 0.5]
-    until, turning = min([frame_count - 1.0, *later]), Turning(part, brief, frame_count, slides)
+    until, turning = min([frame_count - 1.0, *later]), Turning(part, brief, frame_count, slides, held=held)
     # Tilted in the air, a lid is still as high as it was lifted.
     before = [e for e in before if e.kind is not MotionKind.ROTATE] if part.seated else before
     if before and is_undone(before[-1], motion):

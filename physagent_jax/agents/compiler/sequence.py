@@ -71,6 +71,8 @@ def make_events(clauses: list[Event], builder: ForceFieldBuilder) -> list[Event]
             _add_event(events, event, builder)
     events = [part for each in events for part in _stretch_each(each, builder.brief)]
     events = _share_time(_find_releases(events, builder))
+    for each in events if builder.soft and all(e.effect is not Effect.SWAY for e in events) else ():
+        each.trembles |= each.motion.palm
     if any(each.effect not in _RESTING for each in events):
         events = [each for each in events if not _is_only_posture(each, events)]
     return events
@@ -131,6 +133,9 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     if stops and event.clause.order == "together" and any(each.effect in GOING for each in events):
         builder.notes.append(f"'{event.text}': what was set going comes to that by itself.")
         return  # "a gust pushes it, and it spins as it slides to a stop"
+    pulled = [e.phrase for e in events[-1].parts] if events and events[-1].motion.pulls else []
+    if event.effect is Effect.SCALE and pulled and [e.phrase for e in event.parts] in ([], pulled):
+        event.parts = events.pop().parts  # "pulls on his tail and it stretches"
     alike = [each for each in events[-2:] if each.direction == events[-1].direction]
     interpret(event, _find_measure(events, event), builder.brief)
     for each in alike:  # what knocks it over goes the way that it falls

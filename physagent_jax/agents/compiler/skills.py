@@ -24,7 +24,7 @@ from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_lengths, find_strain_magnitude, find_swing_magnitude
 from physagent_jax.motion.limbs import sum_directions
-from physagent_jax.motion.pressing import find_end_of_poke
+from physagent_jax.motion.pressing import find_end_of_poke, quiver
 from physagent_jax.motion.schema import Amount, MotionKind
 from physagent_jax.motion.swaying import bend, find_bend, fold, leads_aside, lies, rock, shake, sway, walk
 from physagent_jax.motion.vectors import dot, normalise, reject, scale
@@ -100,7 +100,8 @@ def _compile_by_skill(task: Task, name: str) -> None:
 
 def _compile_sway(task: Task) -> None:
     """To and fro; what bobs on the ground is thrown up each time, and weight brings it back."""
-    task = replace(task, window=(find_end_of_poke(task.builder.constraints, task.window), task.window[1]))
+    begin = find_end_of_poke(task.builder.constraints, task.window)
+    hit, task = begin > task.window[0], replace(task, window=(begin, task.window[1]))
     event, builder, brief, up = task.event, task.builder, task.brief, task.brief.directions.up
     count, held = task.limit_count(event.repeat.count or event.motion.cycles), builder.anchored
     magnitude, leads = event.strength, builder.rooted and leads_aside(task.direction, brief)
@@ -110,7 +111,9 @@ def _compile_sway(task: Task) -> None:
     bends = event.motion.manner in ("bend", "rock") and "feet" in (brief.anchored or "feet")
     if event.amount is not None:
         magnitude = find_swing_magnitude(event.amount, held, brief) or magnitude
-    if builder.grounded and not held and abs(dot(task.direction, up)) > _UPRIGHT:
+    if hit and not (held or event.repeat.count or event.limbs or event.region):
+        builder.constraints += quiver(brief, task.direction, 2 * magnitude, task.window)
+    elif builder.grounded and not held and abs(dot(task.direction, up)) > _UPRIGHT:
         for part in divide(task.window, [1.0] * count):
             task.act(ActionType.IMPULSE, up, 2 * SWING * magnitude, make_impulse_window(part[0]))
     elif event.motion.manner in ("rock", brief.may_be_held and "bend") and free and not event.limbs:

@@ -83,6 +83,7 @@ class Motion:
         pose: The side that points down as it falls; empty = none in particular.
         taps: Whether it is a blow to what is soft.
         pokes: Whether a finger or a fist does it, which goes into what is soft.
+        palm: Whether an open hand does, which makes it quiver.
         steps: Whether it goes on feet: what has wheels rolls instead.
         puts_back: Whether it ends where it was before.
         loose: Whether its angle is only about so large.
@@ -124,6 +125,7 @@ class Motion:
     pose: Side | Literal[""] = ""
     taps: bool = False
     pokes: bool = False
+    palm: bool = False
     steps: bool = False
     puts_back: bool = False
     loose: bool = False

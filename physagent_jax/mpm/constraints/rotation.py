@@ -27,5 +27,5 @@ def rotate(x: jax.Array, rotation_vector: jax.Array) -> jax.Array:
 
 def rotation_matrix(rotation_vector: jax.Array) -> jax.Array:
     """The matrices of `rotate`, shape (..., 3, 3)."""
-    eye = jnp.eye(3, dtype=rotation_vector.dtype)
+    eye = jnp.broadcast_to(jnp.eye(3, dtype=rotation_vector.dtype), (*rotation_vector.shape, 3))
     return jnp.swapaxes(rotate(eye, rotation_vector[..., None, :]), -1, -2)

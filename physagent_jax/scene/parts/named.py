@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from physagent_jax.core.errors import UserError
-from physagent_jax.forces.part import Part, PartChoice, list_parts, split_name
+from physagent_jax.forces.part import ROLLING, Part, PartChoice, list_parts, split_name
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.scene.mesh_formats import MeshPart
 from physagent_jax.scene.parts.cells import fit_part
@@ -28,7 +28,6 @@ _SKIN = 4  # edges that a part's surface shares with others, from which on they 
 _TOLD = 0.9  # share of the object that named parts cover, from which on the file names all of it
 _WITHIN = 0.8  # share of a shape in a named part, from which on it is a part of that
 _WHEELS = frozenset("wheel wheels tyre tire tyres tires gear cog pulley roller rotor propeller fan".split())
-_ROLLING = frozenset("wheel wheels tyre tyres tire tires".split())
 _UPRIGHT = 0.5  # cosine to the vertical, from which on an axle carries no wheel that bears
 _BEARING, _SHORTER = 0.1, 0.95  # of a vehicle's height over its lowest point; its breadth over its length
 _BLADES = frozenset(
@@ -172,7 +171,7 @@ def _give_axle(part: Part, points: np.ndarray, group: Group) -> Part:
     height = float(np.ptp(points[:, 2]))
     bears = float(points[group.mask, 2].min() - points[:, 2].min()) < _BEARING * height
     told = part.axle is not None and abs(part.axle[2]) < _UPRIGHT
-    if told or group.joined or not bears or _ROLLING.isdisjoint(split_name(group.name)):
+    if told or group.joined or not bears or ROLLING.isdisjoint(split_name(group.name)):
         return part
     spread, axes = np.linalg.eigh(np.cov(points[:, :2].T))
     if spread[0] > _SHORTER**2 * spread[1]:
