@@ -140,9 +140,10 @@ def p2g_apart_adjoint(
     """Fill ``results``: the derivatives by x, v, C, tau (or F), mu, lam, mass, volume and push, of the MLS form.
 
     ``particles`` are x, v, C, tau, mass and volume; ``bars`` those by the nodes' eight numbers, ordered as in
-    `p2g_apart`; ``passed`` those by x and tau of what comes after, which are added. ``options`` are whether ``tau`` is F of a neo-Hookean law, whose mu and lam are ``law`` and whose
-    derivatives are written then, and whether ``push`` has a row per particle. ``totals`` gets a row per share of the
-    particles: the derivatives by dv, dt and a push of all. ``padded`` has room for two grids and `PADDING` each.
+    `p2g_apart`; ``passed`` those by x and tau of what comes after, which are added. ``options`` are whether ``tau`` is
+    F of a neo-Hookean law, whose mu and lam are ``law`` and whose derivatives are written then, and whether ``push``
+    has a row per particle. ``totals`` gets a row per share of the particles: the derivatives by dv, dt and a push of
+    all. ``padded`` has room for two grids and `PADDING` each.
     """
     shape, shares, numbers, count = bars.shape, totals.shape[0], flatten(bars), particles[0].shape[0]
     size, total = padded.size // 2, shape[0] * shape[1] * shape[2]
