@@ -115,12 +115,14 @@ class Repetition(Strict):
         often: Whether the sentence says "often" rather than how often.
         alternating: Whether it goes to and fro instead of again and again.
         first: Direction of the first swing, if it is named.
+        in_turn: Whether several parts do it one after the other.
     """
 
     times: int | None = Field(default=None, ge=0, le=1_000_000)
     often: bool = False
     alternating: bool = False
     first: Direction | None = None
+    in_turn: bool = False
     text: Word = ""
 
 

@@ -130,6 +130,14 @@ def mask_materials(text: str, mentions: Iterable[MaterialMention]) -> str:
     return text
 
 
+def shows_by_drop(mention: MaterialMention, text: str) -> bool:
+    """Return whether a drop is to show a material: of one that gives, or as it is asked to be made of; no question."""
+    meaning, words = find_meaning(mention.word), text.lower().split()
+    asks = words[0] in read_material_words().around["being"]  # "is it made of rubber?"
+    gives = meaning is not None and meaning.preset in GIVING
+    return not asks and (gives or words[0] == mention.phrase.lower().split()[0])
+
+
 def _split(words: str) -> list[str]:
     return [each.strip() for each in words.split(",") if each.strip()]
 
@@ -192,6 +200,8 @@ class _Finder:
         """The first token that tells nothing but the material: a motion or a noun before it stays."""
         told = ("changing", "made", "make", "being")
         telling = any(self.tokens[first] in self.around[each] for each in told)
+        said = self._get(first - 1) == "as" and self._get(first - 2) not in self.around["being"]
+        telling |= said and self.tokens[first] not in read_forms()  # "as limp as a noodle, it ..."
         return first if telling or first == at else first + 1
 
     def _read(self, begin: int, end: int, adjective: bool) -> tuple[int, int, bool] | None:
@@ -218,7 +228,7 @@ class _Finder:
         """Return whether a word tells what the material behind it is like: "really squishy rubber"."""
         known = (place for place in range(at + 1, at + 4) if self._measure(place))
         plain = self.tokens[at].endswith("y") and not self._ends(at + 1)
-        plain = plain and self._get(at + 1) not in read_forms()
+        plain = plain and self._get(at + 1) not in self.nouns | read_forms().keys()
         return plain or any(self._skip(place, self.described) < at for place in known)
 
     def _skip(self, at: int, over: Collection[str]) -> int:

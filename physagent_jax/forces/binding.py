@@ -31,6 +31,7 @@ from physagent_jax.forces.schema import (
     Opposition,
     SkillScaling,
     VelocityConstraint,
+    is_carried,
     is_stop,
 )
 from physagent_jax.forces.sections import find_stress_concentration
@@ -119,6 +120,7 @@ class Circumstances:
         moved: Whether it has gone elsewhere before that.
         again: Whether the whole object fell, or a blow threw it up, before it.
         lies: Whether the whole object was turned over before it, and not back.
+        turns: Turns of what carries it (`PrescribedMotion.turns`); None = nothing that turns does.
     """
 
     scaling: SkillScaling
@@ -131,6 +133,7 @@ class Circumstances:
     moved: bool = False
     again: bool = False
     lies: bool = False
+    turns: np.ndarray | None = None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -236,7 +239,7 @@ class Binding:
             if twist is not None:
                 self._led, self._pivot, wrung = twist.led, twist.pivot, twist.share is None
                 self._share = None if twist.share is None else self.leaf(twist.share)
-        self._carriers = self._find_carriers() if getattr(timed, "carried", False) else None
+        self._carriers, self._turns = self._find_carriers() if is_carried(timed) else None, about.turns
         self._tilt = 0.0  # [rad] by which it is led over the edge of its foot
         self._steps: np.ndarray | None = None  # [m] by which its middle goes in equal parts of the turn
         if about.tilt is not None and self._pivot is None and self._stands:
@@ -588,6 +591,7 @@ class Binding:
             center=self.leaf(self._pivot - mean),
             share=share,
             about=self.leaf(~own),
+            turns=None if self._turns is None else self.leaf(self._turns),
             rigid=self._rigid,
             carried=True,
         )

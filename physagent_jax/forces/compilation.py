@@ -14,7 +14,14 @@ from physagent_jax.forces.binding import Binding, Circumstances, Tilt
 from physagent_jax.forces.pairs import find_pairs
 from physagent_jax.forces.parameters import ForceFieldParameters, check_entries
 from physagent_jax.forces.responses import scale_entry
-from physagent_jax.forces.schema import Action, ForceField, SkillScaling, VelocityConstraint, is_stop
+from physagent_jax.forces.schema import (
+    Action,
+    ForceField,
+    SkillScaling,
+    VelocityConstraint,
+    is_carried,
+    is_stop,
+)
 from physagent_jax.forces.skills import STEEP, get_skill
 from physagent_jax.forces.swinging import find_strokes
 from physagent_jax.forces.upright import Entry, begin_of, end_of, leave_upright
@@ -68,7 +75,10 @@ def compile_force_field(
         scale, until = scale_entry(scaling, entry), _find_next_begin(entry, field)
         tilt, moved = _find_tilt(entry, field, scaling.rotation * frame_dt)
         again = _is_thrown_before(entry, field)
-        about = Circumstances(scale, frame_dt, frame_count, stroke, turned, until, tilt, moved, again, lies)
+        turns = _list_turns(entry, field, scaling.rotation, frame_dt)
+        about = Circumstances(
+            scale, frame_dt, frame_count, stroke, turned, until, tilt, moved, again, lies, turns
+        )
         return Binding(entry, values, f"force_field.{group}[{index}]", rest, volume, about)
 
     pairs = {pair.first: pair for pair in find_pairs(field, scaling, rest)}
@@ -85,6 +95,23 @@ def compile_force_field(
                 constraints += skill.make_pair(bound, other, pair.sign)
                 forces += bound.keep_balance(released=True)
     return tuple(forces), tuple(constraints)
+
+
+def _list_turns(
+    entry: Action | VelocityConstraint, field: ForceField, rate: float, frame_dt: float
+) -> np.ndarray | None:
+    """The turns by which the whole is led that carries an entry, as `PrescribedMotion.turns`; None if it is not.
+
+    Args:
+        entry: The entry.
+        field: All of them.
+        rate: Angular velocity of a constraint with M = 1 [rad/s].
+        frame_dt: Seconds per frame [s].
+    """
+    turns = sorted(filter(_turns_whole, field.constraints), key=begin_of) if is_carried(entry) else []
+    speeds = [rate * each.magnitude * each.gain * np.asarray(each.vector) for each in turns]
+    spans = [(begin_of(each) * frame_dt, end_of(each) * frame_dt) for each in turns]
+    return np.asarray([[*speed, *span] for speed, span in zip(speeds, spans)]) if turns else None
 
 
 def _is_overturned(entry: Entry, field: ForceField, scaling: SkillScaling, frame_dt: float) -> bool:
@@ -149,7 +176,7 @@ def _find_tilt(
         field: All of them.
         rate: Turn per frame of a constraint with M = 1 [rad].
     """
-    others = (*field.constraints, *field.actions)
+    others = [each for each in (*field.constraints, *field.actions) if not is_carried(each)]
     entries = [each for each in others if each is entry or begin_of(each) < end_of(entry) - 0.5]
     entries.sort(key=begin_of)
     starts = [index for index, each in enumerate(entries) if leave_upright(entries[:index], begin_of(each))]

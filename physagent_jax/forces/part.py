@@ -13,6 +13,7 @@ from physagent_jax.forces.schema import CellsRegion
 
 _WORD = re.compile(r"[^\W\d_]+|\d+")
 _HUMP = re.compile(r"(?<=[a-z])(?=[A-Z])")
+_EACH = ("each", "every")
 _PLURALS = frozenset("feet teeth antennae".split())
 _SINGULARS = dict(
     leaves="leaf", feet="foot", teeth="tooth", hooves="hoof", antennae="antenna", branches="branch"
@@ -212,6 +213,7 @@ def get_singular(word: str) -> str:
 
 
 def is_plural(text: str) -> bool:
-    """Return whether a part's word means several: "both wings", but not "one of its wings"."""
+    """Return whether a part's word means several: "both wings", "each wing", but not "one of its wings"."""
     words = text.lower().split() or [""]
-    return words[:2] != ["one", "of"] and (words[-1].endswith("s") or words[-1] in _PLURALS)
+    several = words[0] in _EACH or words[-1].endswith("s") or words[-1] in _PLURALS
+    return words[:2] != ["one", "of"] and several

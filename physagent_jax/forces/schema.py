@@ -327,6 +327,11 @@ def is_too_short(first: float, last: float) -> bool:
     return last - first < max(1e-3, 1e-6 * last)
 
 
+def is_carried(entry: Action | VelocityConstraint) -> bool:
+    """Return whether an entry comes on top of what the rest of the object does."""
+    return isinstance(entry, VelocityConstraint) and entry.carried
+
+
 def is_stop(entry: Action | VelocityConstraint) -> bool:
     """Return whether an entry only takes up the rebound of what comes down along it (`motion.landing`).
 

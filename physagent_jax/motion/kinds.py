@@ -171,7 +171,9 @@ def _prescribe(
 
 def _put(wish: Wish, causes: Sequence[Cause], *constraints: VelocityConstraint) -> ForceField:
     field = replace_items(wish.force_field, causes, [None] * len(causes))
-    return field.model_copy(update={"constraints": (*field.constraints, *constraints)})
+    # A limb comes on top of what carries it, and so after that.
+    rest, limbs = ([e for e in field.constraints if e.carried == on_top] for on_top in (False, True))
+    return field.model_copy(update={"constraints": (*rest, *constraints, *limbs)})
 
 
 def _find_next(wish: Wish, end: float) -> float:
@@ -181,6 +183,9 @@ def _find_next(wish: Wish, end: float) -> float:
 
 def _find_hold_end(wish: Wish, end: float) -> float:
     """Until when what is brought somewhere by frame ``end`` is kept there: until the next motion, if it is to stay."""
+    still = [e for e in wish.expectations if e.kind is MotionKind.STILL and abs(e.window[0] - end) < 1.5]
+    if still and not wish.expectation.stays:
+        return max(end, min(still[0].window[1], wish.brief.last))  # "it crouches, waits a second, leaps"
     return max(end, _find_next(wish, end)) if wish.expectation.stays else end
 
 
@@ -222,13 +227,25 @@ def _stands_alone(wish: Wish) -> bool:
 
 
 def _stands_after_moving(wish: Wish) -> bool:
-    """Return whether the object stands on the ground, along which it has gone at most, until the next motion."""
+    """Return whether the object stands on the ground until the next motion, upright again whatever it did before."""
     first, end = wish.expectation.window
     others, up = wish.list_others(), wish.brief.directions.up
     before = [e for e in others if e.window[1] <= first + 0.5]
-    level = all(e.kind is MotionKind.MOVE and abs(cosine(e.direction or up, up)) < _VERTICAL for e in before)
+    tilts = [
+        e for e in before if e.kind is MotionKind.ROTATE and abs(cosine(e.direction or up, up)) < _VERTICAL
+    ]
+    level = all(_stays_level(e, up) for e in before if e not in tilts)
+    level &= all(e.released or e.put_back for e in tilts[-1:])
     after = all(e in before or e.window[0] >= end - 0.5 for e in others)
     return level and after and wish.brief.world == "ground" and not wish.force_field.default_drop
+
+
+def _stays_level(motion: ExpectedMotion, up: Vector) -> bool:
+    """Return whether a motion leaves the object upright on the ground: along it, about the upright, or a hop."""
+    cosine_up = cosine(motion.direction or up, up)
+    if motion.kind is MotionKind.MOVE:
+        return abs(cosine_up) < _VERTICAL or motion.sudden and cosine_up > 0
+    return motion.kind in (MotionKind.FALL, MotionKind.ROTATE)
 
 
 def _stands_again(wish: Wish) -> bool:
@@ -453,6 +470,7 @@ def _carry(wish: Wish) -> _Replaced:
 def _find_hand(wish: Wish, first: float) -> list[Cause]:
     """The constraint that holds all of what was raised until a frame; none if nothing does."""
     hands = [cause for cause in list_causes(wish.force_field) if cause.carries]
+    hands.sort(key=lambda hand: hand.lets_go)
     return [hand for hand in hands[-1:] if _list_lifts(wish) and abs(hand.lets_go - first) < 1.5]
 
 
@@ -520,6 +538,29 @@ def _find_tilt(wish: Wish, lifted: float, first: float) -> tuple[Cause | None, f
     return tilt, total if abs(total) >= _LEVELLED * max(map(abs, efforts)) else 0.0
 
 
+def _tilt_back(wish: Wish) -> _Replaced:
+    """Bring back what was tilted over its foot, as far as it was."""
+    expectation, way = wish.expectation, wish.expectation.direction
+    if expectation.kind is not MotionKind.ROTATE or not expectation.put_back or expectation.amount or not way:
+        return None
+    causes = _find_forces(wish, lambda c: c.item.region is None)
+    if not causes:
+        return None
+    first, end = wish.get_span(causes)
+    hands = [each for each in list_causes(wish.force_field) if each.carries and each.skill.is_axis]
+    hands = [e for e in hands if wish.get_span([e])[0] < first and cosine(e.item.vector, way) < -_VERTICAL]
+    if not hands:
+        return None
+    hand = max(hands, key=lambda each: each.lets_go)
+    begun, stopped = wish.get_span([hand])
+    effort = hand.item.magnitude * hand.item.gain * (stopped - begun)
+    size, until = spread_effort(effort, first, end, share=MOVING)
+    back = _prescribe(causes[0], way, size, (first, until), None)
+    return _put(
+        _hold_until(wish, [hand], first), causes, back
+    ), "it is brought back from where it was tilted to"
+
+
 def _lead_round(wish: Wish) -> _Replaced:
     """Lead what goes in a circle, its front ahead: it turns about a place beside it."""
     here, brief, axis = wish.expectation, wish.brief, wish.expectation.direction
@@ -555,9 +596,8 @@ def _lead(wish: Wish) -> _Replaced:
         return None
     if brief.anchored is not None or expectation.sudden or expectation.partial or expectation.repeats > 1:
         return None
-    others = [e for e in wish.expectations if e is not expectation and e.kind is not MotionKind.STILL]
     causes = _find_forces(wish, lambda c: (turns or c.pushes) and c.item.region is None)
-    if way is None or not causes or any(share_time(e, expectation) for e in others):
+    if way is None or not causes or any(share_time(e, expectation) for e in wish.list_others()):
         return None  # what is led does nothing else
     first, end = wish.get_span(causes)[0], min(expectation.window[1], wish.brief.last)
     seconds, hands = (end - first) * brief.frame_dt, _find_hand(wish, first)
@@ -622,6 +662,7 @@ _RULES = (
     _raise_side,
     _carry,
     _set_down,
+    _tilt_back,
     _lead_round,
     _lead,
 )

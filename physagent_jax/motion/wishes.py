@@ -48,8 +48,10 @@ class Wish:
         return [e.window[0] for e in self.list_others()]
 
     def list_others(self) -> list[ExpectedMotion]:
-        """The other motions."""
+        """The other motions; of what all of it does, no limb's: that goes along with it."""
         others = [e for e in self.expectations if e is not self.expectation]
+        if self.expectation.limb is None:
+            others = [e for e in others if e.limb is None]
         return [e for e in others if e.kind is not MotionKind.STILL]
 
     def about(self, expectation: ExpectedMotion) -> Wish:

@@ -70,6 +70,28 @@ def test_limbs_are_stretched_by_what_is_told_each_along_itself(sentence):
 
 
 @pytest.mark.parametrize(
+    ("sentence", "limbs"),
+    [
+        ("the robot lowers its arms one by one", [0, 1]),
+        ("each of its arms is raised in turn", [0, 1]),
+        ("it raises one arm, then the other one", [0, 1]),
+        ("its arms swing, first the left, then the right", [0, 1]),
+    ],
+)
+def test_limbs_of_one_kind_act_one_after_another(sentence, limbs):
+    """Those that nobody names in their order go from the left to the right of the picture."""
+    first, second = read(sentence).expectations
+    assert [first.limb, second.limb] == limbs and first.window[1] == second.window[0]
+
+
+def test_a_limb_comes_on_top_of_the_turn_of_the_whole():
+    """The whole is led first: what comes later wins."""
+    reply = read("the robot turns around, waving its left arm", frame_count=100, world="ground")
+    whole, *limb = reply.force_field.constraints
+    assert whole.region is None and limb and all(each.carried for each in limb)
+
+
+@pytest.mark.parametrize(
     "sentence",
     [
         "raise its left arm, then let go so it flops back down",

@@ -254,9 +254,11 @@ def test_a_wheelie_is_done_and_ended():
     assert turn.kind is MotionKind.ROTATE and turn.released and not reply.unsure
 
 
-def test_a_pose_of_a_fall_that_comes_later_is_doubted():
-    """Nothing turns it in the air: it falls as it is, and must not be called a success."""
-    assert read("it rises and then crashes down nose first", stand()).unsure
+def test_what_is_to_fall_in_a_pose_later_is_turned_in_the_air():
+    """By as much as brings that side down; else it falls as it is."""
+    rise, turn, fall = read("it rises and then crashes down nose first", stand()).expectations
+    assert turn.kind is MotionKind.ROTATE and turn.amount.value == pytest.approx(180.0)
+    assert rise.window[1] <= turn.window[0] and turn.window[1] <= fall.window[0]
     assert not read("it crashes down nose first", stand()).unsure
     assert not read("it rises and then crashes down", stand()).unsure
 

@@ -247,6 +247,25 @@ def test_what_is_carried_turns_on_what_flies(x64):
     assert np.asarray(moved.v)[limb, 2].mean() < 0.5 - 0.5 * 9.8 * 0.1
 
 
+def test_what_is_carried_turns_with_what_turns(x64):
+    """Without a motion of its own it goes as if it were a piece of the rest."""
+    model, state = block((8, 2, 2), low=(0.3, 0.45, 0.45), youngs_modulus=1e6, dt=1e-3, dtype=np.float64)
+    spin, limb = [0.3, 0.0, 2.0], np.asarray(state.x[:, 0]) > 0.55
+    led, rest = np.flatnonzero(limb), np.flatnonzero(~limb)
+    pivot, order = jnp.asarray([0.55, 0.5, 0.5]), np.concatenate([led, rest])
+    mean = np.asarray(state.x)[rest].mean(0)
+    carried = dataclasses.replace(
+        motion(order, center=pivot - mean, end=np.where(np.arange(len(order)) < len(led), 1e9, -1.0)),
+        about=jnp.asarray(np.arange(len(order)) >= len(led), jnp.float64),
+        turns=jnp.asarray([[*spin, 0.0, 0.05]]),
+        carried=True,
+    )
+    whole = motion(np.arange(len(state.x)), angular=spin, end=0.05)
+    moved = run(model.replace(constraints=(whole, carried)), state, 50)
+    plain = run(model.replace(constraints=(whole,)), state, 50)
+    np.testing.assert_allclose(moved.x, plain.x, atol=1e-4)
+
+
 def test_particles_go_with_their_share(x64):
     """Each turns about the centre by its share of the angle, exactly; what has none of it is held."""
     model, state = block((8, 2, 2), low=(0.3, 0.45, 0.45), dtype=np.float64, dt=1e-3)

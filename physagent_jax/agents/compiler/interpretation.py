@@ -64,6 +64,7 @@ _OTHERS = frozenset(("other", "another", "one", "each", "next"))  # beside a lim
 _BEARERS = dict(hand="arm", hands="arms", fist="arm", fists="arms", head="neck")
 _SEVERING = ("break", "snap", "crack", "cut", "chop", "saw", "hack", "shear", "tear", "rip")
 _BITING = frozenset("jaw jaws claw claws pincer pincers beak mouth bill teeth gripper grabber".split())
+_HALF = 0.5  # of the object, as which no part is that comes off
 _HOPS = 20.0  # [degrees] by which an end is raised that hops up
 GOING = (Effect.PUSH, Effect.STRIKE, Effect.ROLL)  # what comes to a stop
 _CHOP = 60.0  # [degrees] by which a tool leans that is swung down
@@ -514,17 +515,28 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
     whole = event.effect in (Effect.FALL, Effect.TOPPLE)
     if not named or whole and named[0].place.names == ("down",) and event.parts:
         return  # "lands on its feet", as it stood
-    place, event.excludes_part = named[0].place, not event.parts
+    place, event.excludes_part, ends = named[0].place, not event.parts, []
     if event.parts and not (event.is_blow and named[0].phrase in read_lexicon().fronts):
         # A blow on the belly drives all of it away.
         event.limbs = hinged or _find_bearers(named[0], event, brief) or find_limbs(named[0], brief)
+        leaves = event.motion.manner == "detach" or event.motion.draws or event.phrase == "unscrew"
+        if not event.limbs and leaves and (side := find_side(named[0], brief)):
+            ends = [(p.share, k) for k, p in enumerate(brief.parts) if cosine(p.side, side) > _UPRIGHT]
+            ends = sorted(each for each in ends if each[0] < _HALF)[-1:]
+            event.limbs = tuple(k for _, k in ends)  # "the top comes off": what is there
         if before is not None and _means_same(event, before, brief):
             event.limbs = before.limbs
+        if before is not None and before.limbs and named[0].text.startswith("other "):
+            alike = find_limbs(replace(named[0], text=f"each {named[0].phrase}"), brief)
+            others = [k for k in alike if k not in before.limbs]  # the next one: "then another, and another"
+            event.limbs = tuple(sorted(others, key=lambda k: k < before.limbs[0])[:1])
+            event.doubts += [] if others else [f"Which part '{named[0].text}' is, is not known."]
     if event.effect is Effect.TURN:  # of all wheels, a steering wheel has no axle
         event.limbs = tuple(k for k in event.limbs if brief.parts[k].axle) or event.limbs
     if event.limbs:
         text, roles = named[0].text, find_roles(named[0].phrase)
-        doubt = explain_guess(text, brief.parts, event.limbs, plural=is_plural(text), roles=roles)
+        guess = () if ends else event.limbs
+        doubt = guess and explain_guess(text, brief.parts, guess, plural=is_plural(text), roles=roles)
         # It only has to stay where it is.
         (event.notes if event.effect is Effect.STILL else event.doubts).extend(filter(None, [doubt]))
         part = brief.parts[event.limbs[0]]

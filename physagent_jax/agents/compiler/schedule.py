@@ -219,7 +219,8 @@ def follows(before: Event, event: Event) -> bool:
     thrown = effect is Effect.STRIKE and event.motion.gravity and before.motion.direction == "up"
     if before.effect is Effect.TOPPLE and event.motion.puts_back:
         return True  # "it falls over and gets up again"
-    if effect is Effect.SWAY and before.effect is Effect.TURN and before.motion.angle == 180:
+    flipped = before.effect is Effect.TURN and before.motion.angle == 180
+    if effect is Effect.SWAY and flipped and not event.parts:
         return True  # "lands on its back and rocks"
     over = effect is Effect.TURN and event.motion.angle == 180 and before.motion.direction in ("up", None)
     falls = effect is Effect.FALL or thrown or over  # "pick it up and throw it"

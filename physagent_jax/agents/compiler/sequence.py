@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from copy import deepcopy
 from dataclasses import replace
 
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
 from physagent_jax.agents.compiler.events import (
+    ACROSS,
     ALONG,
     BY_DEFAULT,
     WAYS,
@@ -23,6 +25,8 @@ from physagent_jax.agents.lexicon import Effect, Repeat, read_lexicon
 from physagent_jax.agents.lexicon.types import HOLDABLE, is_end
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX
+from physagent_jax.forces.part import is_plural
+from physagent_jax.motion.attitudes import find_attitude
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.hinges import find_hinge, find_hinged
 from physagent_jax.motion.joints import Turning
@@ -69,7 +73,7 @@ def make_events(clauses: list[Event], builder: ForceFieldBuilder) -> list[Event]
             builder.notes.append(f"'{event.words}' is negated: it does not happen.")
         else:
             _add_event(events, event, builder)
-    events = [part for each in events for part in _stretch_each(each, builder.brief)]
+    events = [part for each in events for part in _part_limbs(each, builder.brief)]
     events = _share_time(_find_releases(events, builder))
     for each in events if builder.soft and all(e.effect is not Effect.SWAY for e in events) else ():
         each.trembles |= each.motion.palm
@@ -79,11 +83,13 @@ def make_events(clauses: list[Event], builder: ForceFieldBuilder) -> list[Event]
 
 
 def _open_and_close(event: Event, brief: SceneBrief) -> list[Event]:
-    """The steps of what opens and closes on a hinge; what has none goes to and fro."""
+    """The steps of what opens and closes on a hinge, or is screwed off; what has no hinge goes to and fro."""
     words, motions = event.phrase.split(" and "), read_lexicon().motions
     limbs = find_limbs(event.parts[0], brief) if event.parts else find_hinged(brief)
     swings = event.effect is Effect.SWAY and len(words) == 2
-    if not swings or not any(find_hinge(brief.parts[limb], brief) for limb in limbs):
+    if event.parts and event.verb and event.verb.after:
+        words = [event.verb.after, event.phrase]
+    elif not swings or not any(find_hinge(brief.parts[limb], brief) for limb in limbs):
         return [event]
     count = next((each.times for each in event.clause.repetitions if each.times), 1)
     plain = event.clause.model_copy(update=dict(repetitions=[]))
@@ -95,18 +101,26 @@ def _open_and_close(event: Event, brief: SceneBrief) -> list[Event]:
     ]
 
 
-def _stretch_each(event: Event, brief: SceneBrief) -> list[Event]:
-    """The stretches of several limbs at once, each along its own line."""
-    if event.effect is not Effect.SCALE or event.motion.sign < 0 or len(event.limbs) < 2:
+def _part_limbs(event: Event, brief: SceneBrief) -> list[Event]:
+    """The limbs of an event one by one: where each stretches along its own line, or one acts after the other."""
+    turns = [each for each in event.clause.repetitions if each.in_turn]
+    stretched = event.effect is Effect.SCALE and event.motion.sign > 0
+    if turns and event.parts and len(event.limbs) < 2 and is_plural(event.parts[0].text):
+        event.doubts.append(f"Which parts are meant by '{turns[0].text}' is not known: one is moved.")
+    if len(event.limbs) < 2 or not (turns or stretched):
         return [event]
-    together = event.clause.model_copy(update=dict(order="together"))
-    own, stretched = event.sources["vector"].why == ALONG, []
-    for limb in event.limbs:
+    rest = [each for each in event.clause.repetitions if not each.in_turn]
+    later = event.clause.model_copy(update=dict(order="then" if turns else "together", repetitions=rest))
+    first, why = later.model_copy(update=dict(order=event.clause.order)), event.sources["vector"].why
+    right, parted = brief.directions.right, []
+    for limb in sorted(event.limbs, key=lambda limb: turns and dot(brief.parts[limb].side, right)):
         part = brief.parts[limb]
-        told = dict(clause=together if stretched else event.clause, limbs=(limb,), region=part.moved)
-        way = Turning(part, brief, brief.frame_count).arm if own else event.direction
-        stretched.append(replace(event, part=part.side, direction=way, **told))
-    return stretched
+        own = Turning(part, brief, brief.frame_count)
+        way = {ALONG: own.arm, ACROSS: own.swing}.get(why, event.direction)
+        told = dict(clause=later if parted else first, limbs=(limb,), region=part.moved, direction=way)
+        told |= dict(when=Timing(), doubts=[], notes=[]) if parted and turns else {}
+        parted.append(replace(event, part=part.side, **told))
+    return parted
 
 
 def _put_landings_first(clauses: list[Event]) -> list[Event]:
@@ -154,6 +168,9 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     fell = bool(events) and (events[-1].effect in (Effect.FALL, Effect.TOPPLE) or events[-1].motion.gravity)
     if event.phrase == "smash" and event.is_bare and fell:  # "it falls and smashes"
         event.motion, event.phrase, event.direction = read_lexicon().motions["break"], "break", None
+    if events and events[-1].phrase == "unscrew" and event.motion.manner == "detach" and event.limbs:
+        event = replace(_make_another(event, "unscrew off"), direction=builder.brief.directions.up)
+        event.clause = event.clause.model_copy(update=dict(order="then"))  # "it unscrews and comes off"
     severed = bool(events) and events[-1].motion.manner == "detach"
     if severed and event.effect is Effect.LEAN and event.motion.direction == "beside" and not event.parts:
         builder.notes.append(f"'{event.words}' comes of the part that is gone: nothing is made of that.")
@@ -215,7 +232,12 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     before = events[-1] if events else None
     ends = before and is_end(before.motion, event.motion) and event.clause.order != "together"
     lowered = _is_dropped(event, builder) or event.motion.puts_back and not aloft
-    if before and before.effect is Effect.LEAN and event.is_bare and lowered:
+    lowered |= event.phrase == "come back down" and not aloft
+    rests = next((each for each in reversed(events) if each.effect is not Effect.STILL), None)
+    lean = _find_held_lean(events, builder) if lowered and rests and rests.limbs else None
+    if lean and event.is_bare and event.phrase == "come down":
+        event = _bring_back(lean, event)  # "it rears up, waves its paws and comes down"
+    elif rests and rests.effect is Effect.LEAN and event.is_bare and lowered:
         event = _make_another(event, "let go")  # "lift its front end, then drop it"
     lower = all(way.names == ("down",) for way in event.ways) and not event.clause.quantities
     upright = before is not None and _is_upright(before)
@@ -265,6 +287,11 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     if stood and _is_dropped(event, builder):
         events.append(_make_lift(event, builder))
         builder.notes.append(f"'{event.words}': it stands on the ground, so it is lifted first.")
+    if (turn := _turn_for_landing(event, events, builder)) is not None:
+        events.append(turn)
+        event.clause, event.motion = turn.clause, replace(event.motion, pose="")
+        if turn.clause.order == "together":
+            return  # "throw it up so that it lands on its side"
     events.append(event)
     _drop_again(events, builder)
 
@@ -279,6 +306,21 @@ def _ends_flight(events: list[Event], event: Event) -> bool:
     lies = event.phrase.startswith(("land", "topple")) or event.motion.generic
     lies &= event.effect is Effect.TOPPLE or event.effect is Effect.TURN and event.motion.angle == FLIPPED
     return (turn.motion.leaps or thrown) and (lands or lies)
+
+
+def _turn_for_landing(event: Event, events: list[Event], builder: ForceFieldBuilder) -> Event | None:
+    """The turn aloft after which what was lifted or thrown lands as it is said to; None if it lands as it was."""
+    pose, last = event.clause.pose or event.motion.pose, events[-1] if events else None
+    thrown = last is not None and (last.motion.gravity or last.effect is Effect.JUMP)
+    if event.effect is not Effect.FALL or pose in ("", "down") or not (thrown or _is_lifted(events, builder)):
+        return None
+    x, y = find_attitude(pose, builder.brief)
+    plain = dict(pose="", quantities=[], repetitions=[], order="together" if thrown else "then")
+    told = Amount(value=math.hypot(x, y), unit="degrees")
+    turn = _make_another(event, "turn", tumbles=thrown)
+    builder.notes.append(f"'{event.text}': it is turned in the air, so that it lands so.")
+    clause, way = event.clause.model_copy(update=plain), normalise((x, y, 0.0))
+    return replace(turn, clause=clause, when=Timing(), direction=way, amount=told, strength=1.0)
 
 
 def _turn_until_landed(turn: Event, event: Event, brief: SceneBrief) -> Event:
@@ -552,11 +594,15 @@ def _find_releases(events: list[Event], builder: ForceFieldBuilder) -> list[Even
         if result and result[-1].effect is Effect.RELEASE:
             continue  # "release it and let it swing back" is one release
         acted = any(each.effect not in _RESTING for each in result)
+        lean = None if limb else _find_held_lean(result, builder)
+        falls = after is not None and after.effect in (Effect.FALL, Effect.TOPPLE)
         if event.motion.alone == "fall" and limb:
             result.append(event)
         elif event.motion.alone == "fall" and _is_lifted(result, builder):
             result.append(_make_another(event, "fall"))
-        elif after is not None and after.effect in (Effect.FALL, Effect.TOPPLE):
+        elif lean and not (falls and after and after.clause.order != "then"):
+            result.append(_bring_back(lean, event))
+        elif falls:
             continue
         elif acted and _is_turned_over(result[-1]) and not event.motion.lets_go:
             back = scale(result[-1].direction, -1.0) if result[-1].direction else None
@@ -587,6 +633,20 @@ def _is_turned_over(event: Event) -> bool:
     told = event.amount is not None and event.amount.unit == "degrees" and event.amount.value > _OVER
     level = event.direction is not None and abs(event.direction[2]) < _LEVEL
     return event.effect is Effect.TURN and told and level and not (event.parts or event.limbs)
+
+
+def _find_held_lean(events: list[Event], builder: ForceFieldBuilder) -> Event | None:
+    """The lean in which all of it was kept as it rested or moved a limb: "it rears up, waits, and comes down"."""
+    whole = [each for each in events if not (each.limbs or each.effect is Effect.STILL)]
+    lean = whole[-1] if whole and whole[-1] is not events[-1] and not builder.anchored else None
+    held = lean is not None and lean.effect is Effect.LEAN and lean.direction and not lean.parts
+    return lean if held and builder.grounded else None
+
+
+def _bring_back(lean: Event, event: Event) -> Event:
+    """The turn by which what leant comes back."""
+    way, motion = scale(lean.direction or (0, 0, 0), -1.0), replace(lean.motion, puts_back=True)
+    return replace(lean, clause=event.clause, when=event.when, direction=way, motion=motion)
 
 
 def _raise(fallen: Event, event: Event, brief: SceneBrief) -> Event:

@@ -591,13 +591,22 @@ def read_stances(mentions: list[Mention], _names: frozenset[str]) -> list[Mentio
         end = next((k for k in range(at + 1, len(mentions)) if mentions[k].kind is MentionKind.JOIN), None)
         near = range(at + 1, min(at + _NEAR + 2, len(mentions) if end is None else end))
         place = next((k for k in near if mentions[k].kind is MentionKind.PLACE), None)
-        if place is not None and holds and sticks_out(mentions[place]):
+        swings = place is not None and owned and any(_swings(mentions[k]) for k in range(place, near.stop))
+        if swings and not rests:  # "with its tail wagging"
+            result[at] = replace(mention, kind=MentionKind.JOIN, value=Join.WHILE, phrase="while")
+        elif place is not None and holds and sticks_out(mentions[place]):
             _take_stance(result, at, place, near.stop)
         elif place is not None and owned and not rests:
             last = next((k for k in near if mentions[k].form in get_set("stances")), at)
             owned = place == at + 1 or mentions[at + 1].form in get_set("pronouns_of_owners")
             result[at : last + owned] = [empty(m) for m in mentions[at : last + owned]]
     return result
+
+
+def _swings(mention: Mention) -> bool:
+    """Return whether a participle tells a motion that goes on: "wagging", but not "hanging" or "stretched"."""
+    goes = (Effect.SWAY, Effect.TURN, Effect.LEAN, Effect.PUSH)
+    return mention.motion is not None and mention.motion.effect in goes and mention.form.endswith("ing")
 
 
 def _take_stance(mentions: list[Mention], at: int, place: int, end: int) -> None:

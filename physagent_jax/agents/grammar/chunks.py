@@ -212,7 +212,7 @@ def _is_noun(reader: Reader, entry: Entry, used: list[int]) -> bool:
         owned |= any(m.kind is MentionKind.VERB and m.first == at - 2 for m in reader.mentions)
         compound = before in reader.names and reader.get_text(at - 2) not in ("a", "an")
         owned |= compound and text != "head"  # "the robot arm"; a deer head may be all there is
-        owned |= before == "one" and reader.get_text(at - 2) not in ("with", "by", "of")
+        owned |= before in ("one", "each", "every") and reader.get_text(at - 2) not in ("with", "by", "of")
         if words[0] in ("one", "a", "an") and before in (*get_set("before_ways"), words[-1] != "of" and "on"):
             return True  # "it rolls to one side of the room", "stand it on one end"
         owned &= not (text in LEXICON.agents and _is_of_person(reader, owner, at))

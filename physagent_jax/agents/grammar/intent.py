@@ -195,6 +195,7 @@ def _list_repetitions(clause: Clause) -> tuple[intent.Repetition, ...]:
                 times=None if told.count is None else min(told.count, _MOST_TIMES),
                 often=told.vague,
                 alternating=told.alternate,
+                in_turn=told.in_turn,
                 first=told.names[0] if told.names else None,
                 text=_cut(" ".join(mention.words for mention in mentions if mention.value is told)),
             )

@@ -54,7 +54,7 @@ def read_poses(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]
             result[first : at + 1] = map(empty, mentions[first : at + 1])
             if side and not told:
                 result[at] = replace(mention, kind=MentionKind.POSE, value=side, phrase="pose")
-            if motion.lands:  # "so that it lands on its head"
+            if motion.lands or motion.effect is Effect.STILL:  # "so that it lands on its head"
                 result[verbs[-1]] = empty(mentions[verbs[-1]])
         elif first < at and mention.phrase not in read_sections()["lying"] and motion.effect in _ENDING:
             back = first > 0 and mentions[first - 1].phrase == "back"
@@ -110,6 +110,8 @@ def _find_drop(mentions: list[Mention], verbs: list[int]) -> int | None:
     last = mentions[verbs[-1]].motion if verbs else None
     for at in reversed(verbs):
         motion = mentions[at].motion
+        if motion is not None and motion.effect is Effect.STILL and motion.generic and at != verbs[0]:
+            continue  # "drop it so that it ends up lying on its side"
         if motion is None or motion.effect is not Effect.FALL or motion.gives:
             return None
         aloft = motion.topples and _is_from_above(mentions, at)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import unicodedata
 
+from physagent_jax.agents import intent as intents
 from physagent_jax.agents.compiler import compile_forces, compile_intent
 from physagent_jax.agents.compiler.compilation import EXAMPLES
 from physagent_jax.agents.compiler.words import suggest_motions
@@ -19,7 +20,7 @@ from physagent_jax.agents.grammar.reading import read_mentions
 from physagent_jax.agents.grammar.relations import read_clauses
 from physagent_jax.agents.grammar.tokens import correct_spelling, describe_corrections, tokenise
 from physagent_jax.agents.intent import Intent
-from physagent_jax.agents.materials import find_materials, mask_materials
+from physagent_jax.agents.materials import find_materials, mask_materials, shows_by_drop
 from physagent_jax.agents.protocols import SemanticAgent
 from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.agents.trace import Reply
@@ -77,7 +78,13 @@ def read_intent(prompt: str, brief: SceneBrief) -> Intent:
     mark_displacements(clauses, [token.text for token in correct_spelling(tokenise(text), names)])
     intent = make_intent(clauses, mentions, coverage, notes + describe_corrections(text, names))
     if not (intent.clauses or intent.held or intent.surroundings.gravity):
-        raise _refuse(prompt, brief, coverage, others)
+        said = [m for m in materials if not m.named and shows_by_drop(m, prompt)]
+        said = [m.phrase for m in said if not others or len(m.phrase.split()) > 2]
+        if not said:
+            raise _refuse(prompt, brief, coverage, others)
+        note = f"'{said[0]}' tells no motion: it is dropped, which shows what it is made of."
+        drop = intents.Clause(motion="drop", said=said[0], text=said[0])
+        intent = intent.model_copy(update=dict(clauses=(drop,), notes=(*intent.notes, note)))
     return intent.model_copy(update={"materials": tuple(each.word for each in materials)})
 
 

@@ -55,6 +55,7 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
     for begin, end in zip(begins, [*begins[1:], len(mentions)]):
         segment = mentions[begin:end]
         if part is not None:
+            segment = _choose_one(segment, part)
             chosen = any(map(_is_one, segment)) and _find(segment, MentionKind.VERB) is None
             if part.several and chosen:  # "its ears twitch, first the left one"
                 result = [empty(each) if each == part.mention else each for each in result]
@@ -65,6 +66,7 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
             segment = [empty(each) if idle else each for each, idle in zip(segment, points)]
         flops = verb is not None and segment[verb].phrase.startswith("flop")  # leaves do as well
         flops |= part is not None and place is not None and segment[place].phrase == part.mention.phrase
+        flops |= verb is not None and segment[verb].phrase == "unscrew"  # "unscrew the top and lift it off"
         if place is not None and (flops or sticks_out(segment[place])):
             if verb is not None and verb < place and segment[verb].phrase.startswith("let "):
                 let, own = segment[verb], replace(segment[place], first=segment[verb].first)  # "lets it drop"
@@ -86,8 +88,11 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
 
 
 def read_lists(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]:
-    """Marks the parts of a list behind the first: "its ears and its tail wiggle"."""
+    """Marks the parts of a list behind the first: "its ears and its tail wiggle"; of "each wheel" all are meant."""
     result = list(mentions)
+    for before, (at, each) in zip(mentions, enumerate(mentions[1:], 1)):
+        if each.kind is MentionKind.PLACE and before.form in ("each", "every"):
+            result[at] = replace(each, words=f"{before.form} {each.words}")
     ends = [0, *(at for at, each in enumerate(mentions) if each.kind is MentionKind.JOIN), len(mentions)]
     for before, at in pairwise(at for at, each in enumerate(mentions) if each.kind is MentionKind.PLACE):
         between = mentions[before + 1 : at]
@@ -131,6 +136,25 @@ def _name_one(segment: list[Mention], part: Mention) -> list[Mention]:
         return replace(one, value=place, words=words, phrase=words.lower())
 
     return [name(each) if _is_one(each) else each for each in segment]
+
+
+def _choose_one(segment: list[Mention], part: _Part) -> list[Mention]:
+    """The segment with the part that "the other" is, or "the left": of "its ears wiggle, first the left"."""
+    sided = part.several or getattr(part.mention.value, "names", ())
+    result, named = list(segment), _find(segment, MentionKind.PLACE) is not None
+    for at, each in enumerate(segment):
+        behind, before = segment[at + 1 :], [m.form for m in segment[:at]]
+        ends = all(m.form == "one" or m.kind is MentionKind.VERB for m in behind[:1])
+        other = each.words.lower() in ("other", "another") and each.kind in (*LOOSE, MentionKind.FUNCTION)
+        side = each.kind is MentionKind.DIRECTION and sided and before[-1:] == ["the"] and not behind
+        if other and ends and not named:
+            noun = part.mention.words.split()[-1]
+            result[at] = replace(part.mention, first=each.first, words=f"other {noun}")
+        elif side and not named and set(before) <= {",", "and", "then", "first", "the"}:
+            result[at] = replace(
+                each, kind=MentionKind.PLACE, value=Place(each.value, 2 / 3), words=f"{each.words} one"
+            )
+    return result
 
 
 def _takes_off(verb: Mention, behind: list[Mention]) -> bool:

@@ -86,6 +86,7 @@ class Motion:
         palm: Whether an open hand does, which makes it quiver.
         steps: Whether it goes on feet: what has wheels rolls instead.
         puts_back: Whether it ends where it was before.
+        after: The verb for what is done to it first: what is screwed off is turned.
         loose: Whether its angle is only about so large.
         jiggles: Whether any change of place, tilt or shape that comes and goes is one.
         skill: Name of the skill that it stands for; None = what its effect is compiled to.
@@ -128,6 +129,7 @@ class Motion:
     palm: bool = False
     steps: bool = False
     puts_back: bool = False
+    after: str = ""
     loose: bool = False
     jiggles: bool = False
     skill: str | None = None
@@ -177,12 +179,14 @@ class Repeat:
         alternate: Whether it goes to and fro instead of again and again.
         names: The direction of the first swing, if the phrase names it.
         vague: Whether it says "often", not how often.
+        in_turn: Whether several parts do it one after the other.
     """
 
     count: int | None = None
     alternate: bool = False
     names: Names = ()
     vague: bool = False
+    in_turn: bool = False
 
 
 @dataclass(frozen=True)

@@ -38,6 +38,8 @@ class PrescribedMotion(Constraint):
         about: Weights of the particles in that mean, shape (k,); None = all count alike, by their mass.
         carried: Whether u comes on top of the mean velocity of the particles that ``about`` weighs, and ``center`` is
             given from their mean place: a limb that swings on what moves. Their own ``end`` is before ``start``.
+        turns: How what carries it turns meanwhile, one after the other: angular velocity [rad/s], begin and end [s],
+            shape (n, 5); None = it does not turn.
         start, end: Active for start <= time < end [s], scalars or one per particle, shape (k,).
         edge: Width of the window's smooth edges [s], scalar: within them each substep goes a share of the way from the
             free motion to the prescribed one; None = hard.
@@ -56,6 +58,7 @@ class PrescribedMotion(Constraint):
     edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
     share: jax.Array | None = dataclasses.field(default=None, metadata=PER_HELD)
     about: jax.Array | None = dataclasses.field(default=None, metadata=PER_HELD)
+    turns: jax.Array | None = None
     rigid: bool = dataclasses.field(default=False, metadata=dict(static=True))
     carried: bool = dataclasses.field(default=False, metadata=dict(static=True))
     whole: bool = dataclasses.field(default=False, metadata=dict(static=True))
@@ -96,11 +99,45 @@ class PrescribedMotion(Constraint):
         if self.center is not None and not self.carried:
             return motion
         mean = self._average(model, x)
-        return dataclasses.replace(motion, center=mean if self.center is None else mean + self.center)
+        if self.center is None:
+            return dataclasses.replace(motion, center=mean)
+        arm, spin, speed = (
+            self._turn(each, time) for each in (self.center, motion.angular_velocity, motion.velocity)
+        )
+        return dataclasses.replace(motion, center=mean + arm, angular_velocity=spin, velocity=speed)
 
-    def find_drift(self, model: Model, v: jax.Array) -> jax.Array:
-        """The velocity that u comes on top of [m/s], shape (3,), while its particles have ``v``, shape (k, 3)."""
-        return self._average(model, v) if self.carried else jnp.zeros(3, self.velocity.dtype)
+    def find_drift(
+        self, model: Model, x: jax.Array, v: jax.Array, time: jax.Array, places: jax.Array | None = None
+    ) -> jax.Array:
+        """The velocity that u comes on top of [m/s], shape (3,) or that of ``places``, else of ``x``.
+
+        Args:
+            model: Its particles have masses.
+            x: Places of its particles [m], shape (k, 3).
+            v: Their velocities [m/s], shape (k, 3).
+            time: [s].
+            places: Other places, shape (..., 3) [m].
+        """
+        if not self.carried:
+            return jnp.zeros(3, self.velocity.dtype)
+        drift, places = self._average(model, v), x if places is None else places
+        if self.turns is None:
+            return drift
+        spin = jnp.broadcast_to(self._find_spin(time), places.shape)
+        return drift + cross(spin, places - self._average(model, x))
+
+    def _find_spin(self, time: jax.Array) -> jax.Array:
+        """The angular velocity of what carries it [rad/s], shape (3,)."""
+        if self.turns is None:
+            return jnp.zeros(3, self.velocity.dtype)
+        acts = (self.turns[:, 3:4] <= time) & (time < self.turns[:, 4:])
+        return jnp.where(acts, self.turns[:, :3], 0).sum(0)
+
+    def _turn(self, vector: jax.Array, time: jax.Array) -> jax.Array:
+        """A vector that goes along with the turns of what carries it, shape (3,)."""
+        for turn in () if self.turns is None else self.turns:
+            vector = rotate(vector, turn[:3] * jnp.clip(time - turn[3], 0, turn[4] - turn[3]))
+        return vector
 
     def _average(self, model: Model, values: jax.Array) -> jax.Array:
         """The mean of a vector of its particles, shape (3,), by their mass and what ``about`` tells."""
@@ -133,8 +170,9 @@ class PrescribedMotion(Constraint):
         p, clock = self.particles, self.read_clock(state.time, model.dt)
         choose = self._make_choice(clock)
         x, v = state.x[p], state.v[p]
-        v = choose(self.find_drift(model, v) + self._divide(self.locate(model, x, clock).field(x)), v)
-        C = choose(skew(self._divide(self.angular_velocity)), state.C[p])
+        motion = self.locate(model, x, clock)
+        v = choose(self.find_drift(model, x, v, clock) + self._divide(motion.field(x)), v)
+        C = choose(skew(self._divide(motion.angular_velocity) + self._find_spin(clock)), state.C[p])
         return dataclasses.replace(state, v=state.v.at[p].set(v), C=state.C.at[p].set(C))
 
     def on_grid(
@@ -162,7 +200,12 @@ class PrescribedMotion(Constraint):
             led = scatter_mass(own, model.grid, jnp.where(active, self.share * mass, 0))
             wanted = (sum_devices(led, model.axis) / jnp.where(node_mask, held, 1))[..., None] * wanted
         if self.carried:
-            wanted = wanted + self.find_drift(model, gather_affine(own, model.grid, velocity)[0])
+            speeds, nodes = (
+                gather_affine(own, model.grid, velocity)[0],
+                model.grid.place_nodes(velocity.dtype),
+            )
+            places = own.place_particles(model.grid)
+            wanted = wanted + self.find_drift(model, places, speeds, clock, nodes)
         if share is not None:
             part = sum_devices(scatter_mass(own, model.grid, share * mass), model.axis)
             wanted = velocity + (part / jnp.where(node_mask, held, 1))[..., None] * (wanted - velocity)
@@ -172,16 +215,15 @@ class PrescribedMotion(Constraint):
         """Put the held particles exactly where the prescription has them."""
         p, clock = self.particles, self.read_clock(before.time, model.dt)
         choose, motion = self._make_choice(clock), self.locate(model, before.x[p], clock)
-        drift = self.find_drift(model, after.v[p])
+        drift = self.find_drift(model, before.x[p], after.v[p], clock)
         own = motion.displace(before.x[p], model.dt)  # its own path; the centre goes along
         x = choose(own + model.dt * drift, after.x[p])
         v = choose(drift + self._divide(motion.field(own)), after.v[p])
         moved = dataclasses.replace(after, x=after.x.at[p].set(x), v=after.v.at[p].set(v))
         if not self.rigid:
             return moved
-        F = choose(
-            matmul(rotation_matrix(self._divide(self.angular_velocity * model.dt)), before.F[p]), after.F[p]
-        )
+        spin = self._divide(motion.angular_velocity) + self._find_spin(clock)
+        F = choose(matmul(rotation_matrix(spin * model.dt), before.F[p]), after.F[p])
         return dataclasses.replace(moved, F=after.F.at[p].set(F))
 
     def _make_choice(self, time: jax.Array):

@@ -299,7 +299,7 @@ def _p2g_apart_backward(form, residuals, cotangents):
 
         def unfused(x, v, C, tau, lame, viscous, *others):  # the stress through memory
             stress = tau if lame is None else NeoHookean(*lame).stress(tau)
-            stress = stress if viscous is None else stress + viscous_stress(*viscous, tau)
+            stress = stress if viscous is None else stress + viscous_stress(viscous[0], viscous[1], tau)
             if form != "mls":
                 return transfer.p2g_apart(form, grid, x, v, C, stress, *others), x, tau
             return p2g_apart(form, grid, x, v, C, stress, None, None, *others)[0], x, tau
