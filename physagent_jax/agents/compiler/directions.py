@@ -43,12 +43,13 @@ class Heading(NamedTuple):
 
 
 def take_heading(event: Event, brief: SceneBrief) -> None:
-    """Sets the direction that the clause's words tell, in the order in which they take precedence."""
+    """Set the direction that the clause's words tell, in the order in which they take precedence."""
     rules = (_find_axis, _find_long_axis, _add_ways, _find_line, _find_swing, _find_obstacle, _find_blow)
     found = (rule(event, brief) for rule in rules)
     heading = next((each for each in found if each is not None), None) or _assume(event, brief)
-    falls = event.effect is Effect.TOPPLE and heading.vector is not None and not event.parts
-    event.direction = falls and find_own_side(heading.vector, brief) or heading.vector
+    way = heading.vector
+    falls = event.effect is Effect.TOPPLE and way is not None and not event.parts
+    event.direction = falls and way and find_own_side(way, brief) or way
     event.sources["vector"] = ValueSource(heading.words, heading.why)
 
 

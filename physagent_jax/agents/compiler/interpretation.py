@@ -535,8 +535,10 @@ def _take_part(event: Event, before: Event | None, brief: SceneBrief) -> None:
         event.limbs = tuple(k for k in event.limbs if brief.parts[k].axle) or event.limbs
     if event.limbs:
         text, roles = named[0].text, find_roles(named[0].phrase)
-        guess = () if ends else event.limbs
-        doubt = guess and explain_guess(text, brief.parts, guess, plural=is_plural(text), roles=roles)
+        chosen = () if ends else event.limbs
+        doubt = (
+            explain_guess(text, brief.parts, chosen, plural=is_plural(text), roles=roles) if chosen else None
+        )
         # It only has to stay where it is.
         (event.notes if event.effect is Effect.STILL else event.doubts).extend(filter(None, [doubt]))
         part = brief.parts[event.limbs[0]]

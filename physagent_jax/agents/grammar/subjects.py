@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 from physagent_jax.agents.grammar.mentions import (
     LOOSE,
@@ -151,8 +152,9 @@ def _choose_one(segment: list[Mention], part: _Part) -> list[Mention]:
             noun = part.mention.words.split()[-1]
             result[at] = replace(part.mention, first=each.first, words=f"other {noun}")
         elif side and not named and set(before) <= {",", "and", "then", "first", "the"}:
+            names: Any = each.value
             result[at] = replace(
-                each, kind=MentionKind.PLACE, value=Place(each.value, 2 / 3), words=f"{each.words} one"
+                each, kind=MentionKind.PLACE, value=Place(names, 2 / 3), words=f"{each.words} one"
             )
     return result
 
