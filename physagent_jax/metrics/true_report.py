@@ -182,7 +182,9 @@ def _measure_parts(x: np.ndarray, size: float, parts: Mapping[int, np.ndarray]) 
     center = x[0].mean(axis=0)
     away = {number: x[0, chosen].mean(axis=0) - center for number, chosen in parts.items()}
     return [
-        _follow(x[:, chosen], away[number] / (np.linalg.norm(away[number]) or 1.0), size, number)
+        _follow(x[:, chosen], away[number] / (np.linalg.norm(away[number]) or 1.0), size, number).model_copy(
+            update=dict(place=_to_vector(away[number] / size))
+        )
         for number, chosen in parts.items()
     ]
 

@@ -195,6 +195,7 @@ class Ends:
         return PartMotion(
             direction=tuple(direction.tolist()),
             limb=None if prompt is None else prompt.limb,
+            place=tuple((away / size).tolist()),
             extents=breadths,
             centroid=tuple(
                 None if p is None else tuple(((p(center) - center) / size).tolist()) for p in poses

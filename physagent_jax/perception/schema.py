@@ -107,6 +107,7 @@ class PartMotion(Strict):
     Attributes:
         direction: Unit world axis: one of +-x, +-y, +-z; of a part, where it is.
         limb: Number of the part that was asked for; None = an end.
+        place: Its middle in frame 0, seen from the object's [body lengths]; None = not told.
         centroid: Per frame, displacement from frame 0 [body lengths]; None where not observable.
         rotation: Per frame, rotation vector from frame 0 (world axis times unwrapped angle) [deg]; None where not
             observable.
@@ -117,6 +118,7 @@ class PartMotion(Strict):
 
     direction: tuple[Number, Number, Number]
     limb: Count | None = None
+    place: tuple[Number, Number, Number] | None = None
     centroid: tuple[tuple[Number, Number, Number] | None, ...]
     rotation: tuple[tuple[Number, Number, Number] | None, ...]
     stretch: tuple[Matrix | None, ...] = ()

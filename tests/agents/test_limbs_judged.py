@@ -196,12 +196,8 @@ def test_a_part_that_is_to_come_to_the_ground_goes_most_of_the_way(sentence, deg
     assert [c.passed for c in judged.checks if "reach the ground" in c.question] == told
 
 
-@pytest.mark.parametrize(
-    ("degrees", "rises", "verdict"), [(30, 0.4, "SUCCESS"), (0, 0.4, "FAIL"), (30, 0.0, "FAIL")]
-)
-def test_what_waves_while_it_rises_is_judged_by_both(degrees, rises, verdict):
-    """Its arm's path is followed from the middle of the whole, which takes it along."""
-    sentence = "the robot lifts up into the air while its right arm waves"
+def judge_waving(sentence, degrees, carry):
+    """The verdict on an arm that waves by ``degrees`` on a body that ``carry(places, share)`` takes along."""
     chance = np.random.default_rng(0)
     body = chance.uniform((-0.2, -0.1, -0.5), (0.2, 0.1, 0.5), (600, 3))
     arm = chance.uniform((0.2, -0.03, 0.07), (0.35, 0.03, 0.13), (60, 3))
@@ -212,10 +208,33 @@ def test_what_waves_while_it_rises_is_judged_by_both(degrees, rises, verdict):
         angle = np.radians(degrees) * np.sin(2 * np.pi * 3 * frame / 48)
         c, s = np.cos(angle), np.sin(angle)
         turned = SHOULDER + (arm - SHOULDER) @ np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
-        frames.append(np.concatenate([body, turned]) + (0, 0, rises * frame / 48))
+        frames.append(carry(np.concatenate([body, turned]), frame / 48))
     context = AgentContext(sentence, brief(parts=(ARM, HEAD)), (), reply)
     windows = RulePlanner().windows(context)
     parts = {0: np.arange(660) >= 600}
     report = report_true_motion(np.stack(frames), frame_dt=0.04, windows=windows, parts=parts)
     observed = Observation(reply.force_field, report, Unseen())
-    assert RulePlanner().judge(context, observed).value.verdict is Verdict(verdict)
+    return RulePlanner().judge(context, observed).value
+
+
+@pytest.mark.parametrize(
+    ("degrees", "rises", "verdict"), [(30, 0.4, "SUCCESS"), (0, 0.4, "FAIL"), (30, 0.0, "FAIL")]
+)
+def test_what_waves_while_it_rises_is_judged_by_both(degrees, rises, verdict):
+    """Its arm's path is followed from the middle of the whole, which takes it along."""
+    sentence = "the robot lifts up into the air while its right arm waves"
+    judged = judge_waving(sentence, degrees, lambda places, share: places + (0, 0, rises * share))
+    assert judged.verdict is Verdict(verdict)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "turns", "verdict"), [(30, 180, "SUCCESS"), (0, 180, "FAIL"), (30, 0, "FAIL")]
+)
+def test_what_waves_while_it_turns_is_judged_by_both(degrees, turns, verdict):
+    """Its arm's path is that of the whole turned back, or it would wave off to the other side."""
+
+    def turn(places, share):
+        return Rotation.from_rotvec((0, 0, -np.radians(turns) * share)).apply(places)
+
+    judged = judge_waving("the robot turns around clockwise while its right arm waves", degrees, turn)
+    assert judged.verdict is Verdict(verdict), judged.checks

@@ -7,10 +7,10 @@ from functools import cached_property
 
 from physagent_jax.core.strict import Vector
 from physagent_jax.motion import tolerances
-from physagent_jax.motion.judging.seen import ALONG_END, SAME_LINE, Course, View
+from physagent_jax.motion.judging.seen import ALONG_END, SAME_LINE, Course, View, measure_turn
 from physagent_jax.motion.matching import AXIAL, agrees, find_causes, share_time
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, ObstacleRequest
-from physagent_jax.motion.vectors import cosine, dot, norm, normalise, reject, scale, subtract
+from physagent_jax.motion.vectors import add, cosine, dot, norm, normalise, reject, rotate, scale, subtract
 from physagent_jax.perception.reasons import BY_SIZE, TURNED
 from physagent_jax.perception.schema import PartMotion
 
@@ -101,21 +101,32 @@ class Asked:
     def end(self) -> PartMotion | None:
         """The end that is asked about; None for the whole, or if the report does not tell it apart.
 
-        A limb of what moves meanwhile is followed from the middle of the whole.
+        A limb of what moves meanwhile is followed from the middle of the whole, as if that did not turn.
         """
         part, limb = self.motion.part, self.motion.limb
         if limb is not None:
             end = next((each for each in self.view.report.parts if each.limb == limb), None)
             if end is None or not self.carried:
                 return end
-            places = zip(end.centroid, self.view.report.centroid)
-            own = tuple(
-                None if here is None or all_ is None else subtract(here, all_) for here, all_ in places
-            )
-            return end.model_copy(update=dict(centroid=own))
+            return self._take_out_whole(end)
         if part is None:
             return None
         return self.view.find_end(scale(part, -1.0) if self.motion.excludes_part else part)
+
+    def _take_out_whole(self, end: PartMotion) -> PartMotion:
+        """The motion of a limb as the whole has it that carries it, turned back to how that was at first."""
+        whole, away = self.view.report, end.place or (0.0, 0.0, 0.0)
+        places: list[Vector | None] = []
+        turns: list[Vector | None] = []
+        for here, turn, all_, spun in zip(end.centroid, end.rotation, whole.centroid, whole.rotation):
+            places.append(None)
+            turns.append(None)
+            if here is None or turn is None or all_ is None or spun is None:
+                continue
+            back = scale(spun, -1.0)
+            places[-1] = subtract(rotate(subtract(add([here, away]), all_), back), away)
+            turns[-1] = rotate(measure_turn(turn, spun), back)
+        return end.model_copy(update=dict(centroid=tuple(places), rotation=tuple(turns)))
 
     @property
     def hidden(self) -> str:
@@ -165,7 +176,8 @@ class Asked:
     @property
     def carried(self) -> bool:
         """Return whether it is a limb that moves on something which is to move as well."""
-        led = (e.limb is None and e.part is None and e.kind is MotionKind.MOVE for e in self.together)
+        kinds = MotionKind.MOVE, MotionKind.ROTATE
+        led = (e.limb is None and e.part is None and e.kind in kinds for e in self.together)
         return self.motion.limb is not None and any(led)
 
     @cached_property

@@ -249,7 +249,7 @@ class View:
         """Rotation vectors from frame ``first`` on [deg]; without a series, the window's alone."""
         series = self.report.rotation if end is None else end.rotation
         if series:
-            return self._keep_in_plane(_compare(series, first, last, _measure_turn))
+            return self._keep_in_plane(_compare(series, first, last, measure_turn))
         window = self.window(first, last)
         if end is not None or window is None or window.rotation_degrees is None:
             return []
@@ -365,7 +365,7 @@ def _project(tensor: Matrix, direction: Vector) -> float:
     return dot((dot(tensor[0], direction), dot(tensor[1], direction), dot(tensor[2], direction)), direction)
 
 
-def _measure_turn(end: Vector, start: Vector) -> Vector:
+def measure_turn(end: Vector, start: Vector) -> Vector:
     """The rotation vector to one orientation from another, both from frame 0 [deg], with whole turns kept."""
     if norm(start) < 1e-9:
         return end
