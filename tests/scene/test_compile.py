@@ -7,7 +7,7 @@ import pytest
 
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.schema import ForceField
-from physagent_jax.mpm import FixedCorotated, NeoHookean, rollout, simulate, stable_dt
+from physagent_jax.mpm import FixedCorotated, Lumped, NeoHookean, Sharpened, rollout, simulate, stable_dt
 from physagent_jax.scene import config as c
 from physagent_jax.scene.body import make_body
 from physagent_jax.scene.camera import find_viewer_directions, frame_camera, make_reference_camera
@@ -231,6 +231,11 @@ def test_the_paper_preset_has_the_papers_figures():
     assert (paper.timing.frame_count, paper.timing.frame_dt, paper.timing.substep_dt) == (50, 0.04, 2e-4)
     assert paper.transfer.rpic_damping == 0.5
     np.testing.assert_allclose(np.exp(-paper.transfer.damping_rate * 2e-4), 0.9995, rtol=1e-12)
+
+
+def test_a_scene_may_sharpen_its_increments(source, body):
+    made = [scene(source, body, transfer=c.Transfer(sharpening=beta)).model for beta in (0.0, 0.18)]
+    assert [model.inertia for model in made] == [Lumped(), Sharpened(0.18)]
 
 
 def test_sparse_matter_is_warned_about(source):

@@ -16,8 +16,10 @@ from physagent_jax.gaussians.binding import Binding
 from physagent_jax.gaussians.cloud import GaussianCloud
 from physagent_jax.mpm import (
     Grid,
+    Lumped,
     Model,
     PrescribedMotion,
+    Sharpened,
     State,
     cell_order,
     find_smallest_window,
@@ -226,6 +228,7 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
         viscosity=materials.viscosity(mode),
         transfer=config.transfer.scheme,
         stress_form=config.transfer.stress_form,
+        inertia=Sharpened(config.transfer.sharpening) if config.transfer.sharpening else Lumped(),
         rpic_damping=config.transfer.rpic_damping,
         damping_rate=to_device(drag, DTYPE) if drag else None,
     )
