@@ -17,10 +17,12 @@ from benchmarks.cases.hydrostatic import Hydrostatic
 from benchmarks.cases.incline import Incline
 from benchmarks.cases.periodic_bar import PeriodicBar
 from benchmarks.cases.projectile import FreeBody, Projectile
+from benchmarks.cases.ring import SpinningRing
 from benchmarks.cases.sand_column import SandColumn
 from benchmarks.cases.slope import Slope
 from benchmarks.cases.sphere import Sphere
 from benchmarks.cases.spin import FAST, SLOW, Spin, TurnedFluid
+from benchmarks.cases.stepped_rod import SteppedRod
 from benchmarks.cases.viscous import Swirl
 from benchmarks.cases.vortex import Vortex
 from benchmarks.cases.wave import WallImpact, WaveFront
@@ -58,6 +60,8 @@ CASES: tuple[Verified, ...] = (
     _make_pair(FreeBar(), 8, 32),
     _make_pair(Sphere(), 4, 12),
     _make_pair(WaveFront(), 32, 128),
+    _make_pair(SteppedRod(), 64, 128),
+    _make_pair(SpinningRing(), 2, 3),
     _make_pair(WallImpact(), 16, 64),
     _make_pair(Vortex(), 5, 20, step=("courant", 0.2), per_axis=3),
     _make_pair(PeriodicBar("free"), 16, 32, "free ends"),

@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from benchmarks.cases.base import Numerics, check
+from benchmarks.cases.ring import SpinningRing
+from benchmarks.cases.stepped_rod import SteppedRod
 from benchmarks.cases.wave import WallImpact, WaveFront
+from physagent_jax.mpm import Lumped, Sharpened
 
 FORMS = ("mls", "gradient")
 
@@ -34,3 +37,18 @@ def test_the_rebound_improves_with_the_grid(x64):
 
 def test_an_impact_in_single_precision():
     check(WallImpact(), Numerics(32))
+
+
+@pytest.mark.parametrize("inertia", [Lumped(), Sharpened()])
+def test_a_step_of_stiffness_throws_back_a_third_of_a_pulse(inertia, x64):
+    """And lets two thirds through, to second order."""
+    coarse, fine = (
+        check(SteppedRod(), Numerics(cells, dtype=np.float64, inertia=inertia))["velocity (rms)"]
+        for cells in (64, 128)
+    )
+    assert np.log2(coarse / fine) > 1.8
+
+
+@pytest.mark.parametrize("inertia", [Lumped(), Sharpened()])
+def test_a_ring_that_begins_to_spin_breathes(inertia, x64):
+    check(SpinningRing(), Numerics(2, dtype=np.float64, inertia=inertia))
