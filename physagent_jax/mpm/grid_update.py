@@ -26,20 +26,26 @@ def update_grid(
     if isinstance(model.inertia, Lumped):
         folded = grid_velocity(model, fold_boundaries(model, nodes))
         return node_mass, grid_velocity(model, nodes), None, oppose(damp(model, folded))
-    brought, given = nodes[..., :4], nodes[..., 4:]
-    free = grid_velocity(model, brought + given.at[..., 3].set(0))
-    parts = [unfold_boundaries(model, fold_boundaries(model, part)) for part in (brought, given)]
-    chosen = kernels.load_cpu_kernels() if kernels.use_cpu(model.kernels) else None
-    split = transfer.grid_velocities if chosen is None else chosen.grid_velocities
-    old, increments, mass, squares = split(jnp.concatenate(parts, axis=-1), find_empty_mass(model, nodes))
-    moved = old + increments
-    opposed = oppose(moved) if model.boundaries or model.constraints else moved
-    # With what opposes them: matter at rest has none, so that its equilibrium is that of lumped masses.
-    lacking = increments + (opposed - moved)
-    sharpen = inertia.sharpen if chosen is None else chosen.sharpen
-    counted = mass, squares, find_mass_unit(model), find_least_mass(model)
-    sharpening = sharpen(model.inertia.beta, lacking, *counted)
-    return node_mass, free, sharpening, oppose(damp(model, opposed + sharpening))
+    free = grid_velocity(model, _join(nodes))
+    nodes = jnp.concatenate([_mirror(model, nodes[..., :4]), _mirror(model, nodes[..., 4:])], axis=-1)
+    moved = grid_velocity(model, _join(nodes))
+    # With what opposes them: matter at rest has no increments then, so that its equilibrium is that of lumped masses.
+    opposed = oppose(moved) if model.boundaries or model.constraints else None
+    sharpen = kernels.load_cpu_kernels() if kernels.use_cpu(model.kernels) else inertia
+    limits = find_mass_unit(model), find_least_mass(model), find_empty_mass(model, nodes)
+    velocity = sharpen.sharpened_velocity(model.inertia.beta, nodes, opposed, *limits)
+    sharpening = velocity - (moved if opposed is None else opposed)
+    return node_mass, free, sharpening, oppose(damp(model, velocity))
+
+
+def _join(nodes: jax.Array) -> jax.Array:
+    """Momentum and mass of the nodes of `transfer.p2g_apart`, all together, shape (nx, ny, nz, 4)."""
+    return jnp.concatenate([nodes[..., :3] + nodes[..., 4:7], nodes[..., 3:4]], axis=-1)
+
+
+def _mirror(model: Model, nodes: jax.Array) -> jax.Array:
+    """Nodes with what lies behind planes of symmetry, shape (nx, ny, nz, 4)."""
+    return unfold_boundaries(model, fold_boundaries(model, nodes))
 
 
 def grid_velocity(model: Model, nodes: jax.Array) -> jax.Array:

@@ -98,6 +98,33 @@ def sharpen(
     return jnp.where(some[..., None], beta * flows / jnp.where(some, mass, 1.0)[..., None], 0.0)
 
 
+def sharpened_velocity(
+    beta: float,
+    nodes: jax.Array,
+    opposed: jax.Array | None,
+    unit: jax.Array,
+    least: jax.Array,
+    empty: jax.Array,
+) -> jax.Array:
+    """Node velocities [m/s] with their increments sharpened, shape (nx, ny, nz, 3).
+
+    Args:
+        beta: Strength.
+        nodes: Of `transfer.p2g_apart`, shape (nx, ny, nz, 8).
+        opposed: The velocities that boundaries and constraints make of those after the step [m/s], shape
+            (nx, ny, nz, 3); None = there are none.
+        unit: As of `count_particles` [1/kg].
+        least: As of `count_particles` [kg].
+        empty: Mass up to which a node has no velocity [kg].
+    """
+    mass = nodes[..., 3:4]
+    inverse = jnp.where(mass > empty, 1 / jnp.where(mass > empty, mass, 1.0), 0.0)
+    old, given = inverse * nodes[..., :3], inverse * nodes[..., 4:7]
+    increments = given if opposed is None else opposed - old
+    gained = sharpen(beta, increments, mass[..., 0], nodes[..., 7], unit, least)
+    return (old + given if opposed is None else opposed) + gained
+
+
 def count_particles(mass: jax.Array, squares: jax.Array, unit: jax.Array, least: jax.Array) -> jax.Array:
     """Particles per node, (sum w m)^2 / sum w m^2, shape (nx, ny, nz); one alone has its weight.
 

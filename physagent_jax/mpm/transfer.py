@@ -164,12 +164,6 @@ def grid_velocity(nodes: jax.Array, least: jax.Array) -> jax.Array:
     return jnp.where(occupied, momentum / jnp.where(occupied, mass, 1.0), 0.0)
 
 
-def grid_velocities(nodes: jax.Array, least: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
-    """Of the nodes of `p2g_apart`: velocities brought and given, as `grid_velocity`; mass and sum w m^2 ``unit``."""
-    brought, given = nodes[..., :4], jnp.concatenate([nodes[..., 4:7], nodes[..., 3:4]], axis=-1)
-    return grid_velocity(brought, least), grid_velocity(given, least), nodes[..., 3], nodes[..., 7]
-
-
 def g2p(form: str, wall: int, grid: Grid, x, v, C, F, velocity, dt) -> Moved:
     """`gather_affine`, and the particles moved and deformed with the velocities gathered.
 

@@ -113,33 +113,29 @@ def grid_velocity(nodes: jax.Array, least: jax.Array) -> jax.Array:
     return transfer.grid_velocity(nodes, least)
 
 
-@jax.custom_vjp
-def grid_velocities(nodes: jax.Array, least: jax.Array) -> tuple[jax.Array, jax.Array, jax.Array, jax.Array]:
-    """As `transfer.grid_velocities`; only its derivative is a kernel, as that of `grid_velocity`."""
-    return transfer.grid_velocities(nodes, least)
-
-
 @_custom_vjp(0)
-def sharpen(beta: float, increments, mass, squares, unit, least) -> jax.Array:
-    """As `inertia.sharpen`."""
-    ffi.check_operands(
-        "sharpen",
-        dict(increments=increments, mass=mass, squares=squares),
-        dict(increments=(*mass.shape, 3), mass=mass.shape, squares=mass.shape),
-        increments.dtype,
-    )
+def sharpened_velocity(beta: float, nodes, opposed, unit, least, empty) -> jax.Array:
+    """As `inertia.sharpened_velocity`."""
+    nx, ny, nz = nodes.shape[:3]
+    operands, shapes, shape = {"nodes": nodes}, {"nodes": (nx, ny, nz, 8)}, (nx, ny, nz, 3)
+    if opposed is not None:
+        operands["opposed"], shapes["opposed"] = opposed, shape
+    ffi.check_operands("sharpened_velocity", operands, shapes, nodes.dtype)
     call = jax.ffi.ffi_call(
-        register_handler("sharpen", increments.dtype.name),
-        jax.ShapeDtypeStruct(increments.shape, increments.dtype),
+        register_handler("sharpened_velocity", nodes.dtype.name),
+        jax.ShapeDtypeStruct(shape, nodes.dtype),
         vmap_method="sequential",
-        input_layouts=(_BY_NUMBER, None, None, None),
+        input_layouts=(_BY_NUMBER, _BY_NUMBER, None),
         output_layouts=_BY_NUMBER,
     )
-    return call(increments, mass, squares, _stack_sharpening(mass.dtype, beta, unit, least), **choose_team())
+    return call(nodes, *_stack_sharpening(beta, nodes, opposed, unit, least, empty), **choose_team())
 
 
-def _stack_sharpening(dtype, beta: float, unit: jax.Array, least: jax.Array) -> jax.Array:
-    return _stack_scalars(dtype, beta, inertia.FULL / unit, inertia.NEXT_TO_NOTHING * least)
+def _stack_sharpening(beta: float, nodes, opposed, unit, least, empty) -> tuple[jax.Array, jax.Array]:
+    """What the kernels take beside the nodes: velocities, one number where there are none, and scalars."""
+    bare = inertia.NEXT_TO_NOTHING * least
+    scalars = _stack_scalars(nodes.dtype, beta, inertia.FULL / unit, bare, empty, opposed is None)
+    return jnp.zeros((1,) * 4, nodes.dtype) if opposed is None else opposed, scalars
 
 
 @_custom_vjp(0, 1)
@@ -330,39 +326,22 @@ def _p2g_apart_backward(form, residuals, cotangents):
     return (None, *bars[:4], by_lame, None, *bars[6:8], total[:3], by_push, jnp.zeros_like(unit), total[3])
 
 
-def _grid_velocities_forward(nodes, least):
-    return grid_velocities(nodes, least), (nodes, least)
+def _sharpened_velocity_forward(beta, *operands):
+    return sharpened_velocity(beta, *operands), operands
 
 
-def _grid_velocities_backward(residuals, cotangents):
-    nodes, least = residuals
+def _sharpened_velocity_backward(beta, operands, cotangent):
+    nodes, opposed, *constants = operands
+    velocities, scalars = _stack_sharpening(beta, *operands)
     call = jax.ffi.ffi_call(
-        register_handler("grid_velocities_adjoint", nodes.dtype.name),
-        jax.ShapeDtypeStruct(nodes.shape, nodes.dtype),
+        register_handler("sharpened_velocity_adjoint", nodes.dtype.name),
+        tuple(jax.ShapeDtypeStruct(each.shape, nodes.dtype) for each in (nodes, velocities)),
         vmap_method="sequential",
-        input_layouts=(_BY_NUMBER, None, _BY_NUMBER, _BY_NUMBER, None, None),
-        output_layouts=_BY_NUMBER,
+        input_layouts=(_BY_NUMBER, _BY_NUMBER, _BY_NUMBER, None),
+        output_layouts=(_BY_NUMBER, _BY_NUMBER),
     )
-    return call(nodes, least[None], *cotangents, **choose_team()), jnp.zeros_like(least)
-
-
-def _sharpen_forward(beta, *operands):
-    return sharpen(beta, *operands), operands
-
-
-def _sharpen_backward(beta, operands, cotangent):
-    increments, mass, squares, unit, least = operands
-    by_node = jax.ShapeDtypeStruct(mass.shape, mass.dtype)
-    call = jax.ffi.ffi_call(
-        register_handler("sharpen_adjoint", mass.dtype.name),
-        (jax.ShapeDtypeStruct(increments.shape, mass.dtype), by_node, by_node),
-        vmap_method="sequential",
-        input_layouts=(_BY_NUMBER, None, None, _BY_NUMBER, None),
-        output_layouts=(_BY_NUMBER, None, None),
-    )
-    scalars = _stack_sharpening(mass.dtype, beta, unit, least)
-    bars = call(increments, mass, squares, cotangent, scalars, **choose_team())
-    return (*bars, jnp.zeros_like(unit), jnp.zeros_like(least))
+    by_nodes, by_opposed = call(nodes, velocities, cotangent, scalars, **choose_team())
+    return (by_nodes, None if opposed is None else by_opposed, *map(jnp.zeros_like, constants))
 
 
 def _grid_velocity_forward(nodes, least):
@@ -446,7 +425,6 @@ p2g_neo_hookean.defvjp(_p2g_neo_hookean_forward, _p2g_neo_hookean_backward)
 p2g_kelvin_voigt.defvjp(_p2g_kelvin_voigt_forward, _p2g_kelvin_voigt_backward)
 p2g_apart.defvjp(_p2g_apart_forward, _p2g_apart_backward)
 grid_velocity.defvjp(_grid_velocity_forward, _grid_velocity_backward)
-grid_velocities.defvjp(_grid_velocities_forward, _grid_velocities_backward)
-sharpen.defvjp(_sharpen_forward, _sharpen_backward)
+sharpened_velocity.defvjp(_sharpened_velocity_forward, _sharpened_velocity_backward)
 g2p.defvjp(_g2p_forward, _g2p_backward)
 stop.defvjp(_stop_forward, _stop_backward)

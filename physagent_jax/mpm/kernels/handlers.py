@@ -15,7 +15,7 @@ from physagent_jax.kernels.numbers import NO_WRAPPERS
 from physagent_jax.kernels.team import run_in_team
 from physagent_jax.mpm.kernels.adjoint import g2p_adjoint, grid_velocity_adjoint, p2g_adjoint
 from physagent_jax.mpm.kernels.apart import p2g_apart, p2g_apart_adjoint
-from physagent_jax.mpm.kernels.inertia import grid_velocities_adjoint, sharpen, sharpen_adjoint
+from physagent_jax.mpm.kernels.inertia import sharpened_velocity, sharpened_velocity_adjoint
 from physagent_jax.mpm.kernels.transfer import g2p, p2g
 
 
@@ -222,49 +222,30 @@ def _grid_velocity_adjoint(frame, number, team):
 
 
 @njit(**NO_WRAPPERS)
-def _grid_velocities_adjoint(frame, number, team):
-    grid_velocities_adjoint(
+def _sharpened_velocity(frame, number, team):
+    scalars = ffi.get_operand(frame, 2, number, 1)
+    sharpened_velocity(
         team,
         ffi.get_operand(frame, 0, number, 4),
-        ffi.get_operand(frame, 1, number, 1)[0],
-        (
-            ffi.get_operand(frame, 2, number, 4),
-            ffi.get_operand(frame, 3, number, 4),
-            ffi.get_operand(frame, 4, number, 3),
-            ffi.get_operand(frame, 5, number, 3),
-        ),
+        ffi.get_operand(frame, 1, number, 4),
+        (scalars[0], scalars[1], scalars[2], scalars[3]),
+        scalars[4] != 0,
         ffi.get_result(frame, 0, number, 4),
     )
 
 
 @njit(**NO_WRAPPERS)
-def _sharpen(frame, number, team):
+def _sharpened_velocity_adjoint(frame, number, team):
     scalars = ffi.get_operand(frame, 3, number, 1)
-    sharpen(
+    sharpened_velocity_adjoint(
         team,
         ffi.get_operand(frame, 0, number, 4),
-        ffi.get_operand(frame, 1, number, 3),
-        ffi.get_operand(frame, 2, number, 3),
-        (scalars[0], scalars[1], scalars[2]),
+        ffi.get_operand(frame, 1, number, 4),
+        (scalars[0], scalars[1], scalars[2], scalars[3]),
+        scalars[4] != 0,
+        ffi.get_operand(frame, 2, number, 4),
         ffi.get_result(frame, 0, number, 4),
-    )
-
-
-@njit(**NO_WRAPPERS)
-def _sharpen_adjoint(frame, number, team):
-    scalars = ffi.get_operand(frame, 4, number, 1)
-    sharpen_adjoint(
-        team,
-        ffi.get_operand(frame, 0, number, 4),
-        ffi.get_operand(frame, 1, number, 3),
-        ffi.get_operand(frame, 2, number, 3),
-        (scalars[0], scalars[1], scalars[2]),
-        ffi.get_operand(frame, 3, number, 4),
-        (
-            ffi.get_result(frame, 0, number, 4),
-            ffi.get_result(frame, 1, number, 3),
-            ffi.get_result(frame, 2, number, 3),
-        ),
+        ffi.get_result(frame, 1, number, 4),
     )
 
 
@@ -327,28 +308,20 @@ def _grid_velocity_adjoint_float64(frame):
     return run_in_team(frame, np.float64, _grid_velocity_adjoint)
 
 
-def _grid_velocities_adjoint_float32(frame):
-    return run_in_team(frame, np.float32, _grid_velocities_adjoint)
+def _sharpened_velocity_float32(frame):
+    return run_in_team(frame, np.float32, _sharpened_velocity)
 
 
-def _grid_velocities_adjoint_float64(frame):
-    return run_in_team(frame, np.float64, _grid_velocities_adjoint)
+def _sharpened_velocity_float64(frame):
+    return run_in_team(frame, np.float64, _sharpened_velocity)
 
 
-def _sharpen_float32(frame):
-    return run_in_team(frame, np.float32, _sharpen)
+def _sharpened_velocity_adjoint_float32(frame):
+    return run_in_team(frame, np.float32, _sharpened_velocity_adjoint)
 
 
-def _sharpen_float64(frame):
-    return run_in_team(frame, np.float64, _sharpen)
-
-
-def _sharpen_adjoint_float32(frame):
-    return run_in_team(frame, np.float32, _sharpen_adjoint)
-
-
-def _sharpen_adjoint_float64(frame):
-    return run_in_team(frame, np.float64, _sharpen_adjoint)
+def _sharpened_velocity_adjoint_float64(frame):
+    return run_in_team(frame, np.float64, _sharpened_velocity_adjoint)
 
 
 _HANDLERS = {
@@ -366,10 +339,8 @@ _HANDLERS = {
     ("g2p_adjoint", "float64"): _g2p_adjoint_float64,
     ("grid_velocity_adjoint", "float32"): _grid_velocity_adjoint_float32,
     ("grid_velocity_adjoint", "float64"): _grid_velocity_adjoint_float64,
-    ("grid_velocities_adjoint", "float32"): _grid_velocities_adjoint_float32,
-    ("grid_velocities_adjoint", "float64"): _grid_velocities_adjoint_float64,
-    ("sharpen", "float32"): _sharpen_float32,
-    ("sharpen", "float64"): _sharpen_float64,
-    ("sharpen_adjoint", "float32"): _sharpen_adjoint_float32,
-    ("sharpen_adjoint", "float64"): _sharpen_adjoint_float64,
+    ("sharpened_velocity", "float32"): _sharpened_velocity_float32,
+    ("sharpened_velocity", "float64"): _sharpened_velocity_float64,
+    ("sharpened_velocity_adjoint", "float32"): _sharpened_velocity_adjoint_float32,
+    ("sharpened_velocity_adjoint", "float64"): _sharpened_velocity_adjoint_float64,
 }

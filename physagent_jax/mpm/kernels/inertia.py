@@ -1,6 +1,7 @@
-"""The stencil of `mpm.inertia.sharpen`: a node takes from its six neighbours; its adjoint, and that of what it takes.
+"""Node velocities with the stencil of `mpm.inertia.sharpen`, and their adjoint.
 
-XLA would join it with what makes the increments, and make those anew for every neighbour.
+In one pass over the nodes: XLA would join the stencil with what makes the increments, and make those anew for every
+neighbour; apart, small grids would wait for one kernel after the other.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false, reportAttributeAccessIssue=false
@@ -24,80 +25,44 @@ from physagent_jax.kernels.team import share_loop
 
 
 @njit(**OPTIONS)
-def sharpen(team, increments, mass, squares, options, sharpened):
-    """Fill ``sharpened`` with `mpm.inertia.sharpen`: three numbers a node, one of all nodes after the other.
+def sharpened_velocity(team, nodes, opposed, options, free, velocity):
+    """Fill ``velocity`` with `mpm.inertia.sharpened_velocity`, one number of all nodes after the other, as all arrays.
 
-    ``increments`` are ordered so too. ``options`` are the strength, sum w m^2 / (sum w m)^2 ``unit`` below which a
-    node's edges count in full, and the mass up to which a node is empty.
+    ``options`` are the strength, sum w m^2 / (sum w m)^2 ``unit`` below which a node's edges count in full, and the
+    masses up to which a node has no particles and no velocity. ``opposed`` is not read where all of it is ``free``.
     """
-    nodes, new = (flatten(increments), flatten(mass), flatten(squares)), flatten(sharpened)
-    for i in share_loop(team, 0, mass.shape[0]):
-        for j in range(mass.shape[1]):
-            row, first, inside, last = find_neighbours(i, j, mass.shape)
-            end = row + mass.shape[2] - 1
-            sharpen_nodes(load_one, nodes, options, row, first, new)
-            sharpen_nodes(load_one, nodes, options, end, last, new)
-            if mass.shape[2] < BATCH + 2:
+    shape, given, new = velocity.shape, (flatten(nodes), flatten(opposed)), flatten(velocity)
+    for i in share_loop(team, 0, shape[0]):
+        for j in range(shape[1]):
+            row, first, inside, last = find_neighbours(i, j, shape)
+            end = row + shape[2] - 1
+            sharpen_nodes(load_one, given, options, free, row, first, new)
+            sharpen_nodes(load_one, given, options, free, end, last, new)
+            if shape[2] < BATCH + 2:
                 for o in range(row + 1, end):
-                    sharpen_nodes(load_one, nodes, options, o, inside, new)
+                    sharpen_nodes(load_one, given, options, free, o, inside, new)
             else:
                 for o in range(row + 1, end, BATCH):  # the last batch overlaps
-                    sharpen_nodes(load_batch, nodes, options, min(o, end - BATCH), inside, new)
+                    sharpen_nodes(load_batch, given, options, free, min(o, end - BATCH), inside, new)
 
 
 @njit(**OPTIONS)
-def sharpen_adjoint(team, increments, mass, squares, options, bars, results):
-    """Fill ``results``: the derivatives by increments, mass and squares, from ``bars``; options as of `sharpen`."""
-    nodes, bars = (flatten(increments), flatten(mass), flatten(squares)), flatten(bars)
-    new = flatten(results[0]), flatten(results[1]), flatten(results[2])
-    for i in share_loop(team, 0, mass.shape[0]):
-        for j in range(mass.shape[1]):
-            row, first, inside, last = find_neighbours(i, j, mass.shape)
-            end = row + mass.shape[2] - 1
-            pull_nodes(load_one, nodes, options, bars, row, first, new)
-            pull_nodes(load_one, nodes, options, bars, end, last, new)
-            if mass.shape[2] < BATCH + 2:
+def sharpened_velocity_adjoint(team, nodes, opposed, options, free, bars, by_nodes, by_opposed):
+    """Fill the derivatives by ``nodes`` and, unless all is ``free``, by ``opposed``, from ``bars``."""
+    shape, given, bars = nodes.shape, (flatten(nodes), flatten(opposed)), flatten(bars)
+    new = flatten(by_nodes), flatten(by_opposed)
+    for i in share_loop(team, 0, shape[0]):
+        for j in range(shape[1]):
+            row, first, inside, last = find_neighbours(i, j, shape)
+            end = row + shape[2] - 1
+            pull_nodes(load_one, given, options, free, bars, row, first, new)
+            pull_nodes(load_one, given, options, free, bars, end, last, new)
+            if shape[2] < BATCH + 2:
                 for o in range(row + 1, end):
-                    pull_nodes(load_one, nodes, options, bars, o, inside, new)
+                    pull_nodes(load_one, given, options, free, bars, o, inside, new)
             else:
                 for o in range(row + 1, end, BATCH):
-                    pull_nodes(load_batch, nodes, options, bars, min(o, end - BATCH), inside, new)
-
-
-@njit(**OPTIONS)
-def grid_velocities_adjoint(team, nodes, least, bars, results):
-    """Fill ``results``, the derivatives by the nodes' eight numbers, from ``bars``, those by what they make.
-
-    As `adjoint.grid_velocity_adjoint`, of `mpm.transfer.grid_velocities`.
-    """
-    plane, total = nodes.shape[1] * nodes.shape[2], nodes.shape[0] * nodes.shape[1] * nodes.shape[2]
-    old, new, by_mass, by_square = flatten(nodes), flatten(results), flatten(bars[2]), flatten(bars[3])
-    brought, given = flatten(bars[0]), flatten(bars[1])
-    for i in share_loop(team, 0, nodes.shape[0]):
-        for k in range(i * plane, (i + 1) * plane, BATCH):
-            o = min(k, (i + 1) * plane - BATCH)  # as in `transfer.sum_plane`
-            mass = load_batch(old, o + 3 * total)
-            zero, one = mass - mass, splat_like(cast_like(1, least), mass)
-            share = select_greater(mass, splat_like(least, mass), one / mass, zero)
-            a, b, c = (
-                load_batch(brought, o),
-                load_batch(brought, o + total),
-                load_batch(brought, o + 2 * total),
-            )
-            d, e, f = load_batch(given, o), load_batch(given, o + total), load_batch(given, o + 2 * total)
-            along = (
-                a * load_batch(old, o) + b * load_batch(old, o + total) + c * load_batch(old, o + 2 * total)
-            )
-            along = along + d * load_batch(old, o + 4 * total) + e * load_batch(old, o + 5 * total)
-            along = along + f * load_batch(old, o + 6 * total)
-            store(new, o, share * a)
-            store(new, o + total, share * b)
-            store(new, o + 2 * total, share * c)
-            store(new, o + 3 * total, load_batch(by_mass, o) - share * (share * along))
-            store(new, o + 4 * total, share * d)
-            store(new, o + 5 * total, share * e)
-            store(new, o + 6 * total, share * f)
-            store(new, o + 7 * total, load_batch(by_square, o))
+                    pull_nodes(load_batch, given, options, free, bars, min(o, end - BATCH), inside, new)
 
 
 @njit(**INLINE)
@@ -114,70 +79,103 @@ def find_neighbours(i, j, shape):
 
 
 @njit(**INLINE)
-def count_shares(load, nodes, o, options):
-    """Mass of the nodes from ``o`` on, particles per node over `mpm.inertia.FULL`, and one over the mass; or zeros."""
-    _, full, empty = options
-    m = load(nodes[1], o)
+def load_nodes(load, given, options, free, o):
+    """Of the nodes from ``o`` on, as many as ``load`` loads: what their increments are, mass, share and inverse mass.
+
+    The share is particles per node over `mpm.inertia.FULL`; the inverse is zero where a node has no velocity.
+    """
+    (_, full, bare, empty), (numbers, opposed) = options, given
+    total = numbers.size // 8
+    m = load(numbers, o + 3 * total)
     zero, one = m - m, splat_like(cast_like(1, full), m)
     inverse = select_greater(m, splat_like(empty, m), one / m, zero)
-    some = select_greater(m, splat_like(empty, m), m, zero)
-    share = some * (some / (splat_like(full, m) * select_greater(some, zero, load(nodes[2], o), one)))
-    return m, share, inverse
+    some = select_greater(m, splat_like(bare, m), m, zero)
+    squares = select_greater(some, zero, load(numbers, o + 7 * total), one)
+    share = some * (some / (splat_like(full, m) * squares))
+    if free:
+        l0 = inverse * load(numbers, o + 4 * total)
+        l1 = inverse * load(numbers, o + 5 * total)
+        l2 = inverse * load(numbers, o + 6 * total)
+    else:
+        l0 = load(opposed, o) - inverse * load(numbers, o)
+        l1 = load(opposed, o + total) - inverse * load(numbers, o + total)
+        l2 = load(opposed, o + 2 * total) - inverse * load(numbers, o + 2 * total)
+    return l0, l1, l2, m, share, inverse
 
 
 @njit(**INLINE)
-def sharpen_nodes(load, nodes, options, o, neighbours, new):
-    """The nodes from ``o`` on, as many as ``load`` loads."""
-    v, total = nodes[0], nodes[1].size
-    m, c, inverse = count_shares(load, nodes, o, options)
-    one = splat_like(cast_like(1, options[0]), m)
-    v0, v1, v2 = load(v, o), load(v, o + total), load(v, o + 2 * total)
-    lack0 = lack1 = lack2 = m - m
+def sharpen_nodes(load, given, options, free, o, neighbours, new):
+    """The nodes from ``o`` on."""
+    (numbers, opposed), total = given, given[0].size // 8
+    l0, l1, l2, m, c, inverse = load_nodes(load, given, options, free, o)
+    zero, one = m - m, splat_like(cast_like(1, options[0]), m)
+    lack0 = lack1 = lack2 = zero
     for step in neighbours:
-        p = o + step
-        n, d, _ = count_shares(load, nodes, p, options)
+        n0, n1, n2, n, d, _ = load_nodes(load, given, options, free, o + step)
         weight = lesser(m, n) * lesser(lesser(c, d), one)
-        lack0 = lack0 + weight * (v0 - load(v, p))
-        lack1 = lack1 + weight * (v1 - load(v, p + total))
-        lack2 = lack2 + weight * (v2 - load(v, p + 2 * total))
-    share = splat_like(options[0], m) * inverse
-    store(new, o, share * lack0)
-    store(new, o + total, share * lack1)
-    store(new, o + 2 * total, share * lack2)
+        lack0, lack1 = lack0 + weight * (l0 - n0), lack1 + weight * (l1 - n1)
+        lack2 = lack2 + weight * (l2 - n2)
+    share = splat_like(options[0], m) * select_greater(c, zero, inverse, zero)
+    if free:
+        v0 = inverse * load(numbers, o) + l0
+        v1 = inverse * load(numbers, o + total) + l1
+        v2 = inverse * load(numbers, o + 2 * total) + l2
+    else:
+        v0, v1, v2 = load(opposed, o), load(opposed, o + total), load(opposed, o + 2 * total)
+    store(new, o, v0 + share * lack0)
+    store(new, o + total, v1 + share * lack1)
+    store(new, o + 2 * total, v2 + share * lack2)
 
 
 @njit(**INLINE)
-def pull_nodes(load, nodes, options, bars, o, neighbours, new):
+def pull_nodes(load, given, options, free, bars, o, neighbours, new):
     """The derivatives by the nodes from ``o`` on."""
-    v, (new_v, new_mass, new_squares), total = nodes[0], new, nodes[1].size
-    m, c, inverse = count_shares(load, nodes, o, options)
+    numbers, (by_nodes, by_opposed), total = given[0], new, given[0].size // 8
+    l0, l1, l2, m, c, inverse = load_nodes(load, given, options, free, o)
     zero, one, strength = m - m, splat_like(cast_like(1, options[0]), m), splat_like(options[0], m)
     half = splat_like(cast_like(0.5, options[0]), m)
-    v0, v1, v2 = load(v, o), load(v, o + total), load(v, o + 2 * total)
-    share = strength * inverse
-    g0, g1, g2 = share * load(bars, o), share * load(bars, o + total), share * load(bars, o + 2 * total)
+    own = select_greater(c, zero, inverse, zero)
+    a0, a1, a2 = load(bars, o), load(bars, o + total), load(bars, o + 2 * total)
+    share = strength * own
+    g0, g1, g2 = share * a0, share * a1, share * a2
     by0 = by1 = by2 = by_mass = by_share = zero
     for step in neighbours:
         p = o + step
-        n, d, other = count_shares(load, nodes, p, options)
-        share, fewest = strength * other, lesser(c, d)
+        n0, n1, n2, n, d, other = load_nodes(load, given, options, free, p)
+        share, fewest = strength * select_greater(d, zero, other, zero), lesser(c, d)
         least, part = lesser(m, n), lesser(fewest, one)
         weight = least * part
-        w0, w1, w2 = v0 - load(v, p), v1 - load(v, p + total), v2 - load(v, p + 2 * total)
+        w0, w1, w2 = l0 - n0, l1 - n1, l2 - n2
         h0, h1 = g0 - share * load(bars, p), g1 - share * load(bars, p + total)
         h2 = g2 - share * load(bars, p + 2 * total)
         by0, by1, by2 = by0 + weight * h0, by1 + weight * h1, by2 + weight * h2
         by_weight = w0 * h0 + w1 * h1 + w2 * h2
         # A minimum's derivative is shared out evenly where both are the least, as `jnp.minimum` has it.
         by_mass = by_mass + by_weight * part * select_greater(m, n, zero, select_greater(n, m, one, half))
-        by_mass = by_mass - inverse * weight * (g0 * w0 + g1 * w1 + g2 * w2)
+        by_mass = by_mass - own * weight * (g0 * w0 + g1 * w1 + g2 * w2)
         mine = select_greater(c, d, zero, select_greater(d, c, one, half))
         capped = select_greater(fewest, one, zero, select_greater(one, fewest, one, half))
         by_share = by_share + by_weight * least * mine * capped
-    store(new_v, o, by0)
-    store(new_v, o + total, by1)
-    store(new_v, o + 2 * total, by2)
     by_count = by_share * c
-    store(new_mass, o, by_mass + (by_count + by_count) * inverse)
-    squares = load(nodes[2], o)
-    store(new_squares, o, zero - by_count / select_greater(c, zero, squares, one))
+    by_mass = by_mass + (by_count + by_count) * own
+    squares = select_greater(c, zero, load(numbers, o + 7 * total), one)
+    store(by_nodes, o + 7 * total, zero - by_count / squares)
+    # By momentum brought and given, of which over the mass what is above is made.
+    if free:
+        f0, f1, f2 = inverse * (a0 + by0), inverse * (a1 + by1), inverse * (a2 + by2)
+        q0, q1, q2 = inverse * a0, inverse * a1, inverse * a2
+        by_mass = by_mass - (f0 * l0 + f1 * l1 + f2 * l2)
+    else:
+        f0 = f1 = f2 = zero
+        q0, q1, q2 = zero - inverse * by0, zero - inverse * by1, zero - inverse * by2
+        store(by_opposed, o, a0 + by0)
+        store(by_opposed, o + total, a1 + by1)
+        store(by_opposed, o + 2 * total, a2 + by2)
+    along = q0 * load(numbers, o) + q1 * load(numbers, o + total) + q2 * load(numbers, o + 2 * total)
+    store(by_nodes, o, q0)
+    store(by_nodes, o + total, q1)
+    store(by_nodes, o + 2 * total, q2)
+    store(by_nodes, o + 3 * total, by_mass - inverse * along)
+    store(by_nodes, o + 4 * total, f0)
+    store(by_nodes, o + 5 * total, f1)
+    store(by_nodes, o + 6 * total, f2)
