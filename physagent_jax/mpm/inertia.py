@@ -110,7 +110,7 @@ def sharpened_velocity(
 
     Args:
         beta: Strength.
-        nodes: Of `transfer.p2g_apart`, shape (nx, ny, nz, 8).
+        nodes: Numbers of the nodes, as `transfer.p2g_apart` makes them, shape (nx, ny, nz, 8).
         opposed: The velocities that boundaries and constraints make of those after the step [m/s], shape
             (nx, ny, nz, 3); None = there are none.
         unit: As of `count_particles` [1/kg].

@@ -132,7 +132,7 @@ def sharpened_velocity(beta: float, nodes, opposed, unit, least, empty) -> jax.A
 
 
 def _stack_sharpening(beta: float, nodes, opposed, unit, least, empty) -> tuple[jax.Array, jax.Array]:
-    """What the kernels take beside the nodes: velocities, one number where there are none, and scalars."""
+    """Velocities and scalars that the kernels take beside the nodes; one number in place of no velocities."""
     bare = inertia.NEXT_TO_NOTHING * least
     scalars = _stack_scalars(nodes.dtype, beta, inertia.FULL / unit, bare, empty, opposed is None)
     return jnp.zeros((1,) * 4, nodes.dtype) if opposed is None else opposed, scalars
