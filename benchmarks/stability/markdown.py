@@ -12,7 +12,8 @@ VERDICTS = ("pass", "refused", "FAIL")
 KINDS = ("critical", "matrix", "pairwise", "stiffness", "degenerate")
 SHARPENED = "sharpened-"
 PARTS = KINDS + tuple(SHARPENED + kind for kind in KINDS)
-_LEFT_OUT = ("name", "failed", "good")  # the name is the job's
+_LEFT_OUT = ("name", "failed", "good", "bound", "subject", "form", "configuration")  # the job tells most
+_EXAMPLES = 3  # of refused runs, where not all are shown
 _FIGURES = ("substeps", "lowest_loss", "momentum", "retries")
 
 
@@ -30,16 +31,32 @@ def write_tables(result: Result) -> Tables:
 def condense(result: Result) -> Result:
     """The rows with the figures that the page compares."""
     return {
-        part: section | {"rows": [_condense_row(row) for row in section["rows"]]}
+        part: section | {"rows": [_condense_row(row) for row in _shorten(section["rows"], part)]}
         for part, section in result.items()
     }
 
 
+def _shorten(rows: list[Row], part: str) -> list[Row]:
+    """The rows without the messages that the page does not show."""
+    refused = [row for row in rows if row["verdict"] == "refused"]
+    quiet = [] if part == "degenerate" else refused[_EXAMPLES:]
+    return [row | {"message": ""} if row in quiet else row for row in rows]
+
+
 def _condense_row(row: Row) -> Row:
-    kept = {key: value for key, value in row.items() if key not in _LEFT_OUT}
+    kept = {
+        key: _round(value)
+        for key, value in row.items()
+        if key not in _LEFT_OUT and value != "" and value is not False
+    }
     if "figures" in row:
-        kept["figures"] = {name: value for name, value in row["figures"].items() if name in _FIGURES}
+        figures = {name: _round(value) for name, value in row["figures"].items() if name in _FIGURES}
+        kept["figures"] = {name: value for name, value in figures.items() if value != 0}
     return kept
+
+
+def _round(value):
+    return float(f"{value:.6g}") if isinstance(value, float) else value
 
 
 def _count(verdict: str, rows: list[dict]) -> int:
@@ -49,8 +66,9 @@ def _count(verdict: str, rows: list[dict]) -> int:
 def _write_critical(rows: list[dict]) -> str:
     found: dict[str, dict] = defaultdict(dict)
     for row in rows:
-        ratio = f"{row['ratio']:.0f}+" if row["unlimited"] else f"{row['ratio']:.3f}"
-        found[row["subject"]][row["configuration"], row["form"]] = ratio
+        ratio = f"{row['ratio']:.0f}+" if row.get("unlimited") else f"{row['ratio']:.3f}"
+        subject, form, place = row["job"].rsplit(", ", 2)
+        found[subject][place, form] = ratio
     lines = [
         [
             subject,
@@ -60,9 +78,8 @@ def _write_critical(rows: list[dict]) -> str:
     ]
     text = table(("material", *CONFIGURATIONS), lines)
     least = min(rows, key=lambda row: row["ratio"])
-    return text + (
-        f"\nLeast: {least['ratio']:.3f} ({least['subject']}, {least['configuration']}, {least['form']}).\n"
-    )
+    subject, form, place = least["job"].rsplit(", ", 2)
+    return text + f"\nLeast: {least['ratio']:.3f} ({subject}, {place}, {form}).\n"
 
 
 def _write_part(rows: list[dict], whole: bool) -> str:
@@ -74,7 +91,7 @@ def _write_part(rows: list[dict], whole: bool) -> str:
         refused = [row for row in rows if row["verdict"] == "refused"]
         if refused:
             text += f"\nRefused ({len(refused)}), for example:\n\n"
-            text += "".join(f"- {row['job']}: {one_line(row['message'])}\n" for row in refused[:3])
+            text += "".join(f"- {row['job']}: {one_line(row['message'])}\n" for row in refused[:_EXAMPLES])
     if shown:
         text += table(("run", "of", "verdict", "what happened"), _gather(shown))
     return text
@@ -85,7 +102,7 @@ def _gather(rows: list[dict]) -> list[tuple[str, str, str, str]]:
     gathered: dict[tuple[str, str, str], list[str]] = {}
     for row in rows:
         name, _, of = row["job"].rpartition(": ")
-        key = name or row["job"], row["verdict"], one_line(row["message"])
+        key = name or row["job"], row["verdict"], one_line(row.get("message", ""))
         gathered.setdefault(key, []).append(of if name else "")
     return [(name, ", ".join(filter(None, of)), *said) for (name, *said), of in gathered.items()]
 
@@ -94,9 +111,9 @@ def _describe_extremes(rows: list[dict]) -> str:
     figures = [row["figures"] for row in rows if row["figures"].get("substeps")]
     if not figures:
         return ""
-    least = min(f["lowest_loss"] for f in figures)
-    momentum = max(f["momentum"] for f in figures)
-    redone = sum(f["retries"] > 0 for f in figures)
+    least = min(f.get("lowest_loss", 0.0) for f in figures)
+    momentum = max(f.get("momentum", 0.0) for f in figures)
+    redone = sum("retries" in f for f in figures)
     steps = sum(f["substeps"] for f in figures)
     return (
         f"{steps:,} substeps; the worst gain of energy is {max(0.0, -least):.1e} of what was supplied, the worst "
