@@ -13,11 +13,13 @@ import jax.numpy as jnp
 import numpy as np
 
 from benchmarks import harness
-from benchmarks.gradients.cube import make_cube
 from benchmarks.harness import Row
+from benchmarks.peers.drop import SIDE, SIZE, drop
 from benchmarks.peers.gradient import draw_weight
+from benchmarks.peers.ours import build
 from benchmarks.peers.ours_gradient import find_loss
-from physagent_jax.mpm import Lumped, Schedule, Sharpened, simulate
+from benchmarks.peers.scene import Material
+from physagent_jax.mpm import Lumped, Schedule, Sharpened, cell_order, simulate
 
 DT = 1e-4  # [s]
 CASES = ((20_000, 100), (200_000, 20))  # particles, substeps of a run
@@ -37,7 +39,9 @@ def _measure(particles: int, substeps: int, threads: int, repeats: int) -> Row:
     os.sched_setaffinity(
         0, sorted(os.sched_getaffinity(0))[:threads]
     )  # before JAX and the kernels count them
-    model, state = make_cube(particles, np.float32)
+    cells = round(SIZE / (SIDE * (8 / particles) ** (1 / 3)))  # eight particles in a cell
+    scene = drop(particles, Material.NEO_HOOKEAN, cells)
+    model, state = build(scene.take(cell_order(scene.x, scene.dx)))
     run = dict(frame_count=2, frame_dt=substeps * DT, substep_dt=DT)
     ways: dict[str, Callable[[], None]] = {}
     for name, inertia in (("lumped", Lumped()), ("sharpened", Sharpened())):
