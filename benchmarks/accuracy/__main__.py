@@ -1,9 +1,10 @@
 """`python -m benchmarks.accuracy [--quick] [--json OUT] [--plot PNG] [--markdown MD]`: error against wall time.
 
-Four tables. "verification": every case at the resolution its bar holds for. "work_precision": grid size x step
+Five tables. "verification": every case at the resolution its bar holds for. "work_precision": grid size x step
 policy, then transfer, stress form and precision at the middle grid, for the cases with a smooth error, and the
 same problems on the peers that are installed, in the same run. Wall times are warm; compilation is apart.
-"quadrature": what the number of particles per cell does to bending. "price": what sharpened increments cost.
+"quadrature": what the number of particles per cell does to bending. "price" and "strength": what sharpened
+increments cost, and how strong they are best.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from benchmarks.accuracy.study import (
     ours,
     quadrature,
     rule_words,
+    strengths,
     work_precision,
 )
 from benchmarks.cases.catalogue import CASES, EXPENSIVE, STUDIED, Studied
@@ -53,7 +55,7 @@ class Command(harness.Command):
 
     json: Path = RAW / "accuracy.json"
     """File of the raw rows; those of other parts are kept."""
-    parts: tuple[Literal["verification", "work_precision", "quadrature", "price"], ...] = PARTS
+    parts: tuple[Literal["verification", "work_precision", "quadrature", "price", "strength"], ...] = PARTS
     """Tables to measure; the file's others are kept."""
     plot: Path | None = None
     """Also draw the work-precision plot here (PNG)."""
@@ -73,6 +75,7 @@ def main() -> int:
         "work_precision": lambda: _list_studies(command, usable),
         "quadrature": lambda: _list_quadrature(command),
         "price": lambda: _list_prices(command),
+        "strength": lambda: _list_strengths(command),
     }
     about = {"peers": {name: found.reason or found.version for name, found in peers.items()}}
     primary = {studied.case.name: studied.error for studied in STUDIED}
@@ -102,6 +105,16 @@ def _list_quadrature(command: Command) -> Iterator[Job]:
         label = f"{numerics.stress_form}, {numerics.per_axis} per axis"
         work = partial(ours, QUADRATURE_CASE, label, numerics)
         yield _make_job(f"{label}, {numerics.resolution} cells", QUADRATURE_ERROR, work)
+
+
+def _list_strengths(command: Command) -> Iterator[Job]:
+    """A row for every strength, step and grid of the cases that are studied."""
+    for studied in STUDIED:
+        for resolution in studied.resolutions[:1] if command.quick else studied.resolutions:
+            base = dataclasses.replace(studied.base, resolution=resolution)
+            for label, numerics in strengths(studied.case, base):
+                work = partial(ours, studied.case, label, numerics)
+                yield _make_job(f"{studied.case.name}, {resolution} cells, {label}", studied.error, work)
 
 
 def _list_prices(command: Command) -> Iterator[Job]:

@@ -8,7 +8,7 @@ from benchmarks.accuracy.study import NEAR_BOUND, QUADRATURE_ERROR, SHARPENED, r
 from benchmarks.cases.catalogue import CASES, STUDIED
 from benchmarks.harness import Page, Result, Tables, number, provenance, table
 
-PARTS = ("verification", "work_precision", "quadrature", "price")
+PARTS = ("verification", "work_precision", "quadrature", "price", "strength")
 
 _DENSITIES = ("cells through the height", "stress form", "2 per axis", "3 per axis", "4 per axis")
 _CASES = (
@@ -60,6 +60,8 @@ def write_tables(result: Result) -> Tables:
         tables["equal"] = _compare_at_equal_seconds(work["rows"], primary)
     if densities := result.get("quadrature"):
         tables["quadrature"] = table(_DENSITIES, _make_density_lines(densities["rows"]))
+    if tried := result.get("strength"):
+        tables["strength"] = _write_strengths(tried["rows"], primary)
     if prices := result.get("price"):
         tables["price"] = table(_PRICES, [_make_price_line(row) for row in prices["rows"]])
     return tables
@@ -117,6 +119,17 @@ def _make_study_line(row: dict, primary: str) -> list:
 def _format_wall_time(row: dict) -> str:
     shown = " to ".join(number(value) for value in dict.fromkeys(row["wall_range"]))
     return f"{number(row['wall'])} ({shown})" if " to " in shown else number(row["wall"])
+
+
+def _write_strengths(rows: list[dict], primary: dict[str, str]) -> str:
+    """A line per case, grid and step, a column per strength."""
+    found: dict[tuple, dict[str, str]] = {}
+    for row in rows:
+        rule, strength = row["label"].split(": ")
+        key = row["case"], row["resolution"], rule
+        found.setdefault(key, {})[strength] = _percent(abs(row["errors"][primary[row["case"]]]))
+    columns = list(dict.fromkeys(strength for line in found.values() for strength in line))
+    return table(("case", "cells", "step", *columns), [[*key, *line.values()] for key, line in found.items()])
 
 
 def _make_price_line(row: dict) -> list:

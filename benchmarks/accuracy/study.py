@@ -16,6 +16,7 @@ from physagent_jax.mpm import Sharpened, stable_dt
 
 REFERENCE_DT = 2e-4  # [s]; PhysGaussian's and the paper's usual substep
 NEAR_BOUND = ("bound", 0.9)
+FIXED = (0.15, 0.18, 0.216)  # strengths of sharpened increments that are tried
 SHARPENED = ", sharpened"  # ends the label of runs with `mpm.inertia.Sharpened`
 QUADRATURE_CASE, QUADRATURE_ERROR = Cantilever(), "tip drop"
 
@@ -74,6 +75,22 @@ def work_precision(resolutions: tuple[int, ...], base: Numerics) -> Iterator[tup
     yield "RPIC 0.5", dataclasses.replace(base, rpic_damping=0.5)
     yield "PIC", dataclasses.replace(base, transfer="pic")
     yield "float64", dataclasses.replace(base, dtype=np.float64)
+
+
+def strengths(case: Case, base: Numerics) -> Iterator[tuple[str, Numerics]]:
+    """(label, numerics) that differ in the strength of sharpened increments, one of which follows the step."""
+    for rule in (NEAR_BOUND, ("bound", 0.45)):
+        numerics = dataclasses.replace(base, step=rule)
+        follows = 0.216 - _find_courant(case.problem(numerics)) ** 2 / 12
+        for name, beta in (*((f"{beta:g}", beta) for beta in FIXED), ("follows the step", follows)):
+            yield f"{rule_words(rule)}: {name}", dataclasses.replace(numerics, inertia=Sharpened(beta))
+
+
+def _find_courant(problem: Problem) -> float:
+    """The Courant number c_p dt / dx of a problem of one elastic material."""
+    model, (law, *_) = problem.model, problem.model.materials
+    stiffness, density = np.asarray(law.lam + 2 * law.mu), np.asarray(model.mass / model.volume)
+    return float(np.sqrt(stiffness / density).max()) * problem.dt / model.grid.dx
 
 
 def quadrature(resolutions: tuple[int, ...]) -> Iterator[Numerics]:
