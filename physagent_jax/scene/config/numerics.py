@@ -60,7 +60,7 @@ class Transfer(Strict):
         stress_form: "mls" (Hu et al. 2018), or "gradient", the classical form of warp-mpm and PhysGaussian, whose
             stable step is 0.71 times as long.
         sharpening: Strength of sharpened increments of the node velocities (`mpm.Sharpened`), 0.18 for most; 0 = lumped
-            masses. Waves and vibrations err a third as much; a substep takes a fifth to two fifths longer.
+            masses. Waves and vibrations err a third as much; a substep takes 15 to 27 % longer.
         rpic_damping: 0 = APIC, 1 = only the rotational part of C (RPIC).
         damping_rate: Global velocity damping [1/s]: grid velocities decay by exp(-rate dt) per substep.
     """
