@@ -33,6 +33,7 @@ from benchmarks.first_results.held_back import (
     twentyfirst,
     twentyfourth,
     twentysecond,
+    twentyseventh,
     twentysixth,
     twentythird,
 )
@@ -65,6 +66,7 @@ _LOTS = (
     twentyfourth,
     twentyfifth,
     twentysixth,
+    twentyseventh,
 )
 
 FILES: Mapping[str, PinnedFile] = {name: file for lot in _LOTS for name, file in lot.FILES.items()}
