@@ -20,7 +20,7 @@ from benchmarks.first_results.viewing import (
     rank,
     read_remarks,
 )
-from benchmarks.harness import Page, Result, Row, Tables, drop_fields, number, one_line, provenance, table
+from benchmarks.harness import Page, Result, Row, Tables, drop_fields, one_line, provenance, table
 
 _SENTENCES = ("#", "object", "preset", "sentence", "viewer", "what a viewer sees")
 _SENTENCES += ("verdict", "from the truth", "rounds", "seconds", "frames")
@@ -38,28 +38,12 @@ _PAIRS = (
 )
 _PAIRS += ("frames",)
 
-_UNSHOWN = frozenset(("force_field", "errors", "substeps", "particle_count", "assumptions", "frame_dt"))
-_UNSHOWN |= {
-    "preset",
-    "options",
-    "job",
-    "run",
-    "failed_checks",
-    "true_failed_checks",
-    "not_understood",
-    "unsure",
-}
-_UNSHOWN |= {
-    f"{source}_{what}"
-    for source in ("perceived", "true")
-    for what in ("centroid", "farthest", "rotation", "stretch")
-}
-_NOWHERE = frozenset(("perceived", "wall_s", "true_score"))
-
-_FIELDS = ("#", "force field", "perceived: farthest, last turn", "truth", "particles", "substeps")
-
-_PERCEIVED = ("#", "shift: perceived", "true", "largest error", "turn: perceived", "true", "largest error")
-_PERCEIVED += ("stretch: perceived", "true", "error", "size, perceived over true", "seen")
+# Raw rows have them, and no table.
+_NOWHERE = frozenset(
+    ("force_field", "frame_dt", "substeps", "particle_count", "assumptions", "not_understood")
+)
+_NOWHERE |= {"unsure", "failed_checks", "true_failed_checks", "job", "errors"}
+_UNSHOWN = _NOWHERE | {"run", "preset", "options", "wall_s", "true_score"}
 
 
 def write_tables(result: Result, remarks: Remarks | None = None) -> Tables:
@@ -89,17 +73,14 @@ def _name_left_out(result: Result) -> str:
 
 
 def _detail(rows: list[Row], remarks: Remarks) -> Tables:
-    """The tables of the first set, with fields and perception."""
+    """The tables of the first set, with the verdict from the truth."""
     views = {row["case"]: find_view(row, remarks) for row in rows}
     sheets = {row["case"]: name_sheet(index) for index, row in enumerate(rows)}
     ordered = sorted(rows, key=lambda row: (rank(row["verdict"], views[row["case"]][0]), row["case"]))
-    made = [row for row in rows if row["video"] is not None]
     return {
         "verdicts": _count_verdicts(rows, views),
         "sentences": table(_SENTENCES, [_sentence(row, views, sheets) for row in ordered]),
         "sheets": _show_sheets(sheets.values()),
-        "fields": table(_FIELDS, [_field(row) for row in made]),
-        "perception": table(_PERCEIVED, [_perception(row) for row in made]),
     }
 
 
@@ -160,59 +141,6 @@ def _sentence(row: Row, views: dict[str, tuple[str, str]], sheets: dict[str, str
         f"{row['wall_s']['total']:.0f}",
         f"[sheet](images/{sheets[row['case']]})",
     ]
-
-
-def _field(row: Row) -> list:
-    return [
-        _number(row),
-        "<br>".join(_actions(row["force_field"])),
-        _motion(row["perceived_farthest"], row["perceived_rotation"]),
-        _motion(row["true_farthest"], row["true_rotation"]),
-        f"{row['particle_count']:,}",
-        f"{row['substeps']:,}",
-    ]
-
-
-def _perception(row: Row) -> list:
-    errors = row["errors"]
-    turns = [_turn(row["perceived_rotation"]), _turn(row["true_rotation"])]
-    cells = [_vector(row["perceived_centroid"]), _vector(row["true_centroid"]), errors["centroid_error_max"]]
-    cells += [*turns, errors["rotation_error_max"]]
-    cells += [_vector(row["perceived_stretch"], ""), _vector(row["true_stretch"], "")]
-    cells += [errors["stretch_error_last"], errors["size_ratio"]]
-    shown = [
-        "not seen" if cell is None else cell if isinstance(cell, str) else number(cell) for cell in cells
-    ]
-    return [_number(row), *shown, f"{errors['frames_observed']} of {row['frames']}"]
-
-
-def _actions(field: dict) -> list[str]:
-    lines = ["gravity"] if field["default_drop"] else []
-    for action in (*field["actions"], *field["constraints"]):
-        kind = action.get("action_type") or action["constraint_type"]
-        vector = " ".join(f"{c:.2g}" for c in action["vector"])
-        window = (
-            "whole clip"
-            if "active_time" not in action
-            else "frames {:.3g}-{:.3g}".format(*action["active_time"])
-        )
-        region = ", a region" if "region" in action else ""
-        lines.append(f"{kind} ({vector}) M = {action['magnitude']:.2f}, {window}{region}")
-    return lines
-
-
-def _vector(values, sign: str = "+") -> str | None:
-    return None if values is None else f"({' '.join(f'{value:{sign}.2f}' for value in values)})"
-
-
-def _turn(degrees: float | None) -> str | None:
-    return None if degrees is None else f"{degrees:.0f}"
-
-
-def _motion(centroid, rotation) -> str:
-    moved = "not observable" if centroid is None else "({:+.2f} {:+.2f} {:+.2f}) L".format(*centroid)
-    turned = "turn not observable" if rotation is None else f"{rotation:.0f} deg"
-    return f"{moved}, {turned}"
 
 
 def condense(result: Result) -> Result:

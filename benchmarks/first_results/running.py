@@ -11,8 +11,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from benchmarks import harness
 from benchmarks.first_results.cases import Case
 from benchmarks.first_results.viewing import hash_video
@@ -76,18 +74,9 @@ def gather(run: FinishedRun, summary: dict) -> Row:
         return {"verdict": "CRASHED", "video": None, "message": " ".join(run.problems)[-_LONGEST:]}
     report, truth, judgement = best.motion, best.simulation.truth, best.judgement
     assert truth is not None
-    stretch = report.windows[0].stretch
     return {
         "video": hash_video(run.video),
         "force_field": leave_seeds_out(best.force_field.model_dump(mode="json", exclude_none=True)),
-        "perceived_centroid": report.centroid[-1],
-        "true_centroid": truth.centroid[-1],
-        "perceived_farthest": farthest(report.centroid),
-        "true_farthest": farthest(truth.centroid),
-        "perceived_rotation": report.rotation_degrees[-1],
-        "true_rotation": truth.rotation_degrees[-1],
-        "perceived_stretch": None if stretch is None else np.diag(stretch).tolist(),
-        "true_stretch": truth.stretch[-1],
         "frames": report.frame_count,
         "frame_dt": report.frame_dt,
         "errors": compare(report, truth),
@@ -166,9 +155,3 @@ def leave_seeds_out(field: Any) -> Any:
     if not isinstance(field, dict):
         return field
     return {name: leave_seeds_out(each) for name, each in field.items() if name not in ("inside", "outside")}
-
-
-def farthest(path) -> tuple[float, float, float] | None:
-    """The largest displacement on a path [body lengths]; None if nothing of it was observable."""
-    seen = [point for point in path if point is not None]
-    return max(seen, key=lambda point: sum(c * c for c in point)) if seen else None
