@@ -1,10 +1,10 @@
 """`python -m benchmarks.accuracy [--quick] [--json OUT] [--plot PNG] [--markdown MD]`: error against wall time.
 
-Five tables. "verification": every case at the resolution its bar holds for. "work_precision": grid size x step
+Six tables. "verification": every case at the resolution its bar holds for. "work_precision": grid size x step
 policy, then transfer, stress form and precision at the middle grid, for the cases with a smooth error, and the
 same problems on the peers that are installed, in the same run. Wall times are warm; compilation is apart.
-"quadrature": what the number of particles per cell does to bending. "price" and "strength": what sharpened
-increments cost, and how strong they are best.
+"quadrature": what the number of particles per cell does to bending. "price": what sharpened increments and aggregated
+nodes cost. "strength" and "aggregation": how strong they are best.
 """
 
 from __future__ import annotations
@@ -30,6 +30,7 @@ from benchmarks.accuracy.study import (
     QUADRATURE_ERROR,
     REFERENCE_DT,
     Row,
+    aggregations,
     ours,
     quadrature,
     rule_words,
@@ -55,7 +56,9 @@ class Command(harness.Command):
 
     json: Path = RAW / "accuracy.json"
     """File of the raw rows; those of other parts are kept."""
-    parts: tuple[Literal["verification", "work_precision", "quadrature", "price", "strength"], ...] = PARTS
+    parts: tuple[
+        Literal["verification", "work_precision", "quadrature", "price", "strength", "aggregation"], ...
+    ] = PARTS
     """Tables to measure; the file's others are kept."""
     plot: Path | None = None
     """Also draw the work-precision plot here (PNG)."""
@@ -76,6 +79,7 @@ def main() -> int:
         "quadrature": lambda: _list_quadrature(command),
         "price": lambda: _list_prices(command),
         "strength": lambda: _list_strengths(command),
+        "aggregation": lambda: _list_aggregations(command),
     }
     about = {"peers": {name: found.reason or found.version for name, found in peers.items()}}
     primary = {studied.case.name: studied.error for studied in STUDIED}
@@ -102,9 +106,19 @@ def _list_verification(command: Command) -> Iterator[Job]:
 def _list_quadrature(command: Command) -> Iterator[Job]:
     """A row for every density of particles, grid and stress form."""
     for numerics in quadrature((4,) if command.quick else (4, 8)):
-        label = f"{numerics.stress_form}, {numerics.per_axis} per axis"
+        nodes = "aggregated" if numerics.inertia.aggregation else "lumped"
+        label = f"{numerics.stress_form}, {nodes}, {rule_words(numerics.step)}, {numerics.per_axis} per axis"
         work = partial(ours, QUADRATURE_CASE, label, numerics)
         yield _make_job(f"{label}, {numerics.resolution} cells", QUADRATURE_ERROR, work)
+
+
+def _list_aggregations(command: Command) -> Iterator[Job]:
+    """A row for every case and share of mass below which nodes follow others."""
+    for verified in CASES[::6] if command.quick else CASES:
+        for label, numerics in aggregations(verified.coarse):
+            name = f"{verified.case.name}, {verified.note}" if verified.note else verified.case.name
+            work = partial(ours, verified.case, f"{name}: {label}", numerics, judged=True)
+            yield _make_job(f"{name}, aggregation {label}", None, work)
 
 
 def _list_strengths(command: Command) -> Iterator[Job]:

@@ -8,9 +8,17 @@ from benchmarks.accuracy.study import NEAR_BOUND, QUADRATURE_ERROR, SHARPENED, r
 from benchmarks.cases.catalogue import CASES, STUDIED
 from benchmarks.harness import Page, Result, Tables, number, provenance, table
 
-PARTS = ("verification", "work_precision", "quadrature", "price", "strength")
+PARTS = ("verification", "work_precision", "quadrature", "price", "strength", "aggregation")
 
-_DENSITIES = ("cells through the height", "stress form", "2 per axis", "3 per axis", "4 per axis")
+_DENSITIES = (
+    "cells through the height",
+    "stress form",
+    "light nodes",
+    "step",
+    "2 per axis",
+    "3 per axis",
+    "4 per axis",
+)
 _CASES = (
     "case",
     "what moves, what is measured",
@@ -24,11 +32,12 @@ _CASES = (
 _PRICES = (
     "particles",
     "threads",
+    "inertia",
     "substep: lumped [ms]",
-    "sharpened [ms]",
+    "with it [ms]",
     "times lumped",
     "value and gradient: lumped [ms]",
-    "sharpened [ms]",
+    "with it [ms]",
     "times lumped",
 )
 _EQUAL = (
@@ -62,6 +71,8 @@ def write_tables(result: Result) -> Tables:
         tables["quadrature"] = table(_DENSITIES, _make_density_lines(densities["rows"]))
     if tried := result.get("strength"):
         tables["strength"] = _write_strengths(tried["rows"], primary)
+    if tried := result.get("aggregation"):
+        tables["aggregation"] = _write_aggregations(tried["rows"])
     if prices := result.get("price"):
         tables["price"] = table(_PRICES, [_make_price_line(row) for row in prices["rows"]])
     return tables
@@ -77,12 +88,13 @@ def _write_cases(rows: list[dict]) -> str:
 
 
 def _make_density_lines(rows: list[dict]) -> list[list]:
-    """One line per grid and stress form, one column per density; rows come in this order."""
-    lines = []
-    for first in range(0, len(rows) - len(rows) % 3, 3):
-        cells = [f"{100 * row['errors'][QUADRATURE_ERROR]:.2g}%" for row in rows[first : first + 3]]
-        lines.append([rows[first]["resolution"], rows[first]["label"].split(",")[0], *cells])
-    return lines
+    """One line per grid, stress form, kind of nodes and step, one column per density; rows come in this order."""
+    lines: dict[tuple, list[str]] = {}
+    for row in rows:
+        *key, _ = row["label"].split(", ")
+        error = f"{100 * row['errors'][QUADRATURE_ERROR]:.2g}%"
+        lines.setdefault((row["resolution"], *key), []).append(error)
+    return [[*key, *errors] for key, errors in lines.items()]
 
 
 def _make_verified_line(row: dict, title: str) -> list:
@@ -132,11 +144,33 @@ def _write_strengths(rows: list[dict], primary: dict[str, str]) -> str:
     return table(("case", "cells", "step", *columns), [[*key, *line.values()] for key, line in found.items()])
 
 
+def _write_aggregations(rows: list[dict]) -> str:
+    """A line per case with the error that changes most for its bar, a column per aggregation."""
+    found: dict[str, dict[str, dict]] = {}
+    for row in rows:
+        name, aggregation = row["label"].split(": ")
+        found.setdefault(name, {})[aggregation] = row
+    lines, columns = [], list(next(iter(found.values())))
+    for name, tried in found.items():
+        first = next(iter(tried.values()))
+        if any(row["failed"] for row in tried.values()):
+            lines.append([name, "", *(row["failed"] for row in tried.values()), ""])
+            continue
+        spread = {
+            error: np.ptp([row["errors"][error] for row in tried.values()]) / bar
+            for error, bar in first["bars"].items()
+        }
+        error = max(spread, key=lambda each: spread[each])
+        shown = [number(row["errors"][error]) for row in tried.values()]
+        lines.append([name, error, *shown, number(first["bars"][error])])
+    return table(("case", "error", *columns, "bar"), lines)
+
+
 def _make_price_line(row: dict) -> list:
-    line = [row["particles"], row["threads"]]
+    line = [row["particles"], row["threads"], row["inertia"]]
     for kind in ("forward", "gradient"):
-        (lumped, sharpened), (ratio, least, most) = row[f"{kind}_ms"], row[f"{kind}_ratio"]
-        line += [number(lumped), number(sharpened), f"{ratio:.2f} ({least:.2f} to {most:.2f})"]
+        (lumped, other), (ratio, least, most) = row[f"{kind}_ms"], row[f"{kind}_ratio"]
+        line += [number(lumped), number(other), f"{ratio:.2f} ({least:.2f} to {most:.2f})"]
     return line
 
 

@@ -10,13 +10,15 @@ from collections.abc import Iterator
 import jax
 import numpy as np
 
-from benchmarks.cases.base import Case, Numerics, Problem, run
+from benchmarks.cases.base import AGGREGATED, Case, Numerics, Problem, run
 from benchmarks.cases.cantilever import Cantilever
-from physagent_jax.mpm import Sharpened, stable_dt
+from physagent_jax.mpm import Lumped, Sharpened, stable_dt
 
 REFERENCE_DT = 2e-4  # [s]; PhysGaussian's and the paper's usual substep
 NEAR_BOUND = ("bound", 0.9)
 FIXED = (0.15, 0.18, 0.216)  # strengths of sharpened increments that are tried
+DENSITIES = (2, 3, 4)  # particles per cell and axis
+AGGREGATIONS = (0.0, 0.3, AGGREGATED.aggregation, 0.7)
 SHARPENED = ", sharpened"  # ends the label of runs with `mpm.inertia.Sharpened`
 QUADRATURE_CASE, QUADRATURE_ERROR = Cantilever(), "tip drop"
 
@@ -96,9 +98,17 @@ def _find_courant(problem: Problem) -> float:
 def quadrature(resolutions: tuple[int, ...]) -> Iterator[Numerics]:
     """Numerics that differ in how densely particles lie, for `QUADRATURE_CASE`."""
     for resolution in resolutions:
-        for form in ("mls", "gradient"):
-            for per_axis in (2, 3, 4):
-                yield Numerics(resolution=resolution, stress_form=form, per_axis=per_axis)
+        for step in (("courant", 0.3), NEAR_BOUND):
+            for form in ("mls", "gradient"):
+                for inertia in (Lumped(), AGGREGATED):
+                    for per_axis in DENSITIES:
+                        yield Numerics(resolution, step, inertia=inertia, stress_form=form, per_axis=per_axis)
+
+
+def aggregations(base: Numerics) -> Iterator[tuple[str, Numerics]]:
+    """(label, numerics) that differ in which nodes of a free surface follow their neighbours."""
+    for aggregation in AGGREGATIONS:
+        yield f"{aggregation:g}", dataclasses.replace(base, inertia=Lumped(aggregation))
 
 
 def rule_words(rule: tuple[str, float]) -> str:

@@ -19,6 +19,9 @@ from scipy.optimize import curve_fit
 
 from physagent_jax.mpm import Lumped, Model, Sharpened, State, stable_dt, step
 
+AGGREGATED = Lumped(aggregation=0.5)
+"""Lumped masses of which light ones follow their neighbours, at the strength that is studied."""
+
 
 @dataclasses.dataclass(frozen=True)
 class Numerics:

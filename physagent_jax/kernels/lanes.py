@@ -347,6 +347,18 @@ def select_greater(typing, a, b, yes, no):
 
 
 @intrinsic
+def has_positive(typing, a):
+    """True if any lane is above zero."""
+
+    def generate(context, builder, signature, arguments):
+        above = builder.fcmp_ordered(">", arguments[0], ir.Constant(arguments[0].type, None))
+        bits = builder.bitcast(above, ir.IntType(a.count))
+        return builder.icmp_unsigned("!=", bits, ir.Constant(bits.type, 0))
+
+    return types.boolean(a), generate
+
+
+@intrinsic
 def lesser(typing, a, b):
     """The lesser of a and b, lane by lane."""
 

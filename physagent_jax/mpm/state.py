@@ -90,7 +90,8 @@ class Model:
         transfer: "apic" or "pic" (C is discarded), static.
         stress_form: How stress acts on nodes and grad v is read: "mls" (4 / dx^2 w_i (x_i - x), C; Hu et al. 2018)
             or "gradient" (grad w_i, the classical form), static.
-        inertia: `Lumped()`, or `Sharpened(beta)`: two to three times less error of frequency at the same cells, static.
+        inertia: `Lumped()`, or `Sharpened(beta)`: two to three times less error of frequency at the same cells; either
+            with ``aggregation``, which keeps free surfaces from creeping; static.
         rpic_damping: 0 = APIC, 1 = only the rotational part of C; static.
         damping_rate: Global damping of grid velocities [1/s], scalar; None = none (skipped).
         wall: Cells from the domain's faces at which particles are stopped, static. One: matter rests up to 1.5 cells
@@ -125,7 +126,7 @@ class Model:
             if getattr(self, name) not in known:
                 raise explain_unknown_name(f"`Model.{name}`", getattr(self, name), known)
         if not isinstance(self.inertia, Lumped | Sharpened):
-            raise UserError("`Model.inertia` must be `Lumped()` or `Sharpened(beta)`", got=self.inertia)
+            raise UserError("`Model.inertia` must be `Lumped(...)` or `Sharpened(...)`", got=self.inertia)
         if not 0 <= self.rpic_damping <= 1:
             raise UserError("`Model.rpic_damping` must be within [0, 1]", got=self.rpic_damping)
         rate = self.damping_rate

@@ -21,7 +21,6 @@ from physagent_jax.mpm import constraints, gridless, kernels, materials, reducti
 from physagent_jax.mpm.conform import as_field, conform
 from physagent_jax.mpm.grid_update import find_mass_unit, update_grid
 from physagent_jax.mpm.health import Health, measure_health
-from physagent_jax.mpm.inertia import Lumped
 from physagent_jax.mpm.linalg import transpose
 from physagent_jax.mpm.materials import NeoHookean, viscous_stress
 from physagent_jax.mpm.materials.base import History
@@ -93,7 +92,7 @@ def substep(model: Model, state: State, tau: jax.Array) -> tuple[State, jax.Arra
     with jax.named_scope("constraints"):
         constrained = constraints.before_p2g(model, forced)
     with jax.named_scope("p2g"):
-        push = None if isinstance(model.inertia, Lumped) else find_push(model, state, forced, constrained)
+        push = find_push(model, state, forced, constrained) if model.inertia.apart else None
         nodes, state = scatter(model, state, constrained, tau, push)
         nodes = reductions.sum_devices(nodes, model.axis)  # one grid, whichever device a particle is on
         # Kept one number of all nodes after the other, as the grid update wants them: else it reads in strides.
@@ -188,7 +187,7 @@ def makes_stress(model: Model) -> bool:
     if [type(material) for material in model.materials] != [NeoHookean]:  # a subclass may differ
         return False
     if kernels.use_cuda(model.kernels):
-        return isinstance(model.inertia, Lumped) and model.viscosity is None
+        return not model.inertia.apart and model.viscosity is None
     return kernels.use_cpu(model.kernels)
 
 

@@ -14,10 +14,13 @@ from tests.mpm.blocks import block
 advance = jax.jit(step)
 
 
-@pytest.mark.parametrize("inertia", [Lumped(), Sharpened()])
+@pytest.mark.parametrize("inertia", [Lumped(), Lumped(0.5), Sharpened(), Sharpened(0.18, 0.5)])
 @pytest.mark.parametrize(("axis", "side"), [(0, 1), (0, -1), (2, 1)])
 def test_half_a_body_moves_as_the_whole(axis, side, inertia, x64):
-    """To round-off: a block of 8x4x4 cells, ringing, and its half before a plane through its middle."""
+    """A block of 8x4x4 cells, ringing, and its half before a plane through its middle.
+
+    To round-off, but for light nodes next to the plane that follow others: they see one layer of images.
+    """
     cells = [4, 4, 4]
     cells[axis] = 8
     low = [0.4, 0.4, 0.4]
@@ -42,8 +45,9 @@ def test_half_a_body_moves_as_the_whole(axis, side, inertia, x64):
     for _ in range(40):
         state, half = advance(model, state), advance(half_model, half)
     assert np.abs(np.asarray(state.x)[before] - np.asarray(x + middle)[before]).max() > 1e-3
-    np.testing.assert_allclose(half.x, np.asarray(state.x)[before], atol=1e-12)
-    np.testing.assert_allclose(half.F, np.asarray(state.F)[before], atol=1e-11)
+    error = 1e-5 if inertia.aggregation else 1e-12
+    np.testing.assert_allclose(half.x, np.asarray(state.x)[before], atol=error)
+    np.testing.assert_allclose(half.F, np.asarray(state.F)[before], atol=100 * error)
 
 
 def test_matter_cannot_leave_the_plane_nor_pass_it(x64):

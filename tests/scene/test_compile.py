@@ -238,6 +238,13 @@ def test_a_scene_may_sharpen_its_increments(source, body):
     assert [model.inertia for model in made] == [Lumped(), Sharpened(0.18)]
 
 
+@pytest.mark.parametrize("sharpening", [0.0, 0.18])
+def test_a_scene_may_aggregate_its_light_nodes(sharpening, source, body):
+    transfer = c.Transfer(sharpening=sharpening, aggregation=0.5)
+    expected = Sharpened(0.18, 0.5) if sharpening else Lumped(0.5)
+    assert scene(source, body, transfer=transfer).model.inertia == expected
+
+
 def test_sparse_matter_is_warned_about(source):
     with pytest.warns(UserWarning, match="thinly filled"):
         make_body(source, c.Filling(max_particles=300), c.Domain(size=4.0, cells=96), ".")

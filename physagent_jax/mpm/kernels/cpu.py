@@ -114,6 +114,39 @@ def grid_velocity(nodes: jax.Array, least: jax.Array) -> jax.Array:
 
 
 @_custom_vjp(0)
+def aggregate(aggregation: float, nodes: jax.Array, unit: jax.Array) -> jax.Array:
+    """As `inertia.aggregate`, of which the derivative is made with box sums."""
+    nx, ny, nz = nodes.shape[:3]
+    ffi.check_operands("aggregate", dict(nodes=nodes), dict(nodes=(nx, ny, nz, 8)), nodes.dtype)
+    call = jax.ffi.ffi_call(
+        register_handler("aggregate", nodes.dtype.name),
+        tuple(jax.ShapeDtypeStruct((nx, ny, nz, k), nodes.dtype) for k in (3, 3, 4)),
+        vmap_method="sequential",
+        input_layouts=(_BY_NUMBER, None),
+        output_layouts=(_BY_NUMBER,) * 3,
+    )
+    scalars = _stack_scalars(nodes.dtype, aggregation, unit, inertia.NEXT_TO_NOTHING)
+    return call(nodes, scalars, **choose_team())[0]
+
+
+@jax.custom_vjp
+def sum_neighbours(values: jax.Array) -> jax.Array:
+    """As `inertia.sum_neighbours`."""
+    nx, ny, nz, numbers = values.shape
+    ffi.check_operands(
+        "sum_neighbours", dict(values=values), dict(values=(nx, ny, nz, numbers)), values.dtype
+    )
+    call = jax.ffi.ffi_call(
+        register_handler("sum_neighbours", values.dtype.name),
+        jax.ShapeDtypeStruct(values.shape, values.dtype),
+        vmap_method="sequential",
+        input_layouts=(_BY_NUMBER,),
+        output_layouts=_BY_NUMBER,
+    )
+    return call(values, **choose_team())
+
+
+@_custom_vjp(0)
 def sharpened_velocity(beta: float, nodes, opposed, unit, least, empty) -> jax.Array:
     """As `inertia.sharpened_velocity`."""
     nx, ny, nz = nodes.shape[:3]
@@ -326,6 +359,24 @@ def _p2g_apart_backward(form, residuals, cotangents):
     return (None, *bars[:4], by_lame, None, *bars[6:8], total[:3], by_push, jnp.zeros_like(unit), total[3])
 
 
+def _aggregate_forward(aggregation, nodes, unit):
+    return aggregate(aggregation, nodes, unit), (nodes, unit)
+
+
+def _aggregate_backward(aggregation, operands, cotangent):
+    nodes, unit = operands
+    reference = partial(inertia.aggregate, aggregation, unit=unit, sum_neighbours=sum_neighbours)
+    return (*jax.vjp(reference, nodes)[1](cotangent), jnp.zeros_like(unit))
+
+
+def _sum_neighbours_forward(values):
+    return sum_neighbours(values), None
+
+
+def _sum_neighbours_backward(_, cotangent):
+    return (sum_neighbours(cotangent),)
+
+
 def _sharpened_velocity_forward(beta, *operands):
     return sharpened_velocity(beta, *operands), operands
 
@@ -425,6 +476,8 @@ p2g_neo_hookean.defvjp(_p2g_neo_hookean_forward, _p2g_neo_hookean_backward)
 p2g_kelvin_voigt.defvjp(_p2g_kelvin_voigt_forward, _p2g_kelvin_voigt_backward)
 p2g_apart.defvjp(_p2g_apart_forward, _p2g_apart_backward)
 grid_velocity.defvjp(_grid_velocity_forward, _grid_velocity_backward)
+aggregate.defvjp(_aggregate_forward, _aggregate_backward)
+sum_neighbours.defvjp(_sum_neighbours_forward, _sum_neighbours_backward)
 sharpened_velocity.defvjp(_sharpened_velocity_forward, _sharpened_velocity_backward)
 g2p.defvjp(_g2p_forward, _g2p_backward)
 stop.defvjp(_stop_forward, _stop_backward)

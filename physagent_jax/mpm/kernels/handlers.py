@@ -15,7 +15,12 @@ from physagent_jax.kernels.numbers import NO_WRAPPERS
 from physagent_jax.kernels.team import run_in_team
 from physagent_jax.mpm.kernels.adjoint import g2p_adjoint, grid_velocity_adjoint, p2g_adjoint
 from physagent_jax.mpm.kernels.apart import p2g_apart, p2g_apart_adjoint
-from physagent_jax.mpm.kernels.inertia import sharpened_velocity, sharpened_velocity_adjoint
+from physagent_jax.mpm.kernels.inertia import (
+    aggregate,
+    sharpened_velocity,
+    sharpened_velocity_adjoint,
+    sum_neighbours,
+)
 from physagent_jax.mpm.kernels.transfer import g2p, p2g
 
 
@@ -222,6 +227,24 @@ def _grid_velocity_adjoint(frame, number, team):
 
 
 @njit(**NO_WRAPPERS)
+def _aggregate(frame, number, team):
+    scalars = ffi.get_operand(frame, 1, number, 1)
+    aggregate(
+        team,
+        ffi.get_operand(frame, 0, number, 4),
+        (scalars[0], scalars[1], scalars[2]),
+        ffi.get_result(frame, 0, number, 4),
+        ffi.get_result(frame, 1, number, 4),
+        ffi.get_result(frame, 2, number, 4),
+    )
+
+
+@njit(**NO_WRAPPERS)
+def _sum_neighbours(frame, number, team):
+    sum_neighbours(team, ffi.get_operand(frame, 0, number, 4), ffi.get_result(frame, 0, number, 4))
+
+
+@njit(**NO_WRAPPERS)
 def _sharpened_velocity(frame, number, team):
     scalars = ffi.get_operand(frame, 2, number, 1)
     sharpened_velocity(
@@ -308,6 +331,22 @@ def _grid_velocity_adjoint_float64(frame):
     return run_in_team(frame, np.float64, _grid_velocity_adjoint)
 
 
+def _aggregate_float32(frame):
+    return run_in_team(frame, np.float32, _aggregate)
+
+
+def _aggregate_float64(frame):
+    return run_in_team(frame, np.float64, _aggregate)
+
+
+def _sum_neighbours_float32(frame):
+    return run_in_team(frame, np.float32, _sum_neighbours)
+
+
+def _sum_neighbours_float64(frame):
+    return run_in_team(frame, np.float64, _sum_neighbours)
+
+
 def _sharpened_velocity_float32(frame):
     return run_in_team(frame, np.float32, _sharpened_velocity)
 
@@ -339,6 +378,10 @@ _HANDLERS = {
     ("g2p_adjoint", "float64"): _g2p_adjoint_float64,
     ("grid_velocity_adjoint", "float32"): _grid_velocity_adjoint_float32,
     ("grid_velocity_adjoint", "float64"): _grid_velocity_adjoint_float64,
+    ("aggregate", "float32"): _aggregate_float32,
+    ("aggregate", "float64"): _aggregate_float64,
+    ("sum_neighbours", "float32"): _sum_neighbours_float32,
+    ("sum_neighbours", "float64"): _sum_neighbours_float64,
     ("sharpened_velocity", "float32"): _sharpened_velocity_float32,
     ("sharpened_velocity", "float64"): _sharpened_velocity_float64,
     ("sharpened_velocity_adjoint", "float32"): _sharpened_velocity_adjoint_float32,

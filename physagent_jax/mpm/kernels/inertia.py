@@ -1,7 +1,8 @@
-"""Node velocities with the stencil of `mpm.inertia.sharpen`, and their adjoint.
+"""The nodes of `mpm.inertia.aggregate`, box sums for its derivative, and velocities with the stencil of `sharpen`.
 
-In one pass over the nodes: XLA would join the stencil with what makes the increments, and make those anew for every
-neighbour; apart, small grids would wait for one kernel after the other.
+A box sum is its own adjoint; the stencil has one. It goes over the nodes once: XLA would join the stencil with what
+makes the increments, and make those anew for every neighbour; apart, small grids would wait for one kernel after the
+other.
 """
 
 # pyright: reportCallIssue=false, reportGeneralTypeIssues=false, reportAttributeAccessIssue=false
@@ -13,6 +14,7 @@ from numba import njit
 from physagent_jax.kernels.lanes import (
     BATCH,
     flatten,
+    has_positive,
     lesser,
     load_batch,
     load_one,
@@ -22,6 +24,175 @@ from physagent_jax.kernels.lanes import (
 )
 from physagent_jax.kernels.numbers import INLINE, OPTIONS, cast_like
 from physagent_jax.kernels.team import share_loop
+
+
+@njit(**OPTIONS)
+def sum_neighbours(team, values, sums):
+    """Fill ``sums`` with `mpm.inertia.sum_neighbours`, one number of all nodes after the other, as ``values``."""
+    nx, ny, nz, numbers = values.shape
+    old, new, plane = flatten(values), flatten(sums), ny * nz
+    for n in share_loop(team, 0, numbers * nx):
+        i = n % nx
+        low, high = (-plane if i > 0 else 0), (plane if i + 1 < nx else 0)
+        for j in range(ny):
+            row = n * plane + j * nz
+            rows = low, high, plane, (-nz if j > 0 else 0), (nz if j + 1 < ny else 0), nz
+            end = row + nz - 1
+            store(new, row, sum_window(load_one, old, row, rows, 0, min(1, nz - 1)))
+            if nz > 1:
+                store(new, end, sum_window(load_one, old, end, rows, -1, 0))
+            if nz < BATCH + 2:
+                for o in range(row + 1, end):
+                    store(new, o, sum_window(load_one, old, o, rows, -1, 1))
+            else:
+                for o in range(row + 1, end, BATCH):  # the last batch overlaps
+                    o = min(o, end - BATCH)
+                    store(new, o, sum_window(load_batch, old, o, rows, -1, 1))
+
+
+@njit(**INLINE)
+def sum_window(load, old, o, rows, first, last):
+    """Of the nodes from ``o`` on, as many as ``load`` loads, the sums over planes, rows and nodes around them."""
+    low, high, plane, south, north, row = rows
+    value = load(old, o)
+    total = value - value
+    for p in range(o + low, o + high + 1, plane):
+        for q in range(p + south, p + north + 1, row):
+            for r in range(q + first, q + last + 1):
+                total = total + load(old, r)
+    return total
+
+
+@njit(**OPTIONS)
+def aggregate(team, nodes, options, follows, shares, increments):
+    """Fill ``follows`` with `mpm.inertia.aggregate`, one number of all nodes after the other, as all arrays.
+
+    ``options`` are the aggregation, the unit, and the mass in that up to which a node has none. ``shares`` is for a
+    node's own share, what it hands over per mass squared, and its mass; ``increments`` for those and whether anything
+    is handed to it. Most nodes are empty, or have none around that follow others, and are passed by.
+    """
+    shape = nodes.shape[:3]
+    arrays = flatten(nodes), flatten(follows), flatten(shares), flatten(increments)
+    for i in share_loop(team, 0, shape[0]):
+        walk_rows(share_nodes, i, shape, arrays, options)
+    for i in share_loop(team, 1, shape[0]):
+        walk_rows(collect_nodes, i, shape, arrays, options)
+    for i in share_loop(team, 2, shape[0]):
+        walk_rows(lead_nodes, i, shape, arrays, options)
+
+
+@njit(**INLINE)
+def walk_rows(work, i, shape, arrays, options):
+    """Call ``work`` for all nodes of a plane, with where the planes, rows and nodes around them lie."""
+    nx, ny, nz = shape
+    plane = ny * nz
+    low, high = (-plane if i > 0 else 0), (plane if i + 1 < nx else 0)
+    for j in range(ny):
+        row = i * plane + j * nz
+        rows = low, high, plane, (-nz if j > 0 else 0), (nz if j + 1 < ny else 0), nz
+        end = row + nz - 1
+        work(load_one, arrays, row, rows, 0, min(1, nz - 1), options)
+        if nz > 1:
+            work(load_one, arrays, end, rows, -1, 0, options)
+        if nz < BATCH + 2:
+            for o in range(row + 1, end):
+                work(load_one, arrays, o, rows, -1, 1, options)
+        else:
+            for o in range(row + 1, end, BATCH):  # the last batch overlaps
+                work(load_batch, arrays, min(o, end - BATCH), rows, -1, 1, options)
+
+
+@njit(**INLINE)
+def share_nodes(load, arrays, o, rows, first, last, options):
+    """The shares and masses of the nodes from ``o`` on."""
+    (numbers, _, shares, _), (aggregation, unit, bare) = arrays, options
+    low, high, plane, south, north, row = rows
+    total = numbers.size // 8
+    mass = load(numbers, o + 3 * total)
+    zero, one, scale = mass - mass, splat_like(cast_like(1, unit), mass), splat_like(unit, mass)
+    mass, least = scale * mass, splat_like(bare, mass)
+    mass = select_greater(mass, least, mass, zero)
+    own, share = one, zero
+    if has_positive(mass):
+        around = squares = zero
+        for p in range(o + low, o + high + 1, plane):
+            for q in range(p + south, p + north + 1, row):
+                for r in range(q + first, q + last + 1):
+                    other = scale * load(numbers, r + 3 * total)
+                    other = select_greater(other, least, other, zero)
+                    around, squares = around + other, squares + other * other
+        squares = select_greater(mass, zero, squares, one)
+        own = mass * around / (splat_like(aggregation, mass) * squares)
+        own = select_greater(mass, zero, lesser(own, one), one)
+        share = (one - own) / squares
+    store(shares, o, own)
+    store(shares, o + total, share)
+    store(shares, o + 2 * total, mass)
+
+
+@njit(**INLINE)
+def collect_nodes(load, arrays, o, rows, first, last, options):
+    """The increments of the nodes from ``o`` on, with what is handed to them."""
+    numbers, _, shares, increments = arrays
+    low, high, plane, south, north, row = rows
+    total = numbers.size // 8
+    mass = load(shares, o + 2 * total)
+    zero, one = mass - mass, splat_like(cast_like(1, options[0]), mass)
+    d0 = d1 = d2 = handed = zero
+    for p in range(o + low, o + high + 1, plane):
+        for q in range(p + south, p + north + 1, row):
+            for r in range(q + first, q + last + 1):
+                handed = handed + load(shares, r + total)
+    if has_positive(handed):
+        f0 = f1 = f2 = gained = zero
+        for p in range(o + low, o + high + 1, plane):
+            for q in range(p + south, p + north + 1, row):
+                for r in range(q + first, q + last + 1):
+                    share = load(shares, r + total)
+                    gained = gained + share * load(shares, r + 2 * total)
+                    f0 = f0 + share * load(numbers, r + 4 * total)
+                    f1 = f1 + share * load(numbers, r + 5 * total)
+                    f2 = f2 + share * load(numbers, r + 6 * total)
+        own, square = load(shares, o), mass * mass
+        whole = select_greater(mass, zero, own * mass + square * gained, one)
+        inverse = select_greater(mass, zero, one / whole, zero)
+        d0 = inverse * (own * load(numbers, o + 4 * total) + square * f0)
+        d1 = inverse * (own * load(numbers, o + 5 * total) + square * f1)
+        d2 = inverse * (own * load(numbers, o + 6 * total) + square * f2)
+    store(increments, o, d0)
+    store(increments, o + total, d1)
+    store(increments, o + 2 * total, d2)
+    store(increments, o + 3 * total, handed)
+
+
+@njit(**INLINE)
+def lead_nodes(load, arrays, o, rows, first, last, options):
+    """The impulses of the nodes from ``o`` on."""
+    numbers, follows, shares, increments = arrays
+    low, high, plane, south, north, row = rows
+    total = numbers.size // 8
+    f0, f1, f2 = load(numbers, o + 4 * total), load(numbers, o + 5 * total), load(numbers, o + 6 * total)
+    if has_positive(load(increments, o + 3 * total)):
+        own, share, mass = load(shares, o), load(shares, o + total), load(shares, o + 2 * total)
+        d0, d1, d2 = load(increments, o), load(increments, o + total), load(increments, o + 2 * total)
+        d0, d1, d2, zero = own * d0, own * d1, own * d2, mass - mass
+        if has_positive(share):
+            l0 = l1 = l2 = zero
+            for p in range(o + low, o + high + 1, plane):
+                for q in range(p + south, p + north + 1, row):
+                    for r in range(q + first, q + last + 1):
+                        other = load(shares, r + 2 * total)
+                        square = other * other
+                        l0 = l0 + square * load(increments, r)
+                        l1 = l1 + square * load(increments, r + total)
+                        l2 = l2 + square * load(increments, r + 2 * total)
+            d0, d1, d2 = d0 + share * l0, d1 + share * l1, d2 + share * l2
+        f0 = select_greater(mass, zero, mass * d0, f0)
+        f1 = select_greater(mass, zero, mass * d1, f1)
+        f2 = select_greater(mass, zero, mass * d2, f2)
+    store(follows, o, f0)
+    store(follows, o + total, f1)
+    store(follows, o + 2 * total, f2)
 
 
 @njit(**OPTIONS)

@@ -228,7 +228,7 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
         viscosity=materials.viscosity(mode),
         transfer=config.transfer.scheme,
         stress_form=config.transfer.stress_form,
-        inertia=Sharpened(config.transfer.sharpening) if config.transfer.sharpening else Lumped(),
+        inertia=_choose_inertia(config.transfer),
         rpic_damping=config.transfer.rpic_damping,
         damping_rate=to_device(drag, DTYPE) if drag else None,
     )
@@ -254,6 +254,12 @@ def compile_scene(config: c.SceneConfig, body: Body, base_dir: str | Path = ".")
         motions=len(config.constraints) - impulses,
     )
     return CompiledScene(config, body, model, state, substeps, camera, order, anchored, materials, origins)
+
+
+def _choose_inertia(transfer: c.Transfer) -> Lumped | Sharpened:
+    if transfer.sharpening:
+        return Sharpened(transfer.sharpening, transfer.aggregation)
+    return Lumped(transfer.aggregation)
 
 
 def _find_rest(body: Body, order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
