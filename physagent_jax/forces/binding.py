@@ -35,7 +35,14 @@ from physagent_jax.forces.schema import (
     is_stop,
 )
 from physagent_jax.forces.sections import find_stress_concentration
-from physagent_jax.forces.terms import Balance, Landing, PushCompensation, Touchdown, TurnCompensation
+from physagent_jax.forces.terms import (
+    Balance,
+    Landing,
+    PushCompensation,
+    Settling,
+    Touchdown,
+    TurnCompensation,
+)
 from physagent_jax.forces.twisting import Twist, find_twist
 from physagent_jax.mpm.boundaries import HalfSpace
 from physagent_jax.mpm.constraints import GradedRotation, GradedTranslation, MovingPlate, PrescribedMotion
@@ -56,6 +63,7 @@ STEADY = 0.7  # of the deceleration that tips it, with which what slides is led 
 BRAKING = 0.7  # [s] in which it comes to rest at the latest: a hand steadies it then
 RUBS = 0.9  # of friction's deceleration, at most: it is help against friction, and no brake
 BALANCING = 3.0  # times what its weight turns it by when it lies, up to which it is kept upright
+_TALL = 1.2  # height over breadth from which on what leaps has an upper end
 ROCKS = math.radians(2)  # by which what slides may rock
 TILTED = math.radians(20)  # at which what is led over its foot stands on its edge, or by less
 _ROLLING = math.radians(70)  # turn from which on it goes over one edge after another
@@ -368,12 +376,14 @@ class Binding:
     def keep_balance(self, *, released: bool = False) -> list:
         """The force that keeps upright what stood and is pushed, lifted or thrown up, until something else acts.
 
-        What is pushed to and fro may rock until it is let go. What turns meanwhile, or rolls, is left alone.
+        What is pushed to and fro may rock until it is let go. What turns meanwhile, or rolls, is left alone; what is
+        tall and leaps comes down upright, however round its foot.
 
         Args:
             released: Whether it is only kept upright once the entry lets it go: what was out of shape until then.
         """
-        opposition, most = self._opposition_of_the_whole, self._find_most_balance()
+        opposition = self._opposition_of_the_whole
+        most = self._find_most_balance(leaps=self.upwards >= RISES)
         if opposition is None or most is None or self._turned or self._lies:
             return []
         swings = self.stroke is not None and self.stroke.swings
@@ -402,15 +412,24 @@ class Binding:
         rest, way, most = map(self.leaf, (self._rest, self._way, most))
         return [Landing(rest, way, most, self.window[1], self.leaf(self._until))]
 
-    def _find_most_balance(self) -> float | None:
+    def let_settle(self) -> list:
+        """The force that brings to rest what lies and was rolled on, until something else acts."""
+        if not self._lies or not self.whole or self._opposition_of_the_whole is None:
+            return []
+        return [Settling(self.window[1], self.leaf(self._until))] if abs(self._way[2]) < _LEVEL else []
+
+    def _find_most_balance(self, *, leaps: bool = False) -> float | None:
         """The largest angular acceleration that keeps or brings it where it is to be [rad/s^2]; None = none does."""
         opposition = self._opposition_of_the_whole
-        if opposition is None or not opposition.lever:
-            return None
         x, volume = self._rest.astype(float), self._volume.astype(float)
         arm = x - np.average(x, axis=0, weights=volume)
+        lever = opposition.lever if opposition else 0.0
+        if leaps and np.ptp(arm[:, 2]) > _TALL * np.ptp(arm[:, :2], axis=0).max():
+            lever = max(lever, -float(arm[:, 2].min()))
+        if opposition is None or not lever:
+            return None
         spread = max(float(np.average((arm**2).sum(1), weights=volume)), _TINY)
-        return BALANCING * opposition.weight * opposition.lever / spread
+        return BALANCING * opposition.weight * lever / spread
 
     def _find_foot_edge(self, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The place on the ground about which it tilts, and the particle on which it then stands [m], shapes (3,).

@@ -33,6 +33,7 @@ from physagent_jax.motion.vectors import (
     scale,
     subtract,
 )
+from physagent_jax.motion.windows import OVERSHOOT, SPRING, list_springs
 
 _PLAIN = 45.0  # [degrees] that a plain word turns a limb by
 _LEAST, _MOST = 15.0, 80.0  # [degrees]
@@ -219,7 +220,8 @@ class Turning:
         window = self._find_window(motion, until)
         let_go = motion.released or motion.sudden and not motion.stays
         stop = None if let_go or until <= window[1] else until
-        kept = max(window[1], min(motion.window[1], until))
+        swing = self.brief.count_frames(SPRING)
+        kept = max(window[1], min(motion.window[1], until - swing * motion.springs))
         back = (kept, kept + min(window[1] - window[0], _HOME * (until - kept)))
         if motion.kind is MotionKind.ROTATE and axis is not None:
             angle, course, turns = self.find_angle(motion, axis), axis, motion.manner != "hinge"
@@ -241,8 +243,21 @@ class Turning:
         stop = kept if returns and kept > window[1] else stop
         made = [bring(angle, window, stop)]
         if returns:  # what is stiff, or lies where it was brought, would not come back by itself
-            made.append(bring(-angle, back, until if until > back[1] else None))
+            swings = list_springs(kept, until, swing) if motion.springs else [(-1.0, back)]
+            low = motion.kind is not MotionKind.ROTATE and self._meets_ground(course, angle)
+            if motion.springs and (low or not swings):
+                swings = [(-1.0, (kept, min(kept + swing, back[1])))]
+            made += [bring(share * angle, span, None) for share, span in swings]
+            if until > swings[-1][1][1]:
+                made[-1] = made[-1].model_copy(update=dict(held_until=until))
         return made, motion.model_copy(update=dict(direction=course))
+
+    def _meets_ground(self, course: Vector | None, angle: float) -> bool:
+        """Return whether it would go into the ground if it sprang back too far from where it goes."""
+        up = self.brief.directions.up
+        down = self.brief.world == "ground" and course is not None and dot(course, up) > _BESIDE
+        height = min(place[2] for place in self.part.moved.inside) * self.brief.extents[1]
+        return down and height < norm(self.part.arm) * math.sin(math.radians(OVERSHOOT * abs(angle)))
 
     def undo(
         self, done: ExpectedMotion, motion: ExpectedMotion, until: float

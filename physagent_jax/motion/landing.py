@@ -7,6 +7,7 @@ higher. Knees take that up; here the object gets up but slowly once its feet hav
 from __future__ import annotations
 
 import math
+import re
 from typing import NamedTuple
 
 from physagent_jax.core.strict import Vector
@@ -16,6 +17,8 @@ from physagent_jax.motion.schema import SceneBrief
 from physagent_jax.motion.vectors import dot, scale
 from physagent_jax.motion.windows import IMPULSE_FRAMES, Window
 
+LIMP = re.compile(r"\b(flop|splat|splodge|slump|crumple|floppy|limp|flatten)")
+"""Words of who asks that it lands limp, and lies as it comes."""
 LANDED = "'{}': it is stopped where it comes down, as knees would, and does not spring up again."
 # Frames after a body in free flight would be down: what is soft loses some height as it leaps.
 _TOUCHES = -0.25

@@ -222,6 +222,7 @@ class ExpectedMotion(Strict):
         window: [first, last] frames in which it should be seen.
         repeats: How often the motion should reverse or recur; 1 = once.
         released: True if the cause stops before the clip ends ("then lets go").
+        springs: True if it then comes back as a spring does, fast and a little too far.
         sudden: True if the motion starts with a blow rather than from rest.
         partial: True if only a part of the object is acted on, so that the whole moves less.
         part: The end that is named (unit world vector towards it: the top is up); None = the whole, or a part that is
@@ -250,6 +251,7 @@ class ExpectedMotion(Strict):
     repeats: int = Field(default=1, ge=1, le=10_000)
     rebounds: int = Field(default=0, ge=0, le=10_000)
     released: bool = False
+    springs: bool = False
     sudden: bool = False
     partial: bool = False
     part: Numbers | None = None

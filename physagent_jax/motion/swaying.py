@@ -16,7 +16,7 @@ from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import Bend, CellsRegion, VelocityConstraint
 from physagent_jax.motion.schema import Amount, ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.vectors import add, cross, dot, norm, normalise, scale
-from physagent_jax.motion.windows import Window
+from physagent_jax.motion.windows import SPRING, Window, list_springs
 
 _FOOT = 0.1  # of its height, that stays
 _LOW, _HIGH = ((0.5, 0.5, 0.0),), ((0.5, 0.5, 2 * _FOOT),)  # the plane between them is where the foot ends
@@ -24,9 +24,7 @@ _ANGLE = 16.0  # [degrees] that its top turns by to either side with a strength 
 _DEPTH, _CURVED = 0.2, 0.5  # [body lengths] over which it sways, and is bent, over its foot
 _BENT, _FARTHEST = 45.0, 75.0  # [degrees] that a bend of strength 1, and of any, turns its top by
 _MOST = 120.0  # [degrees] that a quantity may tell
-_TIME, _SWING = 1.0, 0.28  # [s] in which it is bent, at most, and of each swing as it springs back
-# Swings as it springs back, in parts of the angle: each goes 0.39 as far as the one before.
-_BACK = (-1.4, 0.55, -0.21, 0.06)
+_TIME = 1.0  # [s] in which it is bent, at most
 _TILT = 14.0  # [degrees] that it rocks by to either side with a strength of 1
 _SHAKEN = 0.12  # [body lengths] that it is shaken by to either side with a strength of 1
 _MILD = 0.5  # power of a strength that an angle to either side grows with: what is gentle is seen as well
@@ -101,13 +99,9 @@ def bend(
     bodies = [_make_half(brief, 1.0), _make_half(brief, -1.0)] if lies(brief) else [make_upper(brief)]
     angle = angle / len(bodies) if told else angle
     end = min(window[1], window[0] + max(brief.count_frames(_TIME), 2.0))
-    last, frames = float(brief.last), brief.count_frames(_SWING)
-    swings = [(1.0, (window[0], end), window[1])]
-    count = min(int((last - window[1]) / frames), len(_BACK)) if released else 0
-    shares = _BACK if count == len(_BACK) else (-1.0,) * min(count, 1)
-    for index, share in enumerate(shares):
-        begin = window[1] + index * frames
-        swings.append((share, (begin, begin + frames), last if index == len(shares) - 1 else 0.0))
+    last, swings = float(brief.last), [(1.0, (window[0], end), window[1])]
+    back = list_springs(window[1], last, brief.count_frames(SPRING)) if released else []
+    swings += [(share, span, last if span is back[-1][1] else 0.0) for share, span in back]
     return [
         turn
         for share, span, stop in swings

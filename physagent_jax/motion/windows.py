@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
+
 Window = tuple[float, float]
+SPRING = 0.28  # [s] of each swing of what springs back
+# Swings as it springs back, in parts of the angle: each goes 0.39 as far as the one before.
+OVERSHOOT = 0.4  # of the angle, by which it goes too far at first
+_BACK = (-1.0 - OVERSHOOT, 0.55, -0.21, 0.06)
 IMPULSE_FRAMES = 1.0
 _GUST = 0.3  # part of its window during which a gust acts
 _MANY = 4  # swings in one window: half a second or less each, in a clip of the usual length
@@ -35,6 +41,14 @@ def divide_swings(window: Window, count: int, held: bool) -> list[Window]:
         return divide(window, shares)
     first = float(round(window[0]))
     return divide((first, first + 2.0 * count * whole), shares)
+
+
+def list_springs(begin: float, end: float, frames: float) -> list[tuple[float, Window]]:
+    """Swings of what springs back, of ``frames`` each, as there is time: parts of the angle with their windows."""
+    count = int((end - begin) / frames)
+    shares = _BACK if count >= len(_BACK) else (-1.0,) * min(count, 1)
+    edges = [begin + frames * index for index in range(len(shares) + 1)]
+    return list(zip(shares, itertools.pairwise(edges)))
 
 
 def halve(window: Window) -> tuple[Window, Window]:

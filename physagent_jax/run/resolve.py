@@ -17,6 +17,7 @@ from physagent_jax.forces.calibration import FRICTION
 from physagent_jax.forces.part import Part, split_name
 from physagent_jax.forces.schema import ForceField
 from physagent_jax.motion.holds import Hold, HoldOrigin, find_blow
+from physagent_jax.motion.landing import LIMP
 from physagent_jax.motion.schema import AnchorRequest, MotionKind, WorldRequest
 from physagent_jax.run.brief import make_brief
 from physagent_jax.run.coloured import find_coloured_words
@@ -215,6 +216,9 @@ class ResolvedRun:
             rigid=hard and (reply is None or keeps_shape(reply)),
             lands=reply is not None
             and any(e.kind is MotionKind.FALL and (e.jiggles or e.rebounds) for e in reply.plan),
+            flops=reply is not None
+            and reply.force_field.default_drop
+            and LIMP.search((self.spec.prompt or "").lower()) is not None,
         )
 
     def _look_at_parts(self, template: SceneTemplate, body: Body, reply: SemanticReply) -> SceneTemplate:

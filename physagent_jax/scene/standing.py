@@ -53,6 +53,7 @@ _LEVEL = 0.7  # component along the vertical below which a way is level
 HELD_FOOT = 0.1  # of its height, that is held of what would fall over: its feet
 # Times its weight, borne by what is to get up where it lands: with less it stays as its fall has pressed it.
 LANDING = 2.5
+LYING = 0.1  # the same of what lies limp where it lands
 _POTS = frozenset(("pot", "flowerpot", "planter", "tub"))  # words for what a plant stands in
 _RIM = 0.7  # of its height, up to which a plant's pot is held at most
 
@@ -68,6 +69,7 @@ class Support:
         struck: Way of a blow that presses it in, unit vector.
         rigid: Its matter is hard, and nothing asks it to deform: it bears its weight, whatever its stand-in does.
         lands: It is dropped, and is to get up again where it lands.
+        flops: It is dropped, and is to land limp: it need not stand.
     """
 
     keep_material: bool = False
@@ -76,6 +78,7 @@ class Support:
     struck: Vector | None = None
     rigid: bool = False
     lands: bool = False
+    flops: bool = False
 
 
 DEFAULT = Support()
@@ -183,7 +186,7 @@ def find_tipping_angle(body: Body, overhang: float) -> float:
 def _bear(template: SceneTemplate, body: Body, support: Support) -> tuple[SceneTemplate, tuple[str, ...]]:
     """The template in which elastic matter bears the weight, or as much of it as it can, and what was changed."""
     material = template.material
-    load = LANDING if support.lands and not support.keep_material else 1.0
+    load = 1.0 if support.keep_material else LYING if support.flops else LANDING if support.lands else 1.0
     if not is_borne(template) or load * find_own_burden(template, body).share <= 1:
         return template, ()
     borne = template if support.keep_material else _stiffen(template, body, load)

@@ -16,7 +16,7 @@ ARM = make_part("arm", (0.15, 0, 0), (1, 0, 0))
 SHOULDER = np.array([0.2, 0.0, 0.1])
 
 
-def judge(degrees, *, whole=0.0, seen_until=49, shown=1.0, still=None, sentence=SENTENCE):
+def judge(degrees, *, whole=0.0, seen_until=49, shown=1.0, still=None, stays=None, sentence=SENTENCE):
     """The verdict on an arm of 0.15 lengths that turns up evenly within a second, on a body that rises by ``whole``.
 
     Of the way of its middle a share is ``shown``, as of what turns a hidden side. The part ``still`` is called an arm
@@ -34,6 +34,10 @@ def judge(degrees, *, whole=0.0, seen_until=49, shown=1.0, still=None, sentence=
     reply, parts = read(sentence, ARM, HEAD), (ARM, still or HEAD)
     if still:
         asked = (*reply.expectations, reply.expectations[0].model_copy(update=dict(limb=1)))
+        reply = reply.model_copy(update=dict(expectations=asked))
+    if stays:
+        quiet = dict(kind=MotionKind.STILL, direction=None, limb=parts.index(stays))
+        asked = (*reply.expectations, reply.expectations[0].model_copy(update=quiet))
         reply = reply.model_copy(update=dict(expectations=asked))
     context = AgentContext(sentence, brief(parts=parts, anchored="all but the part"), (), reply)
     windows = RulePlanner().windows(context)
@@ -162,6 +166,14 @@ def test_an_arm_that_hardly_moves_more_than_the_rest_is_no_raised_arm():
     judged = judge(45, whole=0.3)
     assert judged.verdict is Verdict.FAIL
     assert any(check.aspect == "part" and check.passed is False for check in judged.checks)
+
+
+@pytest.mark.parametrize(("part", "still"), [(HEAD, True), (ARM, False)])
+def test_a_part_is_still_by_itself_whatever_another_one_does(part, still):
+    """The whole seems to deform as a blade turns beside the handle that is to be still."""
+    judged = judge(45, stays=part)
+    told = [check.passed for check in judged.checks if check.question == "is it still?"]
+    assert told == [still]
 
 
 def test_a_part_that_is_lost_from_sight_is_neither_still_nor_a_success():

@@ -12,7 +12,7 @@ from physagent_jax.forces import calibration
 from physagent_jax.forces.compilation import compile_force_field
 from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ForceField, Opposition, Response
-from physagent_jax.forces.terms import Balance, Landing, PushCompensation, TurnCompensation
+from physagent_jax.forces.terms import Balance, Landing, PushCompensation, Settling, TurnCompensation
 
 G, FRICTION, WIDTH, HEIGHT = calibration.GRAVITY, 0.4 * calibration.GRAVITY, 0.2, 1.0
 TOWER = np.array(list(itertools.product(*[np.linspace(-0.5, 0.5, 5)] * 3))) * [WIDTH, 0.3, HEIGHT]
@@ -96,7 +96,7 @@ def test_it_lets_go_when_something_else_begins_and_leaves_alone_what_rolls_is_ki
     (balance,) = find_balance(hop, topple)
     assert float(balance.end) == pytest.approx(1.0)
     assert float(find_balance(hop)[0].end) > 100
-    assert not find_balance(hop, lever=0.0)
+    assert not find_balance(hop, lever=0.0, rest=TOWER * [1, 1, 0.25])
     assert not find_balance(act("impulse", (1, 0, 0), 0, 1))
     assert not find_balance(act("impulse", (0, 0, 1), 0, 2), act("torque", (1, 0, 0), 0, 30))
 
@@ -215,6 +215,26 @@ def test_what_rocks_turns_about_the_edge_that_it_stands_on(more):
     edges = [np.asarray(each.center)[[0, 2]] for each in motions]
     half = 0.5 * WIDTH
     np.testing.assert_allclose(edges, [[half, 0], [half, 0], [-half, 0], [-half, 0]], atol=1e-6)
+
+
+@pytest.mark.parametrize(("height", "kept"), [(1.0, True), (0.25, False)])
+def test_what_is_tall_and_leaps_comes_down_upright_however_round_its_foot(height, kept):
+    """A rolling foot has no lever: an aubergine lay after its second hop."""
+    rest = TOWER * [1, 1, height]
+    hop = [act("impulse", (0, 0, 1), first, first + 1) for first in (0, 24)]
+    assert len(find_balance(*hop, lever=0.0, rest=rest)) == 2 * kept
+    assert not find_balance(act("translation", (1, 0, 0), 0, 20), lever=0.0)
+
+
+def test_what_rolls_on_as_it_lies_comes_to_rest():
+    tipped = act("torque", (0, 1, 0), 0, 12)
+    roll = act("torque", (0, 1, 0), 20, 30)
+    (settling,) = [each for each in compile_entries(tipped, roll)[0] if isinstance(each, Settling)]
+    r = turned(90) - turned(90).mean(0)
+    spinning = np.cross([0, 3.0, 0], r)
+    assert abs(evaluate([settling], turned(90), spinning, 1.0)).max() == 0.0
+    slowed = np.cross(r, evaluate([settling], turned(90), spinning, 1.4)).mean(0)
+    assert slowed[1] < 0 and np.abs(slowed[[0, 2]]).max() < 1e-3 * -slowed[1]
 
 
 def test_what_is_led_over_and_let_go_lies_where_it_falls():

@@ -246,7 +246,7 @@ def test_twin_pieces_that_nothing_else_is_like_are_certain():
     slim = (np.abs(points[:, 2] - 0.3) < 0.05) & (np.abs(points[:, 1]) < 0.05)
     left, right = (slim & (points[:, 0] * s > 0.4) for s in (-1, 1))
     shells = [left, right, np.abs(points[:, 0]) < 0.2]
-    told = dict(shells=SimpleNamespace(candidates=shells, are_cut=bool))
+    told = dict(shells=SimpleNamespace(candidates=shells, are_cut=bool, labels=left + 2 * right))
     for word, count in (("handles", 2), ("handle", 1)):
         found = guess_parts(points, [], [word], VIEWER, **told)
         assert len(found) == count and not any(each.unsure for each in found)

@@ -134,6 +134,13 @@ def test_what_is_to_get_up_where_it_lands_bears_more_than_its_weight(table):
     assert chosen.bearing is None and chosen.material == template.material
 
 
+def test_what_is_to_land_limp_need_not_stand(table):
+    """A rubber sword that "flops" was as stiff as one that stands on its hilt."""
+    template, body, _ = template_of(table)
+    stands, flops = (make_stand(template, body, Support(flops=flops))[0] for flops in (False, True))
+    assert flops.bearing is None or flops.bearing.most < 0.3 * stands.bearing.most
+
+
 def test_less_weight_acts_where_a_chosen_stiffness_does_not_bear_it(table):
     template, body, chosen = template_of(table, material={"youngs_modulus": 3e4})
     standing, notes = make_stand(template, body, Support(keep_material=chosen))

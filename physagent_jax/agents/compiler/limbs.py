@@ -139,7 +139,8 @@ def drive_limbs(reply: SemanticReply, brief: SceneBrief) -> SemanticReply:
             more, expected = _drive(each, asked, brief, frame_count, held)
             constraints += more
         expectations.append(expected)
-    driven = {each.limb: brief.parts[each.limb] for each in limbs if each.limb is not None}
+    moving = [each for each in limbs if each.kind is not MotionKind.STILL]  # what is to be still is held
+    driven = {e.limb: brief.parts[e.limb] for e in moving or limbs if e.limb is not None}
     turns = bool(asked) and all(e.kind is MotionKind.ROTATE and brief.parts[e.limb or 0].axle for e in asked)
     if falls:
         constraints.append(hold_rest(gone, constraints, brief))

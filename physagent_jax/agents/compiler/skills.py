@@ -42,7 +42,7 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
         following = slots[index + 1 : index + 2]
         builder.room = following[0].window[1] if following else builder.brief.last
         stops = [each for each in slot.events if each.effect is Effect.STILL]
-        moving = [each for each in slot.events if each not in stops]
+        moving = [each for each in slot.events if each.effect not in (Effect.STILL, Effect.RELEASE)]
         if stops and not all(each.limbs for each in moving):  # the rest of what moves its limbs is held
             doubt = f"What '{stops[0].text}' keeps still while the rest moves is not understood."
             builder.unsure.append(doubt)

@@ -309,6 +309,8 @@ def _is_telling_a_part(spot: _Spot) -> bool:
     if not isinstance(after.value, Place):
         return after.phrase in LEXICON.part_nouns
     alike = find_limbs(KnownPart(after.value, after.phrase, f"{after.words}s"), spot.brief)
+    if after.words.endswith("s") and len(alike) > 1 and is_look(spot.word):
+        return False  # "the green leaves": all of them
     one = after.phrase not in LEXICON.one_of_many and (len(alike) == 1 or not alike and after.value.names)
     several = LEXICON.part_nouns.keys() | LEXICON.one_of_many
     return not one and (" " in after.phrase or after.phrase in several)  # "the pointed front end" is but one
@@ -335,7 +337,8 @@ def _is_placed_part(spot: _Spot) -> bool:
     """A thing whose place is told, which is moved then: "the bird nest at the top shakes"."""
     behind = [m for m in spot.mentions[spot.index + 1 : spot.end] if m.kind not in LOOSE]
     end = next((m for m in behind if m.phrase not in get_set("determiners") | {"on", "at"}), spot.mentions[0])
-    told = end.kind is MentionKind.PLACE and end.phrase in LEXICON.ends and behind[0].phrase in ("on", "at")
+    told = bool(behind) and end.kind is MentionKind.PLACE and behind[0].phrase in ("on", "at")
+    told &= end.phrase in LEXICON.ends
     return told and has_motion(behind) and not has_motion(spot.mentions[spot.begin : spot.index])
 
 

@@ -75,6 +75,7 @@ class Motion:
         coasts: Whether it goes on by itself unless a way is told.
         by: What alone does it: what is limp, a part, or a whole; empty = anything.
         topples: Whether what stands falls over if it does so.
+        springs: Whether it comes back as a spring does.
         lets_go: Whether what was held falls, if nothing else was done to it.
         gives: Whether the matter itself gives way: to what acted before, else to its weight.
         manner: The manner in which it goes on (`motion.schema.SeenManner`).
@@ -118,6 +119,7 @@ class Motion:
     coasts: bool = False
     by: Literal["", "limp", "part", "whole"] = ""
     topples: bool = False
+    springs: bool = False
     lets_go: bool = False
     gives: bool = False
     manner: SeenManner = ""

@@ -26,6 +26,7 @@ from physagent_jax.mpm.reductions import sum_particles
 
 RATE = 20.0  # [1/s] of the critically damped return: in a sixth of a second
 SETTLING = 8.0  # [1/s] the same of what has fallen over
+RESTING = 4.0  # [1/s] at which what rolls as it lies comes to rest
 NEARLY, SLACK = math.radians(65), math.radians(12)  # turn from which on it lies, and beyond a right angle
 
 
@@ -104,6 +105,36 @@ class Landing:
         turn = limit(-2 * SETTLING * share * spin - SETTLING**2 * beyond * self.axis, self.most)
         turn = turn * window_fraction(time, dt, self.start, self.end, self.edge)
         return cross(jnp.broadcast_to(turn, x.shape), r)
+
+    def gradient(self, x, time, dt):
+        """None, as of `TurnCompensation`."""
+        del x, time, dt
+
+
+@register_dataclass
+@dataclasses.dataclass(frozen=True)
+class Settling:
+    """Slows the spin of what lies and was rolled on, as the ground does that gives way a little under each edge.
+
+    Without it what is tapered rolls and rocks for seconds. The spin falls by `RESTING` of itself, and friction brings
+    the centre to rest with it.
+
+    Attributes:
+        start, end: Window [s], scalars.
+        edge: Width of the window's smooth edges [s], scalar; None = hard.
+    """
+
+    start: jax.Array = dataclasses.field(metadata=START)
+    end: jax.Array = dataclasses.field(metadata=END)
+    edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
+
+    def acceleration(self, x, v, mass, time, dt):
+        """Mean over the substep [m/s^2], shape (n, 3)."""
+        r = x - mass_centre(x, mass)
+        moment = sum_particles((mass[:, None] * cross(r, v)).sum(0)) / sum_particles(mass.sum())
+        spin, _ = find_turn(moment, r, mass)
+        share = window_fraction(time, dt, self.start, self.end, self.edge)
+        return cross(jnp.broadcast_to(-RESTING * share * spin, x.shape), r)
 
     def gradient(self, x, time, dt):
         """None, as of `TurnCompensation`."""

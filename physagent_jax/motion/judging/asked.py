@@ -192,6 +192,14 @@ class Asked:
         flies = (e.kind is MotionKind.MOVE and (e.sudden or e.manner == "fly") for e in self.together)
         return self.kind is MotionKind.ROTATE and self.end is None and any(flies)
 
+    @property
+    def rolls_as_it_lies(self) -> bool:
+        """Return whether it rolls after it has tipped over: what is tapered goes along a curve."""
+        earlier = (e for e in self.view.expectations if e.window[1] <= self.motion.window[0] + 0.5)
+        return any(e.words == self.motion.words for e in self.together) and any(
+            map(self.view.topples, earlier)
+        )
+
     @cached_property
     def obstacle(self) -> ObstacleRequest | None:
         """The obstacle that the sentence puts in this motion's way."""

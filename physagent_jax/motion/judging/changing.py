@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
 from dataclasses import replace
 
 from physagent_jax.core.strict import Vector
@@ -86,7 +85,7 @@ def check_rotation(asked: Asked) -> list[Check]:
         if response and response[0] < at:
             question = "about which axis does it start to turn?"
             checks.append(compare_direction(asked, question, response[1], spread, within=START))
-        within = START if asked.tumbles else SAME_WAY
+        within = START if asked.tumbles or asked.rolls_as_it_lies else SAME_WAY
         checks.append(compare_direction(asked, "about which axis does it turn?", peak, spread, within=within))
     if motion.repeats > 1:
         path = [dot(v, axis or peak) for _, v in view.turns(first, view.last, asked.end)]
@@ -289,19 +288,19 @@ def check_still(asked: Asked) -> list[Check]:
     beside the most that it did before in as long a time.
     """
     view, (first, last) = asked.view, asked.span
-    beside = {e.kind for e in asked.together}
-    turned, limits, pace = MotionKind.ROTATE in beside, dict.fromkeys(_LIMITS_OF_STILLNESS, 1.0), 1.0
+    turned = any(e.kind is MotionKind.ROTATE for e in asked.together)
+    limits, pace = dict.fromkeys(_LIMITS_OF_STILLNESS, 1.0), 1.0
     if is_last_rest(asked.motion, view.expectations):
         count = max(round(_AT_REST / view.report.frame_dt), 1)
         for begin in range(0, max(first - count, 0) + 1, max(count // 2, 1)):
-            for name, most in _measure_unrest(view, begin, min(begin + count, last), beside).items():
+            for name, most in _measure_unrest(asked, view, begin, min(begin + count, last)).items():
                 limits[name] = max(limits[name], min(_HARDLY * most, _HARDLY_AT_MOST))
         if view.ending and view.ending.frame_count > _GLIMPSE:
             view = replace(view, report=view.ending)
             first, last = max(view.last - count, 0), view.last
             pace = count / (last - first)
         first = max(first, last - count)
-    ratios = {n: pace * v / limits[n] for n, v in _measure_unrest(view, first, last, beside).items()}
+    ratios = {n: pace * v / limits[n] for n, v in _measure_unrest(asked, view, first, last).items()}
     if view.sight is not None:
         lost = view.explain("rotation_degrees", first, last, "")
         if why := (lost if not turned else "") or ("" if view.shows_approach(first, last) else BY_SIZE):
@@ -315,11 +314,17 @@ def check_still(asked: Asked) -> list[Check]:
     return [check_limit(asked, "still", ratios[worst], 1.0, sigma, what=worst)]
 
 
-def _measure_unrest(view: View, first: int, last: int, beside: Collection[MotionKind]) -> dict[str, float]:
+def _measure_unrest(asked: Asked, view: View, first: int, last: int) -> dict[str, float]:
     """Displacement, rotation and strain in units of what passes for stillness, as far as they are seen.
 
-    What is asked ``beside`` the stillness is no unrest: "stretch it while it stays in place".
+    What is asked beside the stillness is no unrest: "stretch it while it stays in place". A limb is to stay where it
+    is, whatever the others do.
     """
+    beside = {e.kind for e in asked.together}
+    if (limb := asked.motion.limb) is not None and any(e.limb is not None for e in asked.together):
+        own = next((each for each in view.report.parts if each.limb == limb), None)
+        course = view.course(first, last, own) if own else []
+        return {"moves": norm(find_farthest(course)[1]) / tolerances.STILL} if course else {}
     reshaped, ratios = not {*AXIAL}.isdisjoint(beside), {}
     if course := view.course(first, last):
         ratios["moves"] = norm(find_farthest(course)[1]) / tolerances.STILL

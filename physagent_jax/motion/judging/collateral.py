@@ -21,6 +21,7 @@ from physagent_jax.motion.judging.posing import UPRIGHT, check_pose
 from physagent_jax.motion.judging.seen import Course, Signal, View, find_landing
 from physagent_jax.motion.judging.stages import group_stages
 from physagent_jax.motion.judging.toppling import find_lean
+from physagent_jax.motion.landing import LIMP
 from physagent_jax.motion.matching import AXIAL
 from physagent_jax.motion.schema import Check, ExpectedMotion, MotionKind
 from physagent_jax.motion.vectors import cross, dot, norm, normalise, reject, rotate, scale, subtract
@@ -33,8 +34,6 @@ _SHATTERS = re.compile(
     r"explod|\w+ pieces|(fall|come)(s|ing)? apart|smash(es|ed|ing)? on\b)"
 )
 """Words of who asks that its matter gives way, in whichever clause."""
-_FLOPS = re.compile(r"\b(flop|splat|splodge|slump|crumple|floppy|limp|flatten)")
-"""Words of who asks that it lands limp, and lies as it comes."""
 _SCATTERED = (
     3.0  # times farther that pieces may fly: those of a dish that is smashed lie over three and a half of it
 )
@@ -60,6 +59,7 @@ _TURN_TUMBLING = 500.0  # [degrees] of what is hit, dropped, or acted on at one 
 _ON_END = 0.9  # cosine of an axis to the vertical, about which what stands turns on its foot
 _FALLEN_OVER = 50.0  # [degrees] that what turns on its foot may lean
 _TURN_HELD = 70.0  # [degrees] that the affine fit of a bent thing may show
+_HALF_OF_IT = 0.4  # share of the object that a limb has which bends it all
 _BENT_DOUBLE = 80.0  # [degrees]
 _STRAIN = 0.4  # [1] that a soft thing may deform while it is pushed
 _STRAIN_HIT = 0.6  # [1] the same when it turns, or bends while it is held
@@ -250,7 +250,7 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         figures = {"least": math.exp(-limit), "most": math.exp(limit), "factor": factor}
         return _check_lasting(view, "volume", volumes, limit, 2.0 * sigma, gentler=False, **figures)
     tumbles = _is_rough(view, asked) and not view.anchored
-    if _gives_way(view) or tumbles and _FLOPS.search(view.sentence.lower()):
+    if _gives_way(view) or tumbles and LIMP.search(view.sentence.lower()):
         return []
     swings = any(e.kind in (MotionKind.ROTATE, MotionKind.SWAY) for e in asked)
     yielding = view.anchored or swings or _is_rough(view, asked) or _is_partial(asked)
@@ -271,10 +271,11 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     if left and min(v for _, v in left) > _STRAIN:  # it swings or lands, and is out of shape from then on
         return _check_lasting(view, "shape", left, _STRAIN, sigma)
     twists = sum(e.kind is MotionKind.ROTATE and e.part is not None for e in asked) > 1
-    turned_limb = any(e.limb is not None for e in asked)  # no one map fits what is led beside what is held
+    limbs = [view.brief.parts[e.limb] for e in asked if e.limb is not None]
+    turned_limb = bool(limbs)  # no one map fits what is led beside what is held
     limit = (
         _STRAIN_PRESSED
-        if tumbles and view.soft
+        if tumbles and view.soft or any(limb.share > _HALF_OF_IT for limb in limbs)
         else _STRAIN_TUMBLING
         if tumbles or turned_limb
         else _STRAIN_TWISTED

@@ -259,7 +259,9 @@ def _check_return(asked: Asked) -> list[Check]:
     if until - last < 3:
         if motion.sudden or motion.repeats > 1:
             return []
-        raise _Unseen("the clip ends before it can come back")
+        if not motion.springs:
+            raise _Unseen("the clip ends before it can come back")
+        last = until - 3  # it has come back before what it does next
     signal = _observe(asked, first, until, 4)
     if (
         motion.kind in AXIAL and asked.end is None and motion.direction is not None

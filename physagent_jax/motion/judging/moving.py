@@ -48,6 +48,8 @@ _BOUNCE, _MORE_BOUNCES = (
     2,
 )  # [body lengths] that a bounce rises by at least, and more that follow untold
 _LANDED = 0.8  # of its way down, from where on what topples lies
+_SWUNG = 0.2  # of its length, by which the middle of a limb may go to either side, however slightly it sways
+_ABOUT_MIDDLE = 0.6  # of that, of a limb which turns about its own middle
 _TURNED = 0.6  # of its way that is enough of a limb which is seen to turn, or of what is seen to bend
 _BENT = 0.5  # of a turn of what is held, from where on what bends on a stiff trunk is seen to
 _MIDDLE = 0.5  # of the way down of its top that its middle goes as it tips over
@@ -129,7 +131,9 @@ def check_move(asked: Asked) -> list[Check]:
     tolerance = tolerances.expect_move(motion, view.anchored, seconds=seconds, drift=coasting, end=at_end)
     tolerance = view.fit_to_limb(tolerance, motion)
     if asked.limb_turns or _is_bent(asked, until):
-        tolerance = tolerance.scaled(_TURNED, least=0.75 * tolerances.VISIBLE)
+        limb = None if motion.limb is None else view.brief.parts[motion.limb]
+        share = _TURNED * (_ABOUT_MIDDLE if limb and limb.seated else 1.0)
+        tolerance = tolerance.scaled(share, least=0.75 * tolerances.VISIBLE)
     if view.grounded and any(e.kind is MotionKind.ROTATE and e.words == motion.words for e in asked.together):
         tolerance = replace(tolerance, high=2.0 * tolerance.high)  # what rolls goes on rolling
     if direction is not None and any(cosine(way, direction) > _OVERTURNS for way in view.find_topples()):
@@ -367,19 +371,33 @@ def _check_swing(asked: Asked) -> list[Check]:
     amplitude = (max(path) - min(path)) / 2.0
     tolerance = tolerances.expect_sway(asked.motion, asked.view.anchored, end=asked.end is not None)
     tolerance = asked.view.fit_to_limb(tolerance, asked.motion)
+    if (limb := asked.motion.limb) is not None:  # a long one goes far at however small an angle
+        arm = norm(asked.view.brief.parts[limb].arm)
+        tolerance = replace(tolerance, high=max(tolerance.high, _SWUNG * arm))
     if asked.motion.manner == "rock":  # the middle of what is low goes less far as it is tilted
         low, high = tolerance.low * asked.view.brief.extents[1], _ROCKS * tolerance.high
         tolerance = replace(tolerance, low=low, high=high)
     words = f"{amplitude:.2g} body lengths to either side"
     checks = []
     if amount is None or amount.unit == "seconds":
-        checks.append(compare_amount(asked, "how far does it sway?", tolerance, amplitude, words))
+        half_width = _find_half_width(asked, amplitude)
+        question = "how far does it sway?"
+        checks.append(compare_amount(asked, question, tolerance, amplitude, words, half_width=half_width))
     if asked.direction is not None and amplitude >= 0.5 * tolerance.low:
         sense = line if dot(line, direction) >= 0 else scale(line, -1.0)
         spread = find_spread(2.0 * amplitude, asked.view)
         checks.append(compare_direction(asked, "along which line?", sense, spread))
     hysteresis = max(2.0 * _SWING * amplitude, 0.5 * tolerances.VISIBLE)
     return [*checks, count_turns(asked, path, hysteresis, _find_rest(asked, direction))]
+
+
+def _find_half_width(asked: Asked, amplitude: float) -> float | None:
+    """The uncertainty of a part's swings after it has gone farther, which is what the report's is of; None = that."""
+    course = asked.view.course(0, asked.view.last, asked.end) if asked.motion.limb is not None else []
+    farthest = norm(find_farthest(course)[1]) if course else 0.0
+    if farthest <= 2.0 * amplitude:
+        return None
+    return asked.view.uncertainty(asked.figure) * 2.0 * amplitude / farthest
 
 
 def _find_rest(asked: Asked, direction: Vector) -> float | None:

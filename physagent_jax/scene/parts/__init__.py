@@ -6,8 +6,8 @@ fingers; `evidence` weighs that. `ends` finds toes, tips, handles and stems, whi
 data of all of them. `named` finds the particles of what is named, `places` those of a region that has a word for its
 place, and `cells` makes a part of them. `branches` joins pieces that are numbered, or sections of a limb. `figures`
 looks at what stands on a base by itself. `guesses` takes the likeliest limb for a word that is none of these for
-certain, or the likeliest of the surfaces that a mesh is built of (`shells`), by their `looks`. `aliases` gives parts
-the names that a sentence has for them. `store` keeps what was found on disk.
+certain, or the likeliest of the surfaces that a mesh is built of (`shells`), by their `looks`, and `tools` those of a
+blade and a handle. `aliases` gives parts the names that a sentence has for them. `store` keeps what was found on disk.
 """
 
 from physagent_jax.scene.parts.aliases import find_aliases as find_aliases

@@ -28,6 +28,7 @@ from physagent_jax.scene.parts.looks import Looks
 from physagent_jax.scene.parts.mirror import Mirror, find_mirrors
 from physagent_jax.scene.parts.regions import Frame
 from physagent_jax.scene.parts.shells import Shells, find_shells
+from physagent_jax.scene.parts.tools import Tool, find_tool
 
 _LEAST, _LEAST_SHELL = 0.5, 0.62  # mean of the measures of what is taken, of a limb and of shells
 _CHANCE = 0.5  # that it is meant
@@ -54,6 +55,7 @@ _APART = 0.1  # share of the smaller one in the larger, up to which two are apar
 _SWEPT, _BORDER = 1.05, 0.02  # of the radius of a disc; share of a shell beyond that of what turns with it
 _TOPPER = "topper"  # its row is that of whatever sits on top
 _RAISED = "rotor"  # its row is that of whatever turns on a stand
+_BLADE, _WHEEL = "blade", "wheel"  # of a tool: a wheel is a blade that is a disc
 _BORNE = re.compile(
     r"\b(?:legs?|feet|stand|base|frame|supports?|tower|pole|post|tripod|pedestal|mount)\b[^,;.]*? "
     r"(?:stays?|keeps?|remains?|stands?|is|are|held|do not move|does not move|don't move|doesn't move)\b"
@@ -109,7 +111,9 @@ def guess_parts(
             ):  # "the wheel turns while the legs stay put", of a ferris wheel
                 found += search.guess(noun, read_guesses()[_RAISED], several=False, whole=True)
         elif noun not in own and not search.knows(row):
-            found += search.guess(noun, row, several=word != noun or not SIDES.isdisjoint(words))
+            found += search.find_of_tool(noun, row) or search.guess(
+                noun, row, several=word != noun or not SIDES.isdisjoint(words)
+            )
     return tuple(found)
 
 
@@ -145,6 +149,16 @@ class _Search:
         likely = [part for part in self.parts if roles & {*part.roles}]
         told += likely if len(likely) == 2 and not row.get("many") else []  # two that may be it are the pair
         return any(not self.shells.are_cut(~make_region_mask(each.rest, self.points)) for each in told)
+
+    def find_of_tool(self, noun: str, row: dict[str, Any]) -> list[Part]:
+        """The blade or the handle of a tool, as the surfaces show it; none if it is no tool, or has no word for it."""
+        blade = noun in (_BLADE, _WHEEL)
+        tool = self._tool if blade or "handle" in row.get("role", "").split()[:1] else None
+        if tool is None or noun == _WHEEL and not tool.turns:
+            return []
+        mask, turns = tool.blade if blade else tool.handle, blade and tool.turns
+        part = fit_part(self.points, mask, joined=not turns, wheel=turns, blades=turns)
+        return list(self._name(noun, row, [_Candidate(mask, part, "the surfaces at one end")], _LIKELY))
 
     def guess(self, noun: str, row: dict[str, Any], *, several: bool, whole: bool = False) -> list[Part]:
         """The parts that a noun is likeliest to mean; none if none looks so.
@@ -294,6 +308,10 @@ class _Search:
             and mask.sum() < _BULK * self._whole.sum()
         ]
         return [_Candidate(mask, None, "a piece of the surface") for mask in free]
+
+    @functools.cached_property
+    def _tool(self) -> Tool | None:
+        return find_tool(self.points, self.shells.labels)
 
     @functools.cached_property
     def _looks(self) -> Looks:
