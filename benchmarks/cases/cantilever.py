@@ -26,8 +26,8 @@ class Cantilever:
     to another half cell further back, and there the beam's length L begins; counted from the last clamped
     particle it would be a cell short, and the tip 10 % too low with 4 cells through the height.
 
-    What is left is quadrature where particles have moved across cells, so it falls with more particles, not with
-    more cells (docs/accuracy.md, "Particles per cell").
+    What is left is the creep of light nodes, which falls with more particles, not with more cells, and with
+    `Lumped.aggregation` (docs/accuracy.md, "Light nodes and particles per cell").
     """
 
     name = "cantilever"
