@@ -13,13 +13,10 @@ from physagent_jax.mpm import (
     HalfSpace,
     Lumped,
     PrescribedMotion,
-    Schedule,
     Sharpened,
     inertia,
     kernels,
-    replay,
     rollout,
-    simulate,
     step,
 )
 from physagent_jax.mpm.energy import momentum
@@ -114,22 +111,16 @@ def test_the_kernels_follow_the_reference(chosen, x64):
     assert float(jnp.abs(plain.x - ends[0].x).max()) > 1e-6
 
 
-def test_gradients_agree_with_differences_and_replays(x64):
-    def loss(p, run):
+def test_gradients_agree_with_differences(x64):
+    def loss(p):
         model, state = thrown("cpu", Lumped(0.5))
         law = model.materials[0]
         model = model.replace(materials=(dataclasses.replace(law, mu=law.mu * p),))
-        return (run(model, state).x[:, 2] ** 3).sum()
+        end, _ = rollout(model, state, frame_count=1, substeps=12)
+        return (end.x[:, 2] ** 3).sum()
 
-    straight = lambda model, state: rollout(model, state, frame_count=1, substeps=12)[0]  # noqa: E731
-    model, state = thrown("cpu", Lumped(0.5))
-    frames = list(simulate(model, state, frame_count=2, frame_dt=12 * model.dt, substep_dt=float(model.dt)))
-    schedule = Schedule.of(model, frames)
-    again = lambda model, state: replay(model, state, schedule)[-1]  # noqa: E731
-    exact = float(jax.grad(loss)(1.0, straight))
     h = 1e-5
-    assert exact == pytest.approx(float(loss(1 + h, straight) - loss(1 - h, straight)) / (2 * h), rel=1e-5)
-    assert float(jax.grad(loss)(1.0, again)) == pytest.approx(exact, rel=1e-9)
+    assert float(jax.grad(loss)(1.0)) == pytest.approx(float(loss(1 + h) - loss(1 - h)) / (2 * h), rel=1e-5)
 
 
 def test_a_body_keeps_its_momentum(x64):

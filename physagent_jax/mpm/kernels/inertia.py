@@ -38,13 +38,10 @@ def sum_neighbours(team, values, sums):
             row = n * plane + j * nz
             rows = low, high, plane, (-nz if j > 0 else 0), (nz if j + 1 < ny else 0), nz
             end = row + nz - 1
-            store(new, row, sum_window(load_one, old, row, rows, 0, min(1, nz - 1)))
-            if nz > 1:
-                store(new, end, sum_window(load_one, old, end, rows, -1, 0))
-            if nz < BATCH + 2:
-                for o in range(row + 1, end):
-                    store(new, o, sum_window(load_one, old, o, rows, -1, 1))
-            else:
+            for o in range(row, end + 1, 1 if nz < BATCH + 2 else nz - 1):
+                window = sum_window(load_one, old, o, rows, (-1 if o > row else 0), (1 if o < end else 0))
+                store(new, o, window)
+            if nz >= BATCH + 2:
                 for o in range(row + 1, end, BATCH):  # the last batch overlaps
                     o = min(o, end - BATCH)
                     store(new, o, sum_window(load_batch, old, o, rows, -1, 1))
@@ -91,13 +88,9 @@ def walk_rows(work, i, shape, arrays, options):
         row = i * plane + j * nz
         rows = low, high, plane, (-nz if j > 0 else 0), (nz if j + 1 < ny else 0), nz
         end = row + nz - 1
-        work(load_one, arrays, row, rows, 0, min(1, nz - 1), options)
-        if nz > 1:
-            work(load_one, arrays, end, rows, -1, 0, options)
-        if nz < BATCH + 2:
-            for o in range(row + 1, end):
-                work(load_one, arrays, o, rows, -1, 1, options)
-        else:
+        for o in range(row, end + 1, 1 if nz < BATCH + 2 else nz - 1):  # the ends, or all of a short row
+            work(load_one, arrays, o, rows, (-1 if o > row else 0), (1 if o < end else 0), options)
+        if nz >= BATCH + 2:
             for o in range(row + 1, end, BATCH):  # the last batch overlaps
                 work(load_batch, arrays, min(o, end - BATCH), rows, -1, 1, options)
 
