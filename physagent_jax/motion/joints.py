@@ -266,14 +266,15 @@ class Turning:
 
         Where it is told a side ("to the left, then to the right"), it goes on by as much to there.
         """
-        done = self._face(done)
-        way = done.direction or self.swing
-        angle = self._find_seen(done, way)
-        window, course = self._find_window(motion, until), scale(self.find_course(way, angle), -1.0)
-        words = split_name(motion.words)
-        aside = not _ASIDE.isdisjoint(words[-1:]) and "back" not in words
+        done, aside = self._face(done), _goes_aside(motion)
+        window, way = self._find_window(motion, until), done.direction or self.swing
         stop = until if until > window[1] else None
+        if done.kind is MotionKind.ROTATE:
+            angle = self.find_angle(done, way) + (self.find_angle(motion, way) if aside else 0.0)
+            return [self.turn(way, -angle, window, stop)], motion
+        angle = self._find_seen(done, way)
         made = self.bring(way, done, -2.0 * angle if aside else -angle, window, stop)
+        course = scale(self.find_course(way, angle), -1.0)
         return [made], motion.model_copy(update=dict(direction=course))
 
     def _find_spun(self, motion: ExpectedMotion, axis: Vector) -> float:
@@ -543,11 +544,23 @@ class Turning:
         return PartDriver(self.part, self.brief.frame_dt, self.frame_count, self.held)
 
 
+def _goes_aside(motion: ExpectedMotion) -> bool:
+    """Return whether a side is told that a limb is brought to, and not only that it comes back."""
+    words = motion.words.lower().split()
+    return not _ASIDE.isdisjoint(words[-1:]) and "back" not in words
+
+
 def is_undone(done: ExpectedMotion, motion: ExpectedMotion) -> bool:
     """Return whether a motion takes a limb back where it was: it is lifted, then lowered again."""
     first, then = done.direction, motion.direction
-    plain = not (done.released or done.sudden or motion.sudden or motion.amount or done.manner == "hinge")
-    moves = done.kind is motion.kind is MotionKind.MOVE and plain and done.repeats < 2
+    plain = not (done.released or done.sudden or motion.sudden or done.manner == "hinge")
+    plain &= (
+        motion.kind is MotionKind.ROTATE
+        and _goes_aside(motion)
+        or motion.kind is MotionKind.MOVE
+        and motion.amount is None
+    )
+    moves = done.kind is motion.kind and plain and done.repeats < 2
     return moves and first is not None and then is not None and cosine(first, then) < _AGAINST
 
 

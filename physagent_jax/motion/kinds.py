@@ -53,6 +53,7 @@ from physagent_jax.motion.matching import (
 )
 from physagent_jax.motion.pressing import find_pressed
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
+from physagent_jax.motion.slashing import find_grip
 from physagent_jax.motion.tolerances import SPIN, expect_rotation, expect_wrung, find_told
 from physagent_jax.motion.vectors import clamp, cosine, cross, norm, normalise, scale
 from physagent_jax.motion.windows import divide
@@ -65,6 +66,7 @@ _OVER = 120.0  # [degrees] about a level line, from where on something is turned
 _TILT = 60.0  # [degrees] up to which what stands is tilted
 _PRESSED = 0.07  # of its height, by which a plain blow presses what stands: held at its feet, twice as deep
 _UPENDED = 95.0  # [degrees] the same of an angle that is told
+_UPRIGHT = 90.0  # [degrees] by which what lies is set up on an edge
 _RAISED = 20.0  # [degrees] by which it is tilted where one side is raised
 _CRUMPLED = [1.0, 1.5]  # shares of the time in which it is pressed from both sides, and from above alone
 _SPUN = 0.9  # of the most of its word that what lies spins by about its own line: less is hardly seen of what is slim
@@ -79,6 +81,7 @@ _ALONG_LIMB = 0.4  # cosine of a stretch to a limb from which on it is drawn out
 _AROUND = 2.0  # [body lengths]: all of a limb's joint, and all of its length
 _LENGTHENED = 0.5  # of its length, by which a plain word draws a limb out
 _LONGER = 0.15  # [body lengths] the same at least, but no more than it is long
+_DRAWN_BACK, _SLASHED = 0.7, 0.4  # [s] in which something is drawn back, and slashes with a strength of 1
 _DRAWN_OUT, _SNAP = 1.0, 0.2  # [s] in which it is drawn out, at most, and snaps back
 _NO_WAY = (0.0, 0.0, 0.0)
 _PLATE = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
@@ -474,6 +477,13 @@ def _find_hand(wish: Wish, first: float) -> list[Cause]:
     return [hand for hand in hands[-1:] if _list_lifts(wish) and abs(hand.lets_go - first) < 1.5]
 
 
+def _find_upended(wish: Wish, first: float) -> list[Cause]:
+    """The turn that holds until a frame what it has set up on an edge, from which it would fall; none if none does."""
+    stood = [e for e in wish.list_others() if e.amount and e.manner == "rock" and e.amount.value == _UPRIGHT]
+    hands = [each for each in list_causes(wish.force_field) if each.carries and each.skill.is_axis]
+    return [hand for hand in hands[-1:] if stood and abs(hand.lets_go - first) < 1.5]
+
+
 def _list_lifts(wish: Wish) -> list[Cause]:
     """The constraints that raise all of the object."""
     moves = [each for each in list_causes(wish.force_field) if each.carries and each.skill.deforms]
@@ -539,26 +549,44 @@ def _find_tilt(wish: Wish, lifted: float, first: float) -> tuple[Cause | None, f
 
 
 def _tilt_back(wish: Wish) -> _Replaced:
-    """Bring back what was tilted over its foot, as far as it was."""
+    """Bring back what was tilted over its foot, as far as it was; or beyond, to the other side."""
     expectation, way = wish.expectation, wish.expectation.direction
-    if expectation.kind is not MotionKind.ROTATE or not expectation.put_back or expectation.amount or not way:
+    back, aside = expectation.put_back, expectation.manner == "rock"
+    if expectation.kind is not MotionKind.ROTATE or not (back or aside) or expectation.amount or not way:
         return None
     causes = _find_forces(wish, lambda c: c.item.region is None)
     if not causes:
         return None
     first, end = wish.get_span(causes)
     hands = [each for each in list_causes(wish.force_field) if each.carries and each.skill.is_axis]
-    hands = [e for e in hands if wish.get_span([e])[0] < first and cosine(e.item.vector, way) < -_VERTICAL]
-    if not hands:
+    hands = [
+        e for e in hands if wish.get_span([e])[0] < first and abs(cosine(e.item.vector, way)) > _VERTICAL
+    ]
+    tilted = -sum(_find_turn(wish, each, way) for each in hands)
+    if tilted <= 0:
         return None
-    hand = max(hands, key=lambda each: each.lets_go)
+    size, until = spread_effort(tilted * (1.0 if back else 2.0), first, end, share=MOVING)
+    let_go, home = expectation.released and not back, 2 * end - first
+    turn = _prescribe(
+        causes[0], way, size, (first, until), None if back else end if let_go else _find_next(wish, end)
+    )
+    turns = [turn]
+    if let_go and home <= wish.brief.last:
+        size, until = spread_effort(tilted, end, home, share=MOVING)
+        turns.append(_prescribe(causes[0], scale(way, -1.0), size, (end, until), None))
+    told = "it is brought back from where it was tilted to" + ("" if back else ", and as far beyond")
+    return _put(_hold_until(wish, [max(hands, key=lambda each: each.lets_go)], first), causes, *turns), told
+
+
+def _find_turn(wish: Wish, hand: Cause, way: Vector) -> float:
+    """The magnitude times frames of a hand's turn about an axis (unit world vector)."""
     begun, stopped = wish.get_span([hand])
-    effort = hand.item.magnitude * hand.item.gain * (stopped - begun)
-    size, until = spread_effort(effort, first, end, share=MOVING)
-    back = _prescribe(causes[0], way, size, (first, until), None)
-    return _put(
-        _hold_until(wish, [hand], first), causes, back
-    ), "it is brought back from where it was tilted to"
+    return (
+        hand.item.magnitude
+        * hand.item.gain
+        * (stopped - begun)
+        * math.copysign(1.0, cosine(hand.item.vector, way))
+    )
 
 
 def _lead_round(wish: Wish) -> _Replaced:
@@ -587,6 +615,21 @@ def _lead_round(wish: Wish) -> _Replaced:
     return _put(wish, causes, hand), "it is led along the circle"
 
 
+def _slash(wish: Wish) -> _Replaced:
+    """Swing something about the end that it is held by, at once; it is drawn back more slowly, and kept there."""
+    here, brief, axis = wish.expectation, wish.brief, wish.expectation.direction
+    causes = _find_forces(wish, lambda c: c.item.region is None)
+    told = find_told(here, brief, "degrees")
+    if here.manner != "slash" or axis is None or not causes or told is None or brief.anchored is not None:
+        return None
+    first, end = wish.get_span(causes)[0], min(here.window[1], brief.last)
+    stop = min(first + brief.count_frames(_DRAWN_BACK if here.means else _SLASHED / here.strength), end)
+    effort = math.radians(told.target) / TURN * wish.reference / (stop - first)
+    hand = _prescribe(causes[0], axis, effort, (first, stop), _find_next(wish, end))
+    held = _hold_until(wish, _find_hand(wish, first), first)
+    return _put(held, causes, hand.model_copy(update={"pivot": find_grip(brief)})), "it is swung by one end"
+
+
 def _lead(wish: Wish) -> _Replaced:
     """Lead what was raised, is turned over, goes at one speed, or farther than forces start and stop it."""
     expectation, brief, way = wish.expectation, wish.brief, wish.expectation.direction
@@ -601,6 +644,7 @@ def _lead(wish: Wish) -> _Replaced:
         return None  # what is led does nothing else
     first, end = wish.get_span(causes)[0], min(expectation.window[1], wish.brief.last)
     seconds, hands = (end - first) * brief.frame_dt, _find_hand(wish, first)
+    hands = hands or ([] if turns else _find_upended(wish, first))
     quick = expectation.even and seconds <= QUICK + brief.frame_dt
     usual = brief.seconds if quick else seconds  # what is sudden goes as far as in all of the clip
     level = turns and abs(cosine(way, brief.directions.up)) < _VERTICAL
@@ -630,14 +674,18 @@ def _lead(wish: Wish) -> _Replaced:
     if spun is not None:
         stop = min(stop, first + brief.count_frames(find_spin_time(spun, expectation.strength)))
     size, until = spread_effort(effort, first, stop, share=MOVING if tilts else 1.0)
+    if tilts and expectation.released and 2 * until - first > brief.last:
+        size, until = spread_effort(effort, first, 0.5 * (first + stop))
     width, height, depth = brief.extents
     across = depth if abs(cosine(way, brief.directions.right)) > _VERTICAL else width
     # What is broad rests on what it was turned onto; what is tall and thin, as a fish, would fall onto its side.
     settles = over and lengthwise and across >= height and not hands
     hand = _prescribe(causes[0], way, size, (first, until), None if settles else _find_next(wish, end))
-    if tilts and expectation.released and end + until - first <= brief.last:
-        hand = hand.model_copy(update={"held_until": end if end > until else None})
-        back = _prescribe(causes[0], scale(way, -1.0), size, (end, end + until - first), None)
+    rests = any(e.kind is MotionKind.STILL and abs(e.window[0] - end) < 1.5 for e in wish.expectations)
+    begins = min(end, brief.last - (until - first), end - rests * (until - first))  # to come back
+    if tilts and expectation.released and begins >= until:
+        hand = hand.model_copy(update={"held_until": begins if begins > until else None})
+        back = _prescribe(causes[0], scale(way, -1.0), size, (begins, begins + until - first), None)
         return _put(wish, causes, hand, back), "it is tilted over its foot, and brought back"
     reason = "at one speed" if expectation.even else "no force in range starts and stops it in that time"
     reason = "a torque would let it tumble" if over or spins else "it is kept up" if hands else reason
@@ -664,5 +712,6 @@ _RULES = (
     _set_down,
     _tilt_back,
     _lead_round,
+    _slash,
     _lead,
 )

@@ -20,11 +20,11 @@ from physagent_jax.motion.windows import Window, divide
 
 _VERTICAL = 0.7  # cosine
 _DENT = 0.35  # [box] twice as far as a dent reaches from its middle: up and down, to either side, inwards
-_POKED = 0.3  # of the half that is poked, how deep with a strength of 1
+_POKED = 0.2  # of the half that is poked, how deep with a strength of 1
 _FINGER, _PALM = 0.24, 0.42  # [box] breadths of a finger and of a hand
 _PLACE = "place that is poked"
 LEAST_ROOM = 4.0  # frames of a poke, without which nothing of it is seen
-_QUICK, _STAYS = 0.24, 0.08  # [s] in which a finger goes in, and for which it stays
+_QUICK, _STAYS = 0.24, 0.04  # [s] in which a finger goes in, and for which it stays
 _COMES = 0.2  # [s] in which it is seen to come
 _QUIVERS = 0.08  # [body lengths] by which the top goes to either side at first, with a strength of 1
 _FADES = (1.0, -0.75, 0.55, -0.38, 0.25, -0.12, 0.0)  # of that, where each of its strokes ends
@@ -129,10 +129,10 @@ def quiver(
 
 
 def find_end_of_poke(made: Sequence[VelocityConstraint], window: Window) -> float:
-    """The frame from which on nothing pokes it in a window: it wobbles when the finger has gone."""
+    """The frame at which a finger begins to go back in a window: later, what is top-heavy would have fallen over."""
     fingers = [e for e in made if isinstance(e.region, CellsRegion) and e.region.label == _PLACE]
-    spans = [each.active_time for each in fingers]
-    ends = [2 * end - begin for begin, end in filter(None, spans) if window[0] <= begin < window[1]]
+    spans = [(each.active_time, each.held_until) for each in fingers]
+    ends = [end for span, end in spans if span and end and window[0] <= span[0] < window[1]]
     return min(max([window[0], *ends]), 0.5 * (window[0] + window[1]))
 
 

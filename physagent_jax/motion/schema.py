@@ -20,8 +20,9 @@ Manner = Literal["", "bend", "rock", "wobble", "shake", "fly", "fold", "crumple"
 """The manner of a motion: it bends over its foot, which stays; it tilts over the edges of its foot as a whole; its foot
 stays and its own stiffness does the rest; it goes to and fro, foot and all; it leaves the ground; one half
 goes over the other; it is pressed from one side after another; it turns about its hinge; it comes off; or any ("")."""
-SeenManner = Manner | Literal["spin", "circle"]
-"""The same of what is to be seen; what spins shows all of its sides, and a circle is gone along, heading first."""
+SeenManner = Manner | Literal["spin", "circle", "slash"]
+"""The same of what is to be seen; what spins shows all of its sides, a circle is gone along, heading first, and what
+is swung as a sword turns about the end that it is held by."""
 LAST_FRAME = 1e5
 _Frame = Annotated[float, Field(ge=0, le=LAST_FRAME)]
 _Degrees = Annotated[float, Field(ge=-360, le=360)]

@@ -75,6 +75,30 @@ def test_what_is_poked_wobbles_when_the_finger_has_gone():
 
 
 @pytest.mark.parametrize(
+    "prompt",
+    ["someone prods it from the left so that it jiggles", "it wobbles when a finger prods it from the left"],
+)
+def test_the_finger_is_seen_where_it_is_said_what_comes_of_it(prompt):
+    reply = read(prompt, JELLY)
+    assert len(list_fingers(reply)) == 1
+    assert [each.kind for each in reply.expectations] == [MotionKind.SWAY]
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "it drops to the ground and bends and jiggles as it bounces",
+        "drop it so that it stretches and wobbles when it lands",
+        "it bends and jiggles when it hits the ground",
+    ],
+)
+def test_what_a_soft_thing_does_as_it_lands_is_left_to_its_softness(prompt):
+    reply = read(prompt, JELLY)
+    assert reply.force_field.default_drop and [e.kind for e in reply.expectations] == [MotionKind.FALL]
+    assert not [each for each in reply.force_field.constraints if each.constraint_type.skill.is_axis]
+
+
+@pytest.mark.parametrize(
     ("prompt", "way"),
     [
         ("a gentle nudge from behind, it rocks a bit but never tips over", TOWARD),

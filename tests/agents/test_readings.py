@@ -210,3 +210,5 @@ def test_a_tool_that_is_swung_down_tips_over_its_lower_end():
         (turn,) = read(prompt, axe).expectations
         assert tell(turn) == "rotate toward" and turn.amount is not None
     assert [tell(m) for m in read("swing the axe from side to side", axe).expectations] == ["sway left x2"]
+    swung = read("somebody swings the axe to the right", axe).expectations
+    assert [tell(m) for m in swung] == ["rotate toward", "rotate away"] and swung[0].means

@@ -19,6 +19,13 @@ def list_limbs(reply):
     return [(each.kind, each.limb) for each in reply.expectations]
 
 
+@pytest.mark.parametrize(("back", "share"), [("then to the right", 2.0), ("then back", 1.0)])
+def test_a_head_turns_past_where_it_was_to_the_side_that_is_told(back, share):
+    turns = read(f"its head turns to the left, {back}").force_field.constraints
+    first, then = (t.magnitude * t.gain * (t.active_time[1] - t.active_time[0]) for t in turns)
+    assert then == pytest.approx(share * first, rel=0.05)
+
+
 @pytest.mark.parametrize(
     ("sentence", "told"),
     [

@@ -99,6 +99,21 @@ def test_what_is_dropped_tips_over_once_it_has_landed(prompt):
     assert all(each.window[0] >= falls.window[1] for each in tips)
 
 
+@pytest.mark.parametrize("prompt", ["the statue stands up on the edge of its plate and slides to the left"])
+def test_what_is_set_up_on_an_edge_is_kept_upright_as_it_goes_on(prompt):
+    reply = compile_whole(prompt, extents=(1.0, 0.1, 0.9))
+    turn, move = reply.force_field.constraints
+    assert find_degrees(turn, reply)[0] == pytest.approx(90.0, rel=0.1)
+    assert turn.held_until == move.active_time[0] and not reply.force_field.actions
+
+
+def test_what_leans_to_one_side_and_then_to_the_other_passes_the_upright():
+    """Measured from where it leant, it would only stand again."""
+    reply = compile_whole("the statue leans to the left, then to the right, then to the left")
+    turns = [find_degrees(each, reply)[0] for each in reply.force_field.constraints]
+    assert turns[1] == pytest.approx(2 * turns[0], rel=0.1) and turns[2] == pytest.approx(turns[1], rel=0.1)
+
+
 @pytest.mark.parametrize(
     "prompt",
     [

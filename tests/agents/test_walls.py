@@ -69,7 +69,12 @@ def test_a_vehicle_drives_into_a_wall_with_its_front():
 
 @pytest.mark.parametrize(
     "prompt, back",
-    [("its back end hops up and slams back down", 1.0), ("the front of the van lifts off the ground", -1.0)],
+    [
+        ("its back end hops up and slams back down", 1.0),
+        ("the front of the van lifts off the ground", -1.0),
+        ("the nose of the van sinks", 1.0),
+        ("its tail dips", -1.0),
+    ],
 )
 def test_an_end_of_a_vehicle_that_rises_tips_it_over_the_other_one(prompt, back):
     (turn, *_) = read(prompt, VAN).expectations
@@ -79,6 +84,14 @@ def test_an_end_of_a_vehicle_that_rises_tips_it_over_the_other_one(prompt, back)
     # About the axis to the left of its way, its back rises.
     left = (-ahead.direction[1], ahead.direction[0], 0.0)
     assert sum(a * b for a, b in zip(axis, left)) == pytest.approx(back, abs=1e-6)
+
+
+def test_the_front_dips_once_a_vehicle_has_driven_and_comes_back():
+    drive, dip = read(
+        "the van rolls along and brakes so hard that its front dips and its rear rises", VAN
+    ).expectations
+    assert drive.kind is MotionKind.MOVE and dip.kind is MotionKind.ROTATE
+    assert dip.window[0] >= drive.window[1] and dip.released
 
 
 def test_a_slide_after_a_fall_goes_the_way_of_that_fall():

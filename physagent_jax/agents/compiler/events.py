@@ -216,4 +216,5 @@ class Event:
 def is_landing_meanwhile(before: Event, event: Event) -> bool:
     """Return whether an event is the landing from which on another goes on: "it wobbles *when it lands*"."""
     goes_on = before.effect in (Effect.SWAY, Effect.TURN, Effect.ROLL, Effect.TOPPLE)
+    goes_on |= before.effect is Effect.LEAN and before.motion.manner == "bend"
     return goes_on and event.motion.lands and event.clause.order == "together" and not event.clause.negated

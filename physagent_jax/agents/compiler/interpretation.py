@@ -18,7 +18,7 @@ from physagent_jax.agents.compiler.events import (
     WayKind,
 )
 from physagent_jax.agents.compiler.limbs import find_limbs, find_roles, moves_pot, sticks_out
-from physagent_jax.agents.lexicon import NAMED, Effect, Motion, Names, Repeat, read_lexicon
+from physagent_jax.agents.lexicon import NAMED, Effect, Motion, Names, Place, Repeat, read_lexicon
 from physagent_jax.agents.materials import LIMP
 from physagent_jax.core.strict import Vector
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN
@@ -65,7 +65,8 @@ _BEARERS = dict(hand="arm", hands="arms", fist="arm", fists="arms", head="neck")
 _SEVERING = ("break", "snap", "crack", "cut", "chop", "saw", "hack", "shear", "tear", "rip")
 _BITING = frozenset("jaw jaws claw claws pincer pincers beak mouth bill teeth gripper grabber".split())
 _HALF = 0.5  # of the object, as which no part is that comes off
-_HOPS = 20.0  # [degrees] by which an end is raised that hops up
+_NOSES = dict(nose="toward", tail="away")  # words for the ends of a vehicle
+_HOPS, _DIPS = 20.0, 12.0  # [degrees] by which an end is raised that hops up, or is lowered that dips
 GOING = (Effect.PUSH, Effect.STRIKE, Effect.ROLL)  # what comes to a stop
 _CHOP = 60.0  # [degrees] by which a tool leans that is swung down
 _BEARING = ("wheel", "wheels", "tyre", "tyres", "tire", "tires")  # by which an end is lifted
@@ -147,10 +148,11 @@ def _choose_motion(event: Event, brief: SceneBrief, before: Event | None) -> tup
         leap = motions["jump"] if motion.bounces else motion  # "jumps up and down", "bounces up and down"
         return replace(leap, strokes=max(leap.strokes, motions["bob"].cycles)), phrase
     swings = any(each.alternating for each in repeats)
-    if not swings and _lifts_end(event, motion, brief):  # "its rear hops up"
-        raised = "behind" if _find_end(event) == ("toward",) else "ahead"
+    if not swings and (tips := _tips_at_end(event, motion, brief)):  # "its rear hops up", "its nose dips"
+        raised = "behind" if (_find_end(event) == ("toward",)) == (tips == "up") else "ahead"
         event.parts, event.ways = [], []
-        return replace(motions["rear up"], direction=raised, angle=_HOPS, brief=True), phrase
+        angle, falls_back = (_HOPS, effect is not Effect.PUSH) if tips == "up" else (_DIPS, True)
+        return replace(motions["rear up"], direction=raised, angle=angle, brief=falls_back), phrase
     if not swings and motion.tumbles and event.is_upwards:
         return replace(motions["toss"], tumbles=True), phrase  # "flip it into the air"
     if phrase == "swing" and _is_brought_down(event, brief):  # "swing the axe down"
@@ -228,13 +230,18 @@ def _reaches_out(event: Event, motion: Motion, brief: SceneBrief) -> bool:
     return own and limb and bool(find_limbs(event.parts[0], brief))
 
 
-def _lifts_end(event: Event, motion: Motion, brief: SceneBrief) -> bool:
-    """Return whether one end of a vehicle rises: it tips over the wheels at the other one."""
-    up = event.is_upwards or motion.direction == "up" and not event.pick(*WAYS)
-    rises = motion.effect is Effect.JUMP or motion.effect in (Effect.PUSH, Effect.STRIKE) and up
+def _tips_at_end(event: Event, motion: Motion, brief: SceneBrief) -> str:
+    """The way in which one end of a vehicle goes, "up" or "down": it tips over its wheels; else empty."""
+    way = "up" if event.is_upwards or motion.effect is Effect.JUMP else motion.direction or ""
+    told = {each.names for each in event.pick(*WAYS)} <= {(way,)}
+    goes = motion.effect is Effect.JUMP or motion.effect in (Effect.PUSH, Effect.STRIKE) and told
+    if not (goes and way in ("up", "down") and has_wheels(brief) and brief.world == "ground"):
+        return ""
+    if event.parts and (end := _NOSES.get(event.parts[0].phrase)):
+        event.parts = [KnownPart(Place((end,)), "end", "end"), *event.parts[1:]]
     placed = _find_end(event) in (("toward",), ("away",)) and len(event.parts) == 1
     placed = placed and (event.parts[0].text.endswith(_BEARING) or not find_limbs(event.parts[0], brief))
-    return rises and placed and not motion.manner and has_wheels(brief) and brief.world == "ground"
+    return way if placed and not motion.manner else ""
 
 
 def _find_end(event: Event) -> Names:

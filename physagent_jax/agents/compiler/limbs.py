@@ -195,7 +195,7 @@ def _drive(
     later = [e.window[0] for e in asked if e.limb == motion.limb and e.window[0] > motion.window[0] + 0.5]
     until, turning = min([frame_count - 1.0, *later]), Turning(part, brief, frame_count, slides, held=held)
     # Tilted in the air, a lid is still as high as it was lifted.
-    before = [e for e in before if e.kind is not MotionKind.ROTATE] if part.seated else before
+    before = [e for e in before if e.kind in (motion.kind, MotionKind.MOVE) or not part.seated]
     if before and is_undone(before[-1], motion):
         return turning.undo(before[-1], motion, until)
     return turning.drive(motion, until)

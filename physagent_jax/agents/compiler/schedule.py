@@ -219,6 +219,8 @@ def follows(before: Event, event: Event) -> bool:
     thrown = effect is Effect.STRIKE and event.motion.gravity and before.motion.direction == "up"
     if before.effect is Effect.TOPPLE and event.motion.puts_back:
         return True  # "it falls over and gets up again"
+    if before.effect is Effect.LEAN and before.motion.angle == 90 and effect in (Effect.PUSH, Effect.ROLL):
+        return True  # "it stands up on its edge and rolls away"
     flipped = before.effect is Effect.TURN and before.motion.angle == 180
     if effect is Effect.SWAY and flipped and not event.parts:
         return True  # "lands on its back and rocks"

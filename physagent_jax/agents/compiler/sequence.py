@@ -20,7 +20,7 @@ from physagent_jax.agents.compiler.events import (
 from physagent_jax.agents.compiler.interpretation import GOING, interpret, resolve_obstacles
 from physagent_jax.agents.compiler.limbs import find_limbs, moves_pot
 from physagent_jax.agents.compiler.schedule import follows
-from physagent_jax.agents.intent import Held, Timing
+from physagent_jax.agents.intent import Duration, Held, Timing
 from physagent_jax.agents.lexicon import Effect, Repeat, read_lexicon
 from physagent_jax.agents.lexicon.types import HOLDABLE, is_end
 from physagent_jax.core.strict import Vector
@@ -33,6 +33,7 @@ from physagent_jax.motion.joints import Turning
 from physagent_jax.motion.landing import FLIPPED, turn_until_landed
 from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.schema import Amount, AnchorRequest, SceneBrief
+from physagent_jax.motion.slashing import plan_strokes
 from physagent_jax.motion.swaying import lies
 from physagent_jax.motion.tipping import SLOW
 from physagent_jax.motion.vectors import add, dot, normalise, scale
@@ -51,6 +52,7 @@ _BUCKLING = ("give", "buckle")
 _STAYS = ("stay", "remain")
 _SETTING = ("put", "set", "place", "lay", "lower", "stand")  # begins of phrases for what is set down
 _RESTING = (Effect.STILL, Effect.RELEASE)
+_SLASHED = Duration(value=0.8, unit="seconds")  # of each stroke of what is swung
 _MOST_FALLS = 4  # that one clip has time for
 _MOST_SWINGS = 3  # of a door in one clip
 _REBOUNDS = 2  # times that what bounces comes up again
@@ -130,12 +132,14 @@ def _put_landings_first(clauses: list[Event]) -> list[Event]:
         if not (ordered and is_landing_meanwhile(ordered[-1], event)):
             ordered.append(event)
             continue
-        late = ordered.pop()
+        late = [ordered.pop()]
+        while ordered and late[0].clause.order == "and" and is_landing_meanwhile(ordered[-1], event):
+            late.insert(0, ordered.pop())  # "it wobbles and bends when it lands"
         if not any(each.effect in _ALOFT or each.motion.gravity for each in ordered):
             ordered.append(event)
-        for each in (event, late):
+        for each in (event, late[0]):
             each.clause = each.clause.model_copy(update=dict(order="then"))
-        ordered.append(late)
+        ordered += late
     return ordered
 
 
@@ -154,7 +158,7 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     interpret(event, _find_measure(events, event), builder.brief)
     for each in alike:  # what knocks it over goes the way that it falls
         each.direction = events[-1].direction
-    if steps := _set_down(event, events, builder):
+    if steps := _slash(event, builder.brief) or _set_down(event, events, builder):
         events += steps
         return
     rests = event.effect is Effect.STILL and event.unknown_parts[:1]
@@ -162,6 +166,9 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         builder.notes.append(f"'{event.text}': where that is, is not known, and nothing is done to it.")
         event.unknown_parts.clear()
         return  # "while the trunk stays put"
+    tips = bool(events) and event.motion.angle > 0 and event.effect is Effect.LEAN
+    if tips and events[-1].motion.brief and event.motion.direction == events[-1].motion.direction:
+        return  # "its nose dips and its rear lifts up"
     if len(events) > 1 and events[-1].effect is event.effect is Effect.STILL and event.is_bare:
         events[-1].stays |= event.stays
         return  # "it stops, still standing"
@@ -339,6 +346,19 @@ def _turn_until_landed(turn: Event, event: Event, brief: SceneBrief) -> Event:
     return replace(turn, direction=axis, amount=amount, motion=motion)
 
 
+def _slash(event: Event, brief: SceneBrief) -> list[Event]:
+    """The strokes of something that is swung by one end, from one side to the other; none of other motions."""
+    if event.motion.manner != "slash" or event.direction is None or event.limbs:
+        return []
+    count = min(next((each.times for each in event.clause.repetitions if each.times), 1), _MOST_SWINGS)
+    clause = event.clause.model_copy(update=dict(quantities=[], repetitions=[], order="then"))
+    told = dict(clause=clause, repeat=Repeat(), when=Timing(lasts=_SLASHED))
+    return [
+        replace(event, direction=axis, amount=Amount(value=angle, unit="degrees"), means=drawn, **told)
+        for axis, angle, drawn in plan_strokes(event.direction, count, brief)
+    ]
+
+
 def _set_down(event: Event, events: list[Event], builder: ForceFieldBuilder) -> list[Event]:
     """The turn in the air and the lowering of what was lifted and is "set down on its side"; none of other motions."""
     brief, up = builder.brief, builder.brief.directions.up
@@ -416,7 +436,8 @@ def _yields(event: Event, soft: bool) -> bool:
 
     It is told of no later time; or of what is soft, as of something that happens: "it lands, gets squashed, ...".
     """
-    shapes = event.effect is Effect.SCALE and event.motion.sign < 0
+    shapes = event.effect is Effect.SCALE and (soft or event.motion.sign < 0)
+    shapes |= soft and event.effect is Effect.LEAN and event.motion.manner == "bend"
     happens = soft and event.words.split()[0].lower() != event.phrase.split()[0] and not event.clause.cause
     return shapes and (happens or event.clause.order != "then") and not (event.ways or event.parts)
 

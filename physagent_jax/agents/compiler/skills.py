@@ -111,6 +111,9 @@ def _compile_sway(task: Task) -> None:
     bends = event.motion.manner in ("bend", "rock") and "feet" in (brief.anchored or "feet")
     if event.amount is not None:
         magnitude = find_swing_magnitude(event.amount, held, brief) or magnitude
+    seen = builder.expectations
+    if hit and seen and seen[-1].kind is MotionKind.MOVE:
+        seen.pop()  # what is poked goes along as it wobbles, by more than a finger's depth
     if hit and not (held or event.repeat.count or event.limbs or event.region):
         builder.constraints += quiver(brief, task.direction, 2 * magnitude, task.window)
     elif builder.grounded and not held and abs(dot(task.direction, up)) > _UPRIGHT:

@@ -137,7 +137,8 @@ class Task:
     @property
     def is_released(self) -> bool:
         """Return whether the cause ends and leaves the object to itself, which was brought to no place to stay."""
-        if self.event.stays or self._is_measured or self.is_kept:
+        dips = self.event.effect is Effect.LEAN and self.event.motion.brief  # it comes back
+        if self.event.stays or not dips and (self._is_measured or self.is_kept):
             return False
         ends_early = not self.after and self.window[1] < self.builder.brief.last - 0.5
         return self._is_let_go or ends_early or self.event.motion.brief

@@ -108,8 +108,11 @@ def _says_nothing(reader: Reader, entry: Entry, used: list[int]) -> bool:
     if kind is MentionKind.PLACE:  # "wobble it on its base", "lift it by the end of its handle": all of it
         assert isinstance(value, Place)
         return is_standing(reader, at, value)
-    if kind is MentionKind.JOIN:  # "don't make it jump", "make it jump": a request, and no result
-        return text(at) == "make" and (not text(at - 1).isalnum() or text(at - 1) in get_set("asking"))
+    if kind is MentionKind.JOIN:  # "don't make it jump", "make it jump", "and makes a jump": no result
+        does = text(at - 1) in ("and", "then") and text(at + 1) in ("a", "an") and text(at).startswith("make")
+        return (
+            does or text(at) == "make" and (not text(at - 1).isalnum() or text(at - 1) in get_set("asking"))
+        )
     if kind is MentionKind.INTENSITY:
         return _is_describing_object(reader, at, len(used))
     if words == ("pinch",):  # "pinch the tip and bend it": a grip

@@ -119,6 +119,17 @@ def _read_load(reader: Reader, at: int) -> Mention | None:
     return reader.make_mention(MentionKind.VERB, press, "press", list(range(at, behind + 1)))
 
 
+def _read_swing(reader: Reader, at: int) -> Mention | None:
+    """Reads "someone swings the axe to the left", which a tool does not do by itself; "swings it down" is a chop."""
+    noun, tools = at + 1 + (reader.get_text(at + 1) in get_set("determiners")), get_set("swung")
+    done = reader.get_text(at) == "swung" or reader.get_text(noun) == "it"
+    done = reader.get_text(noun) in tools or done and not tools.isdisjoint(reader.names)
+    sways = any(reader.get_text(k) in get_set("unswung") for k in range(noun, noun + 6))
+    if reader.tokens[at].lemma != "swing" or not done or sways:
+        return None
+    return reader.make_mention(MentionKind.VERB, LEXICON.motions["slash"], "slash", [at])
+
+
 def _read_prevention(reader: Reader, at: int) -> Mention | None:
     """Reads "keep it from falling", which does not fall, and "nobody pushes it"."""
     after, text = reader.tokens[at + 1] if at + 1 < len(reader.tokens) else None, reader.get_text(at)
@@ -231,7 +242,8 @@ def _read_count(reader: Reader, at: int) -> Mention | None:
 
 
 _READERS: tuple[Callable[[Reader, int], Mention | None], ...] = (
-    _read_least, read_solid, _read_once, _read_inversion, _read_nothing, _read_load, _read_prevention,
+    _read_least, read_solid, _read_once, _read_inversion, _read_nothing, _read_load, _read_swing,
+    _read_prevention,
     _read_state, _read_manner, _read_quantity, _read_ordinal, read_part, _read_time, _read_count,
     read_phrase
 )  # fmt: skip

@@ -197,7 +197,8 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
         brakes = bool(merged) and merged[-1].has(Effect.STILL) and get_verb(merged[-1].head).brief
         if brakes and clause.join in (Join.RESULT, Join.AND):
             first = merged.pop()  # "it drives forward and brakes, so that it rocks": along its way
-            stopped = Join.THEN if clause.join is Join.AND else clause.join  # "drives, brakes and tips up"
+            rocks = clause.join is Join.RESULT and clause.has(Effect.SWAY)
+            stopped = clause.join if rocks else Join.THEN  # "drives, brakes and tips up"
             clause.join = stopped if merged else first.join
         before = merged[-1] if merged else None
         acts = before is not None and before.head is not None and clause.verb is not None
@@ -288,7 +289,7 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
     """Merges an effect with its cause; returns it where it stays a clause of its own."""
     first, second = get_verb(cause.head), get_verb(effect.verb)
     falls = first.effect is Effect.FALL and not first.gives
-    drops = falls and second.effect in (Effect.ROLL, Effect.PUSH, Effect.SWAY)
+    drops = falls and second.effect in (Effect.ROLL, Effect.PUSH, Effect.SWAY, Effect.LEAN)
     drops |= (falls or first.gravity) and second.effect is Effect.BURST  # "drop it so that it bursts"
     # "Knock it over so that it rolls away"; where it "goes", it falls.
     told = second.generic and second.effect is not Effect.TURN and bool(effect.select(*WAYS))
@@ -311,6 +312,9 @@ def _relate(cause: Clause, effect: Clause) -> list[Clause]:
         effect.join = Join.THEN
         alone = effect.select(*WHERE) or first.effect is Effect.SWELL
         effect.modifiers += [] if alone else cause.select(*WAYS)
+        return [effect]
+    if first.pokes and second.jiggles:  # "a finger taps it so that it wobbles"
+        effect.join = Join.AND
         return [effect]
     flung = second.generic and second.effect is Effect.PUSH and first.effect is Effect.TURN
     if flung and effect.select(MentionKind.PLACE):  # "spin it so fast that its leaves fly outwards"

@@ -128,7 +128,7 @@ def _check_aside(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     up, down = view.brief.directions.up, view.brief.directions.down
     moves = [e for e in asked if e.kind in _TRAVELS]
     untold = any(e.direction is None and e.kind is not MotionKind.FALL for e in moves)
-    circles = any(e.manner == "circle" for e in asked)
+    circles = any(e.manner in ("circle", "slash") for e in asked)
     if not course or untold or circles or _comes_apart(view):
         return []
     lines = [e.direction or down for e in moves]
