@@ -26,28 +26,29 @@ def update_grid(
     if not model.inertia.apart:
         folded = grid_velocity(model, fold_boundaries(model, nodes))
         return node_mass, grid_velocity(model, nodes), None, oppose(damp(model, folded))
-    free = grid_velocity(model, _join(_aggregate(model, nodes)))
-    nodes = jnp.concatenate([_mirror(model, nodes[..., :4]), _mirror(model, nodes[..., 4:])], axis=-1)
-    nodes = _aggregate(model, nodes)
-    moved = grid_velocity(model, _join(nodes))
+    kernel = kernels.load_cpu_kernels() if kernels.use_cpu(model.kernels) else inertia
+    unit, aggregation = find_mass_unit(model), model.inertia.aggregation
+    mirrored = jnp.concatenate([_mirror(model, nodes[..., :4]), _mirror(model, nodes[..., 4:])], axis=-1)
     if isinstance(model.inertia, Lumped):
+        free, moved = (
+            kernel.aggregated_velocity(aggregation, each, unit, find_empty_mass(model, each))
+            for each in (nodes, mirrored)
+        )
         return node_mass, free, None, oppose(damp(model, moved))
+    if aggregation:
+        nodes, mirrored = (
+            jnp.concatenate(
+                [each[..., :4], kernel.aggregate(aggregation, each, unit), each[..., 7:]], axis=-1
+            )
+            for each in (nodes, mirrored)
+        )
+    free, moved = grid_velocity(model, _join(nodes)), grid_velocity(model, _join(mirrored))
     # With what opposes them: matter at rest has no increments then, so that its equilibrium is that of lumped masses.
     opposed = oppose(moved) if model.boundaries or model.constraints else None
-    sharpen = kernels.load_cpu_kernels() if kernels.use_cpu(model.kernels) else inertia
-    limits = find_mass_unit(model), find_least_mass(model), find_empty_mass(model, nodes)
-    velocity = sharpen.sharpened_velocity(model.inertia.beta, nodes, opposed, *limits)
+    limits = unit, find_least_mass(model), find_empty_mass(model, nodes)
+    velocity = kernel.sharpened_velocity(model.inertia.beta, mirrored, opposed, *limits)
     sharpening = velocity - (moved if opposed is None else opposed)
     return node_mass, free, sharpening, oppose(damp(model, velocity))
-
-
-def _aggregate(model: Model, nodes: jax.Array) -> jax.Array:
-    """The nodes of `transfer.p2g_apart` with light ones that follow their neighbours."""
-    if not model.inertia.aggregation:
-        return nodes
-    kernel = kernels.load_cpu_kernels() if kernels.use_cpu(model.kernels) else inertia
-    follows = kernel.aggregate(model.inertia.aggregation, nodes, find_mass_unit(model))
-    return jnp.concatenate([nodes[..., :4], follows, nodes[..., 7:]], axis=-1)
 
 
 def _join(nodes: jax.Array) -> jax.Array:

@@ -147,6 +147,27 @@ def aggregate(
     return jnp.where(some, m * (own * dv + share * sum_neighbours(m * m * dv)), given)
 
 
+def aggregated_velocity(
+    aggregation: float,
+    nodes: jax.Array,
+    unit: jax.Array,
+    empty: jax.Array,
+    sum_neighbours: Callable[[jax.Array], jax.Array] = sum_neighbours,
+) -> jax.Array:
+    """Node velocities [m/s] of which light ones follow their neighbours' increments, shape (nx, ny, nz, 3).
+
+    Args:
+        aggregation: As of `Lumped`.
+        nodes: As of `aggregate`.
+        unit: As of `aggregate` [1/kg].
+        sum_neighbours: As the function of that name.
+        empty: Mass up to which a node has no velocity [kg].
+    """
+    momentum = nodes[..., :3] + aggregate(aggregation, nodes, unit, sum_neighbours)
+    some = nodes[..., 3:4] > empty
+    return jnp.where(some, momentum / jnp.where(some, nodes[..., 3:4], 1.0), 0.0)
+
+
 def sharpen(
     beta: float,
     increments: jax.Array,

@@ -44,6 +44,12 @@ def test_the_kernel_and_its_derivative_equal_the_reference(shape, x64):
     kernel, reference = (lambda nodes, of=of: of.aggregate(0.5, nodes, ONE) for of in (cpu, inertia))
     close(kernel(nodes), reference(nodes), 1e-13)
     pulls_equal(kernel, reference, (nodes,))
+    empty = jnp.asarray(1e-3)
+    kernel, reference = (
+        lambda nodes, of=of: of.aggregated_velocity(0.5, nodes, ONE, empty) for of in (cpu, inertia)
+    )
+    close(kernel(nodes), reference(nodes), 1e-13)
+    pulls_equal(kernel, reference, (nodes,))
     close(cpu.sum_neighbours(nodes), inertia.sum_neighbours(nodes), 1e-13)
 
 

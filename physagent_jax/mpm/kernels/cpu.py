@@ -116,6 +116,16 @@ def grid_velocity(nodes: jax.Array, least: jax.Array) -> jax.Array:
 @_custom_vjp(0)
 def aggregate(aggregation: float, nodes: jax.Array, unit: jax.Array) -> jax.Array:
     """As `inertia.aggregate`, of which the derivative is made with box sums."""
+    return _aggregate(aggregation, nodes, unit, jnp.zeros_like(unit))
+
+
+@_custom_vjp(0)
+def aggregated_velocity(aggregation: float, nodes, unit, empty) -> jax.Array:
+    """As `inertia.aggregated_velocity`, of which the derivative is made with box sums."""
+    return _aggregate(aggregation, nodes, unit, empty)
+
+
+def _aggregate(aggregation: float, nodes, unit, empty) -> jax.Array:
     nx, ny, nz = nodes.shape[:3]
     ffi.check_operands("aggregate", dict(nodes=nodes), dict(nodes=(nx, ny, nz, 8)), nodes.dtype)
     call = jax.ffi.ffi_call(
@@ -125,7 +135,7 @@ def aggregate(aggregation: float, nodes: jax.Array, unit: jax.Array) -> jax.Arra
         input_layouts=(_BY_NUMBER, None),
         output_layouts=(_BY_NUMBER,) * 3,
     )
-    scalars = _stack_scalars(nodes.dtype, aggregation, unit, inertia.NEXT_TO_NOTHING)
+    scalars = _stack_scalars(nodes.dtype, aggregation, unit, inertia.NEXT_TO_NOTHING, empty)
     return call(nodes, scalars, **choose_team())[0]
 
 
@@ -359,14 +369,21 @@ def _p2g_apart_backward(form, residuals, cotangents):
     return (None, *bars[:4], by_lame, None, *bars[6:8], total[:3], by_push, jnp.zeros_like(unit), total[3])
 
 
-def _aggregate_forward(aggregation, nodes, unit):
-    return aggregate(aggregation, nodes, unit), (nodes, unit)
+def _aggregate_forward(aggregation, *operands):
+    return aggregate(aggregation, *operands), operands
 
 
-def _aggregate_backward(aggregation, operands, cotangent):
-    nodes, unit = operands
-    reference = partial(inertia.aggregate, aggregation, unit=unit, sum_neighbours=sum_neighbours)
-    return (*jax.vjp(reference, nodes)[1](cotangent), jnp.zeros_like(unit))
+def _aggregated_velocity_forward(aggregation, *operands):
+    return aggregated_velocity(aggregation, *operands), operands
+
+
+def _aggregate_backward(reference, aggregation, operands, cotangent):
+    nodes, *constants = operands
+
+    def compute(nodes):
+        return reference(aggregation, nodes, *constants, sum_neighbours=sum_neighbours)
+
+    return (*jax.vjp(compute, nodes)[1](cotangent), *map(jnp.zeros_like, constants))
 
 
 def _sum_neighbours_forward(values):
@@ -476,7 +493,10 @@ p2g_neo_hookean.defvjp(_p2g_neo_hookean_forward, _p2g_neo_hookean_backward)
 p2g_kelvin_voigt.defvjp(_p2g_kelvin_voigt_forward, _p2g_kelvin_voigt_backward)
 p2g_apart.defvjp(_p2g_apart_forward, _p2g_apart_backward)
 grid_velocity.defvjp(_grid_velocity_forward, _grid_velocity_backward)
-aggregate.defvjp(_aggregate_forward, _aggregate_backward)
+aggregate.defvjp(_aggregate_forward, partial(_aggregate_backward, inertia.aggregate))
+aggregated_velocity.defvjp(
+    _aggregated_velocity_forward, partial(_aggregate_backward, inertia.aggregated_velocity)
+)
 sum_neighbours.defvjp(_sum_neighbours_forward, _sum_neighbours_backward)
 sharpened_velocity.defvjp(_sharpened_velocity_forward, _sharpened_velocity_backward)
 g2p.defvjp(_g2p_forward, _g2p_backward)

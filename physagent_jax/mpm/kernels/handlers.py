@@ -232,7 +232,7 @@ def _aggregate(frame, number, team):
     aggregate(
         team,
         ffi.get_operand(frame, 0, number, 4),
-        (scalars[0], scalars[1], scalars[2]),
+        (scalars[0], scalars[1], scalars[2], scalars[3]),
         ffi.get_result(frame, 0, number, 4),
         ffi.get_result(frame, 1, number, 4),
         ffi.get_result(frame, 2, number, 4),

@@ -64,9 +64,10 @@ def sum_window(load, old, o, rows, first, last):
 def aggregate(team, nodes, options, follows, shares, increments):
     """Fill ``follows`` with `mpm.inertia.aggregate`, one number of all nodes after the other, as all arrays.
 
-    ``options`` are the aggregation, the unit, and the mass in that up to which a node has none. ``shares`` is for a
-    node's own share, what it hands over per mass squared, and its mass; ``increments`` for those and whether anything
-    is handed to it. Most nodes are empty, or have none around that follow others, and are passed by.
+    Or with `mpm.inertia.aggregated_velocity`, if ``options`` has a mass up to which a node has no velocity, above
+    zero. Before that are the aggregation, the unit, and the mass in that up to which a node has none. ``shares`` is
+    for a node's own share, what it hands over per mass squared, and its mass; ``increments`` for those and whether
+    anything is handed to it. Most nodes are empty, or have none around that follow others, and are passed by.
     """
     shape = nodes.shape[:3]
     arrays = flatten(nodes), flatten(follows), flatten(shares), flatten(increments)
@@ -98,7 +99,7 @@ def walk_rows(work, i, shape, arrays, options):
 @njit(**INLINE)
 def share_nodes(load, arrays, o, rows, first, last, options):
     """The shares and masses of the nodes from ``o`` on."""
-    (numbers, _, shares, _), (aggregation, unit, bare) = arrays, options
+    (numbers, _, shares, _), (aggregation, unit, bare, _) = arrays, options
     low, high, plane, south, north, row = rows
     total = numbers.size // 8
     mass = load(numbers, o + 3 * total)
@@ -163,7 +164,7 @@ def lead_nodes(load, arrays, o, rows, first, last, options):
     """The impulses of the nodes from ``o`` on."""
     numbers, follows, shares, increments = arrays
     low, high, plane, south, north, row = rows
-    total = numbers.size // 8
+    total, empty = numbers.size // 8, options[3]
     f0, f1, f2 = load(numbers, o + 4 * total), load(numbers, o + 5 * total), load(numbers, o + 6 * total)
     if has_positive(load(increments, o + 3 * total)):
         own, share, mass = load(shares, o), load(shares, o + total), load(shares, o + 2 * total)
@@ -183,6 +184,13 @@ def lead_nodes(load, arrays, o, rows, first, last, options):
         f0 = select_greater(mass, zero, mass * d0, f0)
         f1 = select_greater(mass, zero, mass * d1, f1)
         f2 = select_greater(mass, zero, mass * d2, f2)
+    if empty > cast_like(0, empty):
+        mass = load(numbers, o + 3 * total)
+        zero, one, least = mass - mass, splat_like(cast_like(1, empty), mass), splat_like(empty, mass)
+        inverse = select_greater(mass, least, one / mass, zero)
+        f0 = inverse * (load(numbers, o) + f0)
+        f1 = inverse * (load(numbers, o + total) + f1)
+        f2 = inverse * (load(numbers, o + 2 * total) + f2)
     store(follows, o, f0)
     store(follows, o + total, f1)
     store(follows, o + 2 * total, f2)
