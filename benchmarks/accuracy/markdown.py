@@ -159,6 +159,7 @@ def _write_aggregations(rows: list[dict]) -> str:
         spread = {
             error: np.ptp([row["errors"][error] for row in tried.values()]) / bar
             for error, bar in first["bars"].items()
+            if bar > 0
         }
         error = max(spread, key=lambda each: spread[each])
         shown = [number(row["errors"][error]) for row in tried.values()]
