@@ -6,7 +6,7 @@ import numpy as np
 
 from benchmarks.accuracy.study import NEAR_BOUND, QUADRATURE_ERROR, SHARPENED, rule_words
 from benchmarks.cases.catalogue import CASES, STUDIED
-from benchmarks.harness import Page, Result, Tables, number, provenance, table
+from benchmarks.harness import Page, Result, Tables, drop_fields, number, provenance, table
 
 PARTS = ("verification", "work_precision", "quadrature", "price", "strength", "aggregation")
 
@@ -49,6 +49,10 @@ _EQUAL = (
     "seconds",
     "sharpened, as many seconds: error",
 )
+_UNSHOWN = frozenset(
+    ("job", "code", "particles", "steps", "dt", "dt_over_bound", "wall", "wall_range", "compile")
+)
+_UNSHOWN |= {"reference", "within", "good"}
 _RUNS = ("case", "code", "numerics", "cells", "steps", "dt / bound", "error", "wall [s]")
 
 
@@ -235,9 +239,16 @@ def _summarise(rows: list[dict], primary: dict[str, str]) -> str:
     return table(("case", "against", "time ratio", "error ratio"), lines)
 
 
+def condense(result: Result) -> Result:
+    """The sections without what no table shows of runs whose errors alone are compared."""
+    compared = {part: result[part] for part in ("quadrature", "strength", "aggregation") if part in result}
+    return result | drop_fields(compared, _UNSHOWN)
+
+
 PAGE = Page(
     "accuracy",
     "python -m benchmarks.accuracy",
     write_tables,
     ("physagent_jax/mpm", "physagent_jax/kernels", "benchmarks/cases", "benchmarks/peers"),
+    condense,
 )

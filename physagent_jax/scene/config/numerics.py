@@ -60,7 +60,7 @@ class Transfer(Strict):
         stress_form: "mls" (Hu et al. 2018), or "gradient", the classical form of warp-mpm and PhysGaussian, whose
             stable step is 0.71 times as long.
         sharpening: Strength of sharpened increments of the node velocities (`mpm.Sharpened`), 0.18 for most; 0 = lumped
-            masses. Waves and vibrations err a third as much; a substep takes 15 to 27 % longer.
+            masses. Waves and vibrations err a third as much; a substep takes 13 to 29 % longer.
         aggregation: Share of the neighbours' mass below which nodes of a free surface follow them (`mpm.Lumped`), 0.5
             for most; 0 = none does. What is slender bends within 1 %, not 6 % too far; a substep takes some 20 %
             longer.
