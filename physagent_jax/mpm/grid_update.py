@@ -27,26 +27,26 @@ def update_grid(
         folded = grid_velocity(model, fold_boundaries(model, nodes))
         return node_mass, grid_velocity(model, nodes), None, oppose(damp(model, folded))
     kernel = kernels.load_cpu_kernels() if kernels.use_cpu(model.kernels) else inertia
-    unit, aggregation = find_mass_unit(model), model.inertia.aggregation
+    masses, aggregation = (find_mass_unit(model), find_least_mass(model)), model.inertia.aggregation
     mirrored = jnp.concatenate([_mirror(model, nodes[..., :4]), _mirror(model, nodes[..., 4:])], axis=-1)
     if isinstance(model.inertia, Lumped):
         free, moved = (
-            kernel.aggregated_velocity(aggregation, each, unit, find_empty_mass(model, each))
+            kernel.aggregated_velocity(aggregation, each, *masses, find_empty_mass(model, each))
             for each in (nodes, mirrored)
         )
         return node_mass, free, None, oppose(damp(model, moved))
     if aggregation:
         nodes, mirrored = (
             jnp.concatenate(
-                [each[..., :4], kernel.aggregate(aggregation, each, unit), each[..., 7:]], axis=-1
+                [each[..., :4], kernel.aggregate(aggregation, each, *masses), each[..., 7:]], axis=-1
             )
             for each in (nodes, mirrored)
         )
     free, moved = grid_velocity(model, _join(nodes)), grid_velocity(model, _join(mirrored))
     # With what opposes them: matter at rest has no increments then, so that its equilibrium is that of lumped masses.
     opposed = oppose(moved) if model.boundaries or model.constraints else None
-    limits = unit, find_least_mass(model), find_empty_mass(model, nodes)
-    velocity = kernel.sharpened_velocity(model.inertia.beta, mirrored, opposed, *limits)
+    empty = find_empty_mass(model, nodes)
+    velocity = kernel.sharpened_velocity(model.inertia.beta, mirrored, opposed, *masses, empty)
     sharpening = velocity - (moved if opposed is None else opposed)
     return node_mass, free, sharpening, oppose(damp(model, velocity))
 

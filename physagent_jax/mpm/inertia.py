@@ -42,7 +42,7 @@ MOST_BETA = 0.25
 FULL = 2.0
 """Particles of one size that a node must have for its edges to count in full."""
 NEXT_TO_NOTHING = 1e-5
-"""Share of a particle's mass up to which a node has none."""
+"""Share of the lightest particle's mass up to which a node has none."""
 
 
 MOST_AGGREGATION = 0.8
@@ -124,6 +124,7 @@ def aggregate(
     aggregation: float,
     nodes: jax.Array,
     unit: jax.Array,
+    least: jax.Array,
     sum_neighbours: Callable[[jax.Array], jax.Array] = sum_neighbours,
 ) -> jax.Array:
     """The impulses given to the nodes, with which light ones follow their neighbours [kg m/s], shape (nx, ny, nz, 3).
@@ -131,11 +132,12 @@ def aggregate(
     Args:
         aggregation: As of `Lumped`.
         nodes: Numbers of the nodes, as `transfer.p2g_apart` makes them, shape (nx, ny, nz, 8).
-        unit: As of `count_particles` [1/kg]. Nodes with next to nothing of that mass stay by themselves.
+        unit: As of `count_particles` [1/kg].
+        least: As of `count_particles` [kg]; nodes with next to nothing of it stay by themselves.
         sum_neighbours: As the function of that name.
     """
     scaled, given = unit * nodes[..., 3:4], nodes[..., 4:7]
-    some = scaled > NEXT_TO_NOTHING
+    some = scaled > NEXT_TO_NOTHING * least * unit
     m = jnp.where(some, scaled, 0.0)
     sums = sum_neighbours(jnp.concatenate([m, m * m], axis=-1))
     total, squares = sums[..., :1], jnp.where(some, sums[..., 1:], 1.0)
@@ -151,6 +153,7 @@ def aggregated_velocity(
     aggregation: float,
     nodes: jax.Array,
     unit: jax.Array,
+    least: jax.Array,
     empty: jax.Array,
     sum_neighbours: Callable[[jax.Array], jax.Array] = sum_neighbours,
 ) -> jax.Array:
@@ -160,10 +163,11 @@ def aggregated_velocity(
         aggregation: As of `Lumped`.
         nodes: As of `aggregate`.
         unit: As of `aggregate` [1/kg].
+        least: As of `aggregate` [kg].
         sum_neighbours: As the function of that name.
         empty: Mass up to which a node has no velocity [kg].
     """
-    momentum = nodes[..., :3] + aggregate(aggregation, nodes, unit, sum_neighbours)
+    momentum = nodes[..., :3] + aggregate(aggregation, nodes, unit, least, sum_neighbours)
     some = nodes[..., 3:4] > empty
     return jnp.where(some, momentum / jnp.where(some, nodes[..., 3:4], 1.0), 0.0)
 

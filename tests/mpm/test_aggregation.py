@@ -41,12 +41,12 @@ def draw_nodes(shape, seed=0):
 def test_the_kernel_and_its_derivative_equal_the_reference(shape, x64):
     nodes = draw_nodes(shape)
     cpu = kernels.load_cpu_kernels()
-    kernel, reference = (lambda nodes, of=of: of.aggregate(0.5, nodes, ONE) for of in (cpu, inertia))
+    kernel, reference = (lambda nodes, of=of: of.aggregate(0.5, nodes, ONE, ONE) for of in (cpu, inertia))
     close(kernel(nodes), reference(nodes), 1e-13)
     pulls_equal(kernel, reference, (nodes,))
     empty = jnp.asarray(1e-3)
     kernel, reference = (
-        lambda nodes, of=of: of.aggregated_velocity(0.5, nodes, ONE, empty) for of in (cpu, inertia)
+        lambda nodes, of=of: of.aggregated_velocity(0.5, nodes, ONE, ONE, empty) for of in (cpu, inertia)
     )
     close(kernel(nodes), reference(nodes), 1e-13)
     pulls_equal(kernel, reference, (nodes,))
@@ -55,17 +55,25 @@ def test_the_kernel_and_its_derivative_equal_the_reference(shape, x64):
 
 def test_momentum_is_kept_and_what_is_uniform_stays(x64):
     nodes = draw_nodes((6, 5, 7))
-    follows = inertia.aggregate(0.5, nodes, ONE)
+    follows = inertia.aggregate(0.5, nodes, ONE, ONE)
     np.testing.assert_allclose(follows.sum((0, 1, 2)), nodes[..., 4:7].sum((0, 1, 2)), rtol=1e-12)
     assert float(jnp.abs(follows - nodes[..., 4:7]).max()) > 0.1
     uniform = nodes[..., 3:4] * jnp.array([1.0, -2.0, 3.0])
-    moved = inertia.aggregate(0.5, nodes.at[..., 4:7].set(uniform), ONE)
+    moved = inertia.aggregate(0.5, nodes.at[..., 4:7].set(uniform), ONE, ONE)
     np.testing.assert_allclose(moved, uniform, atol=1e-14)
+
+
+def test_a_body_does_so_beside_one_a_million_times_as_heavy(x64):
+    """As it does alone, but for scale: next to nothing is told by the lightest particle."""
+    light, heavy = draw_nodes((4, 4, 4)), jnp.ones((3, 4, 4, 8))
+    both = jnp.concatenate([1e-6 * light, jnp.zeros((3, 4, 4, 8)), heavy])
+    alone = inertia.aggregate(0.5, light, ONE, ONE)
+    np.testing.assert_allclose(inertia.aggregate(0.5, both, ONE, 1e-6 * ONE)[:4], 1e-6 * alone, atol=1e-18)
 
 
 def test_inside_a_body_nothing_changes(x64):
     nodes = draw_nodes((5, 5, 5)).at[..., 3].set(1.0)
-    np.testing.assert_allclose(inertia.aggregate(0.8, nodes, ONE), nodes[..., 4:7], rtol=1e-12)
+    np.testing.assert_allclose(inertia.aggregate(0.8, nodes, ONE, ONE), nodes[..., 4:7], rtol=1e-12)
 
 
 def test_no_mode_becomes_faster(x64):
@@ -76,7 +84,7 @@ def test_no_mode_becomes_faster(x64):
 
     def respond(impulse):
         given = nodes.at[..., 4].set(impulse.reshape(nodes.shape[:3]))
-        return inertia.aggregate(0.5, given, ONE)[..., 0].ravel()
+        return inertia.aggregate(0.5, given, ONE, ONE)[..., 0].ravel()
 
     moved = np.asarray(jax.jacobian(respond)(jnp.zeros(len(mass))))[np.ix_(some, some)]  # m W
     root = np.sqrt(mass[some])
@@ -89,9 +97,8 @@ def test_no_mode_becomes_faster(x64):
 def test_single_precision_has_derivatives_where_nodes_have_next_to_nothing():
     nodes = draw_nodes((4, 5, 6)).astype(jnp.float32)
     nodes = nodes.at[0, 0, :, 3].set(jnp.array([1e-44, 1e-30, 1e-20, 1e-10, 1e-6, 1.1e-5], jnp.float32))
-    bars = jax.grad(lambda nodes: jnp.sin(inertia.aggregate(0.5, nodes, ONE.astype(jnp.float32))).sum())(
-        nodes
-    )
+    one = ONE.astype(jnp.float32)
+    bars = jax.grad(lambda nodes: jnp.sin(inertia.aggregate(0.5, nodes, one, one)).sum())(nodes)
     assert np.isfinite(bars).all()
 
 

@@ -114,18 +114,18 @@ def grid_velocity(nodes: jax.Array, least: jax.Array) -> jax.Array:
 
 
 @_custom_vjp(0)
-def aggregate(aggregation: float, nodes: jax.Array, unit: jax.Array) -> jax.Array:
+def aggregate(aggregation: float, nodes: jax.Array, unit: jax.Array, least: jax.Array) -> jax.Array:
     """As `inertia.aggregate`, of which the derivative is made with box sums."""
-    return _aggregate(aggregation, nodes, unit, jnp.zeros_like(unit))
+    return _aggregate(aggregation, nodes, unit, least, jnp.zeros_like(unit))
 
 
 @_custom_vjp(0)
-def aggregated_velocity(aggregation: float, nodes, unit, empty) -> jax.Array:
+def aggregated_velocity(aggregation: float, nodes, unit, least, empty) -> jax.Array:
     """As `inertia.aggregated_velocity`, of which the derivative is made with box sums."""
-    return _aggregate(aggregation, nodes, unit, empty)
+    return _aggregate(aggregation, nodes, unit, least, empty)
 
 
-def _aggregate(aggregation: float, nodes, unit, empty) -> jax.Array:
+def _aggregate(aggregation: float, nodes, unit, least, empty) -> jax.Array:
     nx, ny, nz = nodes.shape[:3]
     ffi.check_operands("aggregate", dict(nodes=nodes), dict(nodes=(nx, ny, nz, 8)), nodes.dtype)
     call = jax.ffi.ffi_call(
@@ -135,7 +135,8 @@ def _aggregate(aggregation: float, nodes, unit, empty) -> jax.Array:
         input_layouts=(_BY_NUMBER, None),
         output_layouts=(_BY_NUMBER,) * 3,
     )
-    scalars = _stack_scalars(nodes.dtype, aggregation, unit, inertia.NEXT_TO_NOTHING, empty)
+    bare = inertia.NEXT_TO_NOTHING * least * unit
+    scalars = _stack_scalars(nodes.dtype, aggregation, unit, bare, empty)
     return call(nodes, scalars, **choose_team())[0]
 
 
