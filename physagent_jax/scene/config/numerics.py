@@ -62,8 +62,8 @@ class Transfer(Strict):
         sharpening: Strength of sharpened increments of the node velocities (`mpm.Sharpened`), 0.18 for most; 0 = lumped
             masses. Waves and vibrations err a third as much; a substep takes 13 to 29 % longer.
         aggregation: Share of the neighbours' mass below which nodes of a free surface follow them (`mpm.Lumped`), 0.5
-            for most; 0 = none does. What is slender bends within 1 %, not 6 % too far; a substep takes some 20 %
-            longer.
+            for most; 0 = none does. What is slender bends within 1 %, not 6 % too far; liquids at rest and what lies
+            beside slip walls err more (docs/accuracy.md); a substep takes 5 to 30 % longer.
         rpic_damping: 0 = APIC, 1 = only the rotational part of C (RPIC).
         damping_rate: Global velocity damping [1/s]: grid velocities decay by exp(-rate dt) per substep.
     """

@@ -18,11 +18,11 @@ _LEAST = 0.12  # of the length that a handle and a blade have, at least
 _OVERLAP = 0.15  # of the length that both may share
 _ALIKE = 0.15  # of the longer one's length, by which two ends alike differ
 _GUARD = 0.9  # breadth over the broadest, from which on what is shorter than broad is a guard
-_DISC, _FLAT, _ROUND = (
-    0.25,
+_DISC = 0.25  # breadth of a disc over the tool's length, at least
+_FLAT, _ROUND = (
     0.3,
     0.9,
-)  # breadth over the length; thickness and lesser over larger spread of a disc
+)  # its thickness over its breadth, at most; its lesser over its larger spread, at least
 _SWEPT, _THICK = 1.06, 4.0  # of a disc's radius and of its thickness, within which what turns with it lies
 _SHAFT = 0.75  # of the length, from which on what is slim is a shaft
 _HEAD = 0.1  # share of the object that a blade on a shaft has at least
@@ -103,9 +103,8 @@ def _find_split(own: np.ndarray, labels: np.ndarray, ends: np.ndarray) -> Tool |
         if min(lengths) > _LEAST and not guards & {*longer} and reach - start < _OVERLAP:
             found.append((reach - start, first))
     outer = sides[order[[0, -1]]]
-    twins = (
-        np.abs(outer[0] - outer[1]).max() < _ALIKE * outer.max()
-    )  # a rolling pin has a handle at either end
+    # A rolling pin has a handle at either end.
+    twins = np.abs(outer[0] - outer[1]).max() < _ALIKE * outer.max()
     if not found or twins or broad.max() > _SLIM:
         return None
     lower = np.isin(labels, min(found, key=lambda each: each[0])[1])
