@@ -29,6 +29,7 @@ from benchmarks.first_results.held_back import (
     thirteenth,
     twelfth,
     twentieth,
+    twentyeighth,
     twentyfifth,
     twentyfirst,
     twentyfourth,
@@ -67,6 +68,7 @@ _LOTS = (
     twentyfifth,
     twentysixth,
     twentyseventh,
+    twentyeighth,
 )
 
 FILES: Mapping[str, PinnedFile] = {name: file for lot in _LOTS for name, file in lot.FILES.items()}
