@@ -40,6 +40,13 @@ FILES: Mapping[str, PinnedFile] = {
         "mesh, by Kenney (kenney.nl), CC0-1.0",
         "model.gltf",
     ),
+    "survivorman": PinnedFile(
+        "survivor-male.gltf",
+        f"{MARKET}/survivor-male",
+        "5288c08f5e05a62d8fcbe0457881f0435be8ec8e489831c35af1560a6206be11",
+        "mesh, by Kenney (kenney.nl), CC0-1.0",
+        "model.gltf",
+    ),
 }
 
 # The file does not tell; its pictures show it upright.
@@ -131,6 +138,27 @@ _PAIRS = (
         "A strong gust of wind bends the tree far over to the right, and then it snaps back upright"
         " and rocks back and forth a few times until it stops.",
         "wind bend sequence",
+    ),
+    Case(
+        "survivorman",
+        "make the guy jump up and down",
+        "jump",
+    ),
+    Case(
+        "survivorman",
+        "He raises his right arm and waves hello.",
+        "part",
+    ),
+    Case(
+        "survivorman",
+        "turn him into wobbly jelly and have a big hand poke him in the belly so he jiggles all over",
+        "material spin sway",
+    ),
+    Case(
+        "survivorman",
+        "The man slowly turns his head to look to the left, and after that he loses his balance and"
+        " falls flat on his back on the floor.",
+        "drop spin sequence",
     ),
 )
 
