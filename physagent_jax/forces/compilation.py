@@ -180,7 +180,8 @@ def _find_tilt(
     entries = [each for each in others if each is entry or begin_of(each) < end_of(entry) - 0.5]
     entries.sort(key=begin_of)
     starts = [index for index, each in enumerate(entries) if leave_upright(entries[:index], begin_of(each))]
-    before, turns = entries[: starts[-1]], entries[starts[-1] :]
+    start = max(starts, default=0)  # there is none for what is carried before all else
+    before, turns = entries[:start], entries[start:]
     moved = field.default_drop or not all(get_skill(each).is_axis for each in before)
     if entry not in turns or not all(_turns_whole(each) for each in turns):
         return None, moved

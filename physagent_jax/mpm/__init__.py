@@ -24,6 +24,7 @@ from physagent_jax.mpm.materials import Snow as Snow
 from physagent_jax.mpm.materials import Viscoplastic as Viscoplastic
 from physagent_jax.mpm.materials import VonMises as VonMises
 from physagent_jax.mpm.materials import lame_parameters as lame_parameters
+from physagent_jax.mpm.plan import find_acting as find_acting
 from physagent_jax.mpm.protocols import BodyForce as BodyForce
 from physagent_jax.mpm.protocols import Boundary as Boundary
 from physagent_jax.mpm.protocols import Constraint as Constraint

@@ -17,7 +17,7 @@ import numpy as np
 from physagent_jax.core.errors import UserError
 from physagent_jax.gaussians.binding import deform
 from physagent_jax.gaussians.cloud import Splats
-from physagent_jax.mpm import Frame, simulate
+from physagent_jax.mpm import Frame, find_acting, simulate
 from physagent_jax.render import choose_batch_size, render_all
 from physagent_jax.scene.compile import CompiledScene
 from physagent_jax.simulation.recording import (
@@ -128,8 +128,14 @@ def find_shared_restart(scene: CompiledScene, cache: RestartCache | None) -> Fra
     fit = [index for index in cache.restarts if shared is not None and index <= shared]
     if not fit:
         return None
-    frame = cache.restarts[max(fit)]
-    return dataclasses.replace(frame, state=jax.device_put(frame.state))
+    frame, frame_dt = cache.restarts[max(fit)], scene.config.timing.frame_dt
+    end = frame.index * frame_dt
+    acting = find_acting(
+        scene.model, end - frame_dt, end
+    )  # the earlier model may have fewer parts, or others
+    return dataclasses.replace(
+        frame, state=jax.device_put(frame.state), acting=acting if frame.index else None
+    )
 
 
 def _share_frames(
