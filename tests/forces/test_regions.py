@@ -87,6 +87,16 @@ def test_a_flat_part_moves_too():
     assert share[grid[part, 0] == 1].min() == 1.0
 
 
+def test_what_is_carried_may_come_before_all_else(x64):
+    region = {"kind": "half_space", "point": [0.6, 0.5, 0.5], "normal": [1, 0, 0]}
+    turn = dict(constraint_type="enforce_particle_rotation", vector=[0, 0, 1], magnitude=0.6, carried=True)
+    fall = dict(action_type="torque", vector=[0, 1, 0], magnitude=1.4, active_time=[10, 16])
+    turn |= dict(active_time=[0, 8], region=region, pivot=[0.5, 0.5, 0.5])
+    field = ForceField.model_validate({"constraints": [turn], "actions": [fall]})
+    _, start, end = moved(field, cells=(8, 3, 3), E=1e5, seconds=DURATION, extent=0.4)
+    assert np.abs(np.asarray(end.x) - np.asarray(start.x)).max() > 0.02
+
+
 @pytest.mark.parametrize("change", [dict(region=None), dict(constraint_type="moving_plate")])
 def test_only_a_region_of_particles_is_carried(change):
     region = {"kind": "half_space", "point": [0.6, 0.5, 0.5], "normal": [1, 0, 0]}
