@@ -151,3 +151,9 @@ def test_what_opens_and_closes_on_a_hinge_does_so_in_steps():
     told = [compile_intent(read_intent(text, make_chest()), make_chest()).expectations for text in asked]
     assert [[each.direction[0] for each in motions] for motions in told] == [[-1, 1], [-1, 1, -1, 1]]
     assert all(each.amount.value == told[0][0].amount.value for motions in told for each in motions)
+
+
+@pytest.mark.parametrize("words", ["whips back and forth", "rocks to and fro", "wobbles left and right"])
+def test_what_goes_to_and_fro_on_a_hinge_is_no_two_steps(words):
+    told = compile_intent(read_intent(f"the lid {words}", make_chest()), make_chest()).expectations
+    assert [each.kind for each in told] == ["sway"]

@@ -86,16 +86,16 @@ def make_events(clauses: list[Event], builder: ForceFieldBuilder) -> list[Event]
 
 def _open_and_close(event: Event, brief: SceneBrief) -> list[Event]:
     """The steps of what opens and closes on a hinge, or is screwed off; what has no hinge goes to and fro."""
-    words, motions = event.phrase.split(" and "), read_lexicon().motions
+    motions, after = read_lexicon().motions, event.verb.after if event.parts and event.verb else None
+    words = [after, event.phrase] if after else event.phrase.split(" and ")
+    steps = [word if word in motions else word.split()[0] for word in words]
     limbs = find_limbs(event.parts[0], brief) if event.parts else find_hinged(brief)
-    swings = event.effect is Effect.SWAY and len(words) == 2
-    if event.parts and event.verb and event.verb.after:
-        words = [event.verb.after, event.phrase]
-    elif not swings or not any(find_hinge(brief.parts[limb], brief) for limb in limbs):
+    swings = event.effect is Effect.SWAY and len(steps) == 2 and all(each in motions for each in steps)
+    if not after and not (swings and any(find_hinge(brief.parts[limb], brief) for limb in limbs)):
         return [event]
     count = next((each.times for each in event.clause.repetitions if each.times), 1)
     plain = event.clause.model_copy(update=dict(repetitions=[]))
-    steps = [word if word in motions else word.split()[0] for word in words] * min(count, _MOST_SWINGS)
+    steps *= min(count, _MOST_SWINGS)
     clauses = [plain, *[plain.model_copy(update=dict(order="then"))] * (len(steps) - 1)]
     return [
         replace(deepcopy(event), clause=clause, verb=motions[step], motion=motions[step], phrase=step)
