@@ -27,6 +27,7 @@ METHODS = Registry(
         "bo_leap": "baselines.methods.bo_leap:BOLeap",
         "direction_only": "baselines.methods.direction_only:DirectionOnly",
         "rules": "baselines.methods.rules:Rules",
+        "chat_agents": "baselines.methods.chat_agents:ChatAgents",
         "sds_last_substep": "baselines.methods.sds_steps:SdsLastSubstep",
         "sds_whole_clip": "baselines.methods.sds_steps:SdsWholeClip",
         "sds_choice": "baselines.methods.sds_choice:SdsChoice",

@@ -19,10 +19,10 @@ import tyro
 from benchmarks import harness
 from benchmarks.agents import judging, reading
 from benchmarks.agents.adversarial import measure_kind
-from benchmarks.agents.asking import Asked, close_all
 from benchmarks.agents.markdown import PAGE
 from benchmarks.agents.replies import Kind, list_kinds
 from benchmarks.agents.roles import ROLES
+from benchmarks.chat_models import Asked, close_all
 from benchmarks.harness import RAW, Job, Row
 from benchmarks.verdicts.judging import Sight
 from physagent_jax.agents.llm.semantic import FORMS, Form

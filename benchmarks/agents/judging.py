@@ -12,7 +12,7 @@ from collections.abc import Iterable
 from functools import partial
 from pathlib import Path
 
-from benchmarks.agents.asking import Asked
+from benchmarks.chat_models import Asked
 from benchmarks.harness import Job, Row, Rows, number, table
 from benchmarks.verdicts.catalogue import list_clips
 from benchmarks.verdicts.clip import Clip

@@ -13,7 +13,7 @@ import random
 from collections.abc import Iterable
 from functools import partial
 
-from benchmarks.agents.asking import Asked
+from benchmarks.chat_models import Asked
 from benchmarks.harness import Job, Row, Rows, number, table
 from benchmarks.language.notation import Sentence, read_split
 from benchmarks.language.score import get_answer, make_scene, score

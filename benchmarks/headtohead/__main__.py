@@ -2,11 +2,11 @@
 
 Every method gets the same budget on the same tasks and the same simulator, counted in forward-equivalents; what it is
 to be judged by is read from the particles and never shown to it (oracles apart, which are named so). `methods` is the
-comparison, `ablation` takes the agents apart, `iterations` counts their rewrites, `materials` gives objects other
-materials, `neighbourhood` checks that local methods are not broken. `gradients` times what a gradient is charged for.
-`clipsim` is how alike their pictures and the sentence are to a CLIP model. `fidelity` asks whether a body could have
-moved so. `verify` simulates the force fields of the
-file again and judges them anew.
+comparison, `ablation` takes the agents apart, `iterations` counts their rewrites, `models` asks language models in
+their place, `materials` gives objects other materials, `neighbourhood` checks that local methods are not broken.
+`gradients` times what a gradient is charged for. `clipsim` is how alike their pictures and the sentence are to a CLIP
+model. `fidelity` asks whether a body could have moved so. `verify` simulates the force fields of the file again and
+judges them anew.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from baselines.methods import make_method
 from baselines.plot import plot
 from baselines.tasks import TaskSpec, load_tasks, split_available
 from benchmarks import harness
+from benchmarks.chat_models import Asked
 from benchmarks.harness import RAW, Job
 from benchmarks.headtohead import leaderboard
 from benchmarks.headtohead.comparison import choose_split
@@ -37,6 +38,7 @@ from benchmarks.headtohead.entrants import (
     Entrant,
     list_distillers,
     list_guided,
+    list_model_agents,
 )
 from benchmarks.headtohead.jobs import (
     USUAL,
@@ -69,6 +71,7 @@ class Command(harness.Command):
             "methods",
             "ablation",
             "iterations",
+            "models",
             "distillation",
             "materials",
             "neighbourhood",
@@ -110,6 +113,10 @@ class Command(harness.Command):
     """Prior of the methods of score distillation."""
     weights: str = "runs/toy_prior/prior"
     """Weights of the prior."""
+    models: tuple[str, ...] = ()
+    """For `models`: chat models, NAME=PLACE each: a GGUF file, a cassette, or URL#MODEL of a server."""
+    cassettes: Path = Path("runs/headtohead")
+    """Folder where the models' answers are kept; a run that is stopped asks nothing twice."""
     clip: Path | None = None
     """Folder of a CLIP model, for `clipsim`, and for `clip_guided` among the methods, which needs one."""
     leaderboard: Path | None = None
@@ -127,6 +134,7 @@ def main() -> int:
     try:
         specs, left_out = list_tasks(command)
         entrants = choose_entrants(command.methods, command.clip)
+        models = list_model_agents([Asked(text, command.cassettes) for text in command.models])
     except UserError as error:
         print(f"headtohead: {error}", file=sys.stderr)
         return 2
@@ -137,6 +145,7 @@ def main() -> int:
         "methods": lambda: fits(entrants, marks, budget),
         "ablation": lambda: fits(ABLATION, marks, budget),
         "iterations": lambda: fits(ITERATIONS, ROUNDS, ROUNDS[-1]),
+        "models": lambda: fits(models, ROUNDS, ROUNDS[-1]),
         "distillation": lambda: fits(list_distillers(command.prior, command.weights), marks, budget),
         "materials": lambda: list_materials(
             specs, MATERIALS, command.settings, command.json, marks, budget, command.data

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from baselines.methods import make_method
 from baselines.protocol import Method
+from benchmarks.chat_models import Asked
 
 
 @dataclasses.dataclass(frozen=True)
@@ -140,6 +141,21 @@ def list_guided(clip: Path) -> tuple[Entrant, ...]:
 
 ITERATIONS = (Entrant("rules", "rules", dict(rounds=6), "rounds after the first guess"),)
 """Table 3: success after 0 to 5 rewrites."""
+
+
+def list_model_agents(models: Sequence[Asked]) -> tuple[Entrant, ...]:
+    """The agents of each model, with and without the skill library's words and hard rules, beside the rules."""
+    published = "PhysAgent, with a smaller model that sees no pictures"
+    entrants = [*ITERATIONS]
+    for each in models:
+        asked = dict(model=each.place, record=each.record)
+        told = "reads and rewrites; rules judge"
+        entrants += [
+            Entrant(f"agents ({each.name})", "chat_agents", asked, told, published),
+            Entrant(f"agents ({each.name}), without skills", "chat_agents", asked | dict(skills=False), told),
+        ]
+    return tuple(entrants)
+
 
 RENAMED: Mapping[str, str] = {
     "physagent": "rules",

@@ -30,8 +30,10 @@ from physagent_jax.metrics.targets import hash_target
 USUAL = 30.0  # forward-equivalents; fits with others say so in their names
 WITNESS = "witness"
 NOTHING = "nothing is done"
-SHOWN = ("methods", "ablation", "iterations", "distillation", "materials")
+SHOWN = ("methods", "ablation", "iterations", "models", "distillation", "materials")
 """Parts whose clips are compared with their sentences."""
+ROUNDED = ("iterations", "models")
+"""Parts that are judged after each round."""
 _TOLERANCE = 4e-6  # of an error, at least of 1: it is in single precision, and its sums depend on the threads
 _KEPT = tempfile.TemporaryDirectory()
 
@@ -188,9 +190,9 @@ def list_similarities(specs: Sequence[TaskSpec], result: Path, clip: Path, data:
             if row["task"] not in known or not row["marks"] or row.get("brought"):
                 continue
             named[row["task"]] = known[row["task"]]
-            for mark in row["marks"] if part == "iterations" else row["marks"][-1:]:
+            for mark in row["marks"] if part in ROUNDED else row["marks"][-1:]:
                 shown = {**row, "part": part, "marks": [mark], "label": _name_clip(part, row, mark)}
-                name = f"{part} / {row['job']}" + (f" / {mark['mark']:g}" if part == "iterations" else "")
+                name = f"{part} / {row['job']}" + (f" / {mark['mark']:g}" if part in ROUNDED else "")
                 work = partial(measure_similarity, shown, known[row["task"]], clip, data, others[row["task"]])
                 jobs.append(Job(name, work, row["task"]))
     for name, spec in named.items():
@@ -203,7 +205,7 @@ def list_similarities(specs: Sequence[TaskSpec], result: Path, clip: Path, data:
 
 def _name_clip(part: str, row: Row, mark: Row) -> str:
     """Label of a row, with its round or its material."""
-    if part == "iterations":
+    if part in ROUNDED:
         return f"{row['label']}, {mark['mark']:g} rounds"
     return f"{row['label']}, {row['material']}" if part == "materials" else row["label"]
 

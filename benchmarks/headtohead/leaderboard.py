@@ -19,7 +19,7 @@ from physagent_jax.core.reading import format_validation_error
 from physagent_jax.core.strict import Strict
 from physagent_jax.forces.schema import ForceField
 
-PARTS = ("methods", "suite", "ablation", "iterations", "distillation", "neighbourhood")
+PARTS = ("methods", "suite", "ablation", "iterations", "models", "distillation", "neighbourhood")
 
 
 class Entry(Strict):

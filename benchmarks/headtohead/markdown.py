@@ -17,6 +17,7 @@ from baselines.fits import (
     group,
     is_refused,
     list_budgets,
+    list_marks,
     list_successes,
     read_budget,
     read_cost,
@@ -56,6 +57,7 @@ PARTS = (
     SUITE,
     "ablation",
     "iterations",
+    "models",
     "distillation",
     "materials",
     "neighbourhood",
@@ -64,6 +66,9 @@ PARTS = (
     "fidelity",
     "verify",
 )
+
+
+_CHARGED = {"model_calls": "calls", "tokens": "tokens"}
 
 
 def write_tables(summary: Result) -> Tables:
@@ -93,6 +98,8 @@ def _list_tables(part: str, result: Result) -> Tables:
         return {part: tell_splits(chosen) + write_marks(chosen) + (f"\n{found}" if found else "")}
     if part == "iterations":
         return {part: tell_splits(rows) + write_marks(rows)}
+    if part == "models":
+        return {part: tell_splits(rows) + _write_models(rows)}
     if part == "distillation":
         return {part: _write_distillation(rows)}
     if part == "materials":
@@ -142,6 +149,17 @@ def _write_checks(rows: list[dict], result: dict[str, Any]) -> str:
         text += f"The other {len(others)} differ by up to {most:.2g}; {turned} is a success in one only.\n"
         text += "Sums in single precision depend on how many threads there are, and on the processor.\n"
     return text
+
+
+def _write_models(rows: list[dict]) -> str:
+    """Tasks solved after each round, refused ones apart, with the calls and tokens of a task."""
+    marks, lines = list_marks(rows), []
+    for label, mine in group(rows).items():
+        done = [row for row in mine if not is_refused(row)]
+        solved = [len(find_solved(mine, mark)) for mark in marks]
+        costs = [number(float(np.mean([row[key] for row in done]))) if done else "" for key in _CHARGED]
+        lines.append([label, len(done), len(mine) - len(done), *solved, *costs])
+    return table(["agents", "of", "refused", *(f"{mark:g}" for mark in marks), *_CHARGED.values()], lines)
 
 
 def _write_distillation(rows: list[dict]) -> str:

@@ -17,7 +17,12 @@ from benchmarks.peers.gradient import read_memory, reset_peak
 from physagent_jax.forces.parameters import ForceFieldParameters
 from physagent_jax.forces.schema import ForceField
 
-_FOLDERS = ("weights", "clip")  # options that say where a model lies on this machine: rows do not
+_FOLDERS = (
+    "weights",
+    "clip",
+    "model",
+    "record",
+)  # options that say where a model lies on this machine: rows do not
 
 
 def measure(entrant: Entrant, task: Task, marks: Sequence[float], seed: int, budget: float) -> list[Row]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
 from physagent_jax.chat.base import ChatModel
 from physagent_jax.chat.replay import Recorder
+from physagent_jax.core.errors import UserError
 from physagent_jax.core.reading import format_validation_error
 from physagent_jax.core.registry import Choice, Registry
 
@@ -21,6 +23,22 @@ MODELS = Registry(
         "replay": f"{_HERE}.replay:ReplayModel",
     },
 )
+
+
+def locate_model(place: str) -> tuple[str, dict[str, Any]]:
+    """The choice of the model at a place: a GGUF file, a cassette (.jsonl), or a server's URL#MODEL.
+
+    Raises:
+        UserError: The place is of none of these kinds.
+    """
+    if "://" in place:
+        url, _, model = place.partition("#")
+        if not model:
+            raise UserError("a server's model has a name", got=place, do="Give URL#MODEL")
+        return "openai", {"url": url, "model": model}
+    if not place:
+        raise UserError("no model is named", do="Give a GGUF file, a cassette (.jsonl) or URL#MODEL")
+    return "replay" if place.endswith(".jsonl") else "llama", {"path": place}
 
 
 def make_model(choice: Choice, *, record: str | Path | None = None) -> ChatModel:

@@ -1,7 +1,7 @@
 """Readers and judges that ask a model, measured: samples, rows and counts."""
 
 from benchmarks.agents import markdown, reading
-from benchmarks.agents.asking import Asked
+from benchmarks.chat_models import Asked
 from benchmarks.language.notation import read_split
 from tests.agents.llm.scripted import ScriptedModel
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 import dataclasses
 import functools
 from pathlib import Path
-from typing import Any
 
 from physagent_jax.chat.base import ChatModel
-from physagent_jax.chat.registry import make_model
+from physagent_jax.chat.registry import locate_model, make_model
 from physagent_jax.core.errors import UserError
 from physagent_jax.run.spec import Implementation
 
@@ -32,8 +31,8 @@ class Asked:
         return self.text.partition("=")[0]
 
     @property
-    def choice(self) -> Implementation:
-        """The model as a run's spec would name it.
+    def place(self) -> str:
+        """The place of the model, as `locate_model` has it.
 
         Raises:
             UserError: The text names none.
@@ -41,13 +40,22 @@ class Asked:
         name, sign, place = self.text.partition("=")
         if not (name and sign and place):
             raise UserError("a model is NAME=PLACE", got=self.text, do="Pass small=models/small.gguf, say")
-        options: dict[str, Any] = {"path": place}
-        if "://" in place:
-            url, _, model = place.partition("#")
-            return Implementation(name="openai", options={"url": url, "model": model or name})
-        if place.endswith(".jsonl"):
-            return Implementation(name="replay", options=options)
-        return Implementation(name="llama", options=options)
+        return f"{place}#{name}" if "://" in place and "#" not in place else place
+
+    @property
+    def choice(self) -> Implementation:
+        """The model as a run's spec would name it.
+
+        Raises:
+            UserError: The text names none.
+        """
+        kind, options = locate_model(self.place)
+        return Implementation(name=kind, options=options)
+
+    @property
+    def record(self) -> str:
+        """The cassette of its answers; "" = it is one itself."""
+        return "" if self.choice.name == "replay" else str(self.cassettes / f"{self.name}.jsonl")
 
     def open(self) -> ChatModel:
         """The model; the same object whenever it is asked for."""
@@ -57,8 +65,7 @@ class Asked:
 @functools.cache
 def _open(asked: Asked) -> ChatModel:
     choice = asked.choice
-    record = None if choice.name == "replay" else asked.cassettes / f"{asked.name}.jsonl"
-    return make_model((choice.name, choice.options), record=record)
+    return make_model((choice.name, choice.options), record=asked.record or None)
 
 
 def close_all(models: tuple[Asked, ...]) -> None:
