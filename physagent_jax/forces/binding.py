@@ -36,6 +36,7 @@ from physagent_jax.forces.schema import (
 )
 from physagent_jax.forces.sections import find_stress_concentration
 from physagent_jax.forces.terms import (
+    AxleBalance,
     Balance,
     Landing,
     PushCompensation,
@@ -76,6 +77,7 @@ _CARRIERS = 1024  # particles at most, whose mean motion a limb is carried by
 _EDGE = 0.02  # [L] around that point, in which particles tell where the edge is
 HELD_END = 0.25  # of the length, whose middle is where what is held turns about when it is wrung
 PAST = math.radians(5)  # beyond the balance up to which what tips over is driven
+_THIN, _ROUND = 0.5, 0.8  # thickness over breadth of a disc, below; shorter over longer breadth, above
 _LEVEL = 0.7  # vertical component of an axis below which a turn tips
 _TINY = float(np.finfo(np.float32).tiny)
 
@@ -411,6 +413,23 @@ class Binding:
             return []
         rest, way, most = map(self.leaf, (self._rest, self._way, most))
         return [Landing(rest, way, most, self.window[1], self.leaf(self._until))]
+
+    def keep_axle(self) -> list:
+        """The force that keeps up what rolls on its edge, until something else acts."""
+        opposition, axle = self._opposition_of_the_whole, self._way
+        if opposition is None or not self.whole or self._lies or abs(axle[2]) > _LEVEL:
+            return []
+        x, volume = self._rest.astype(float), self._volume.astype(float)
+        level = np.array([axle[0], axle[1], 0.0]) / math.hypot(axle[0], axle[1])
+        axes = np.stack([level, np.cross([0.0, 0.0, 1.0], level), [0.0, 0.0, 1.0]])
+        thickness, *breadths = np.ptp(x @ axes.T, axis=0)
+        if thickness > _THIN * min(breadths) or min(breadths) < _ROUND * max(breadths):
+            return []
+        arm = x - np.average(x, axis=0, weights=volume)
+        spread = max(float(np.average((arm**2).sum(1), weights=volume)), _TINY)
+        most = BALANCING * opposition.weight * -float(arm[:, 2].min()) / spread
+        rest, axes, most = map(self.leaf, (self._rest, axes, most))
+        return [AxleBalance(rest, axes, most, self.window[0], self.leaf(self._until))]
 
     def let_settle(self) -> list:
         """The force that brings to rest what lies and was rolled on, until something else acts."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from physagent_jax.core.strict import Vector
 from physagent_jax.forces.part import split_name
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.limbs import find_front, find_level_line, find_way_ahead, sum_directions
@@ -10,6 +11,7 @@ from physagent_jax.motion.swaying import lies
 from physagent_jax.motion.vectors import dot, normalise, scale
 
 _FLAT = 0.8  # height over breadth, below which something lies flat
+_THIN, _ROUND = 0.5, 0.8  # height over breadth of a disc, below; shorter over longer level extent, above
 _BACKED = frozenset(
     "couch sofa settee chair armchair bench seat throne".split()
 )  # whose back leans on nothing
@@ -44,6 +46,25 @@ def find_attitude(side: str, brief: SceneBrief) -> tuple[float, float]:
         angle = _ASKEW if side == "askew" else _SIDE
     x, y, _ = scale(axis, angle)
     return x, y
+
+
+def stand_on_edge(way: Vector, brief: SceneBrief) -> tuple[float, float] | None:
+    """The turn that sets a lying disc on its edge, along a level way: its rotation vector, x and y [degrees].
+
+    What was on top faces the viewer, as far as the way allows. None = it is no disc, or stands on something.
+
+    Args:
+        way: The way that it is to roll, a unit vector.
+        brief: The scene.
+    """
+    if brief.box is None:
+        return None
+    x, y, height = brief.box
+    if height > _THIN * min(x, y) or min(x, y) < _ROUND * max(x, y) or find_front(brief.parts) is not None:
+        return None
+    seen = way[1] * brief.directions.toward[0] - way[0] * brief.directions.toward[1]  # of the way across up
+    axis = scale(way, -_SIDE if seen < 0 else _SIDE)
+    return axis[0], axis[1]
 
 
 def has_back_on_top(brief: SceneBrief) -> bool:

@@ -316,3 +316,18 @@ def test_an_attitude_that_cannot_be_kept_is_not_dropped_silently():
     assert read("the thing flies upside down to the left", stand(**TALL)).not_understood == ("upside down",)
     turned = read("a kick knocks the thing upside down", stand(**TALL)).expectations
     assert [each.amount.value for each in turned if each.amount] == [180.0]
+
+
+@pytest.mark.parametrize("way", ["left", "right", "away"])
+def test_what_lies_flat_and_is_round_begins_on_its_edge_to_roll(way):
+    reply = read(f"the thing rolls {way}", stand(extents=(1.0, 0.2, 1.0), box=(1.0, 0.9, 0.2)))
+    turn = find_tilt_rotation(reply.world.attitude or (0.0, 0.0))
+    going = getattr(stand(**TALL).directions, way)
+    np.testing.assert_allclose(turn @ going, going, atol=1e-9)
+    assert abs((turn @ (0.0, 0.0, 1.0))[2]) < 1e-9
+    assert way == "away" or (turn @ (0.0, 0.0, 1.0)) @ stand(**TALL).directions.toward > 0.99
+
+
+@pytest.mark.parametrize("box", [(1.0, 1.0, 0.8), (2.0, 1.0, 0.2)])
+def test_what_is_no_disc_rolls_as_it_lies(box):
+    assert read("the thing rolls left", stand(box=box)).world.attitude is None

@@ -12,7 +12,14 @@ from physagent_jax.forces import calibration
 from physagent_jax.forces.compilation import compile_force_field
 from physagent_jax.forces.scaling import make_closed_form_scaling
 from physagent_jax.forces.schema import ForceField, Opposition, Response
-from physagent_jax.forces.terms import Balance, Landing, PushCompensation, Settling, TurnCompensation
+from physagent_jax.forces.terms import (
+    AxleBalance,
+    Balance,
+    Landing,
+    PushCompensation,
+    Settling,
+    TurnCompensation,
+)
 
 G, FRICTION, WIDTH, HEIGHT = calibration.GRAVITY, 0.4 * calibration.GRAVITY, 0.2, 1.0
 TOWER = np.array(list(itertools.product(*[np.linspace(-0.5, 0.5, 5)] * 3))) * [WIDTH, 0.3, HEIGHT]
@@ -370,3 +377,53 @@ def test_what_sat_lands_on_its_feet_and_what_was_tipped_over_does_not():
         for m in (0.8, 1.6)
     ]
     assert leap_and_land(constraints=tilts[:1]) and not leap_and_land(constraints=[tilts[1] | dict(gain=2.0)])
+
+
+def make_disc(axis=1):
+    """A disc on its edge, its axle along y or x."""
+    disc = np.array(
+        list(itertools.product(np.linspace(-0.5, 0.5, 9), [-0.05, 0.05], np.linspace(-0.5, 0.5, 9)))
+    )
+    disc = disc[np.hypot(disc[:, 0], disc[:, 2]) <= 0.5] + [0, 0, 0.5]
+    return disc if axis == 1 else disc[:, [1, 0, 2]]
+
+
+def keep_axle(rest, vector=(0, 1, 0)):
+    volume = np.ones(len(rest), np.float32)
+    opposition = Opposition(friction=FRICTION, weight=G, tipping=1.0, lever=0.0, travel=1.0, time=2.0)
+    scaling = make_closed_form_scaling(
+        extent=1.0, youngs_modulus=1e5, density=1.0, duration=2.0, opposition=opposition
+    )
+    field = ForceField.model_validate({"actions": [act("torque", vector, 0, 50)]})
+    terms, _ = compile_force_field(
+        field, scaling, rest.astype(np.float32), volume, frame_dt=0.04, frame_count=51
+    )
+    return [each for each in terms if isinstance(each, AxleBalance)]
+
+
+def test_what_rolls_on_its_edge_is_kept_up_and_free_about_its_axle():
+    rest = make_disc()
+    (kept,) = keep_axle(rest)
+    rolled = Rotation.from_euler("y", 200, degrees=True).apply(rest - rest.mean(0)) + (0.3, 0, 0.5)
+
+    def turn(x, v):
+        field = kept.acceleration(
+            *(jnp.asarray(each, jnp.float32) for each in (x, v, np.ones(len(x)), 0.5, 1e-3))
+        )
+        r = x - x.mean(0)
+        inertia = (r**2).sum() * np.eye(3) - r.T @ r
+        return np.linalg.solve(inertia, np.cross(r, np.asarray(field, float)).sum(0))
+
+    r = rolled - rolled.mean(0)
+    np.testing.assert_allclose(turn(rolled, np.cross([0, 5.0, 0], r)), 0, atol=2e-2)
+    leaning = Rotation.from_euler("x", 2, degrees=True)
+    x = leaning.apply(r) + (0.3, 0, 0.5)
+    wanted = [-np.sin(np.radians(2)) * 20.0**2, 0, 0]
+    np.testing.assert_allclose(turn(x, np.zeros_like(x)), wanted, atol=0.02 * abs(wanted[0]))
+    spun = turn(rolled, np.cross([0.1, 3.0, 0.2], r))
+    np.testing.assert_allclose(spun, [-4.0, 0, -8.0], atol=0.05)
+
+
+def test_only_a_disc_on_its_edge_is_kept_up():
+    assert keep_axle(make_disc(axis=0), (1, 0, 0))
+    assert not keep_axle(make_disc(axis=0)) and not keep_axle(TOWER)

@@ -13,6 +13,7 @@ from physagent_jax.agents.compiler.blows import (
     spin_aloft,
 )
 from physagent_jax.agents.compiler.builder import ForceFieldBuilder
+from physagent_jax.agents.compiler.directions import has_wheels
 from physagent_jax.agents.compiler.events import WayKind
 from physagent_jax.agents.compiler.schedule import Slot
 from physagent_jax.agents.compiler.steady import Task, add_steady
@@ -21,6 +22,7 @@ from physagent_jax.forces.calibration import MAGNITUDE_MAX, QUICK, SWING, TURN
 from physagent_jax.forces.schema import ActionType
 from physagent_jax.forces.skills import find_skill
 from physagent_jax.forces.slabs import make_end_region
+from physagent_jax.motion.attitudes import stand_on_edge
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_lengths, find_strain_magnitude, find_swing_magnitude
 from physagent_jax.motion.limbs import sum_directions
@@ -269,6 +271,10 @@ def _compile_twist(task: Task) -> None:
 def _compile_roll(task: Task) -> None:
     """Travels along the direction while the top turns into it: what has fallen over, by as much as it goes."""
     event, axis, brief = task.event, find_lean_axis(task.direction, task.brief), task.brief
+    edge = None if task.builder.earlier or has_wheels(brief) else stand_on_edge(task.direction, brief)
+    if edge is not None and task.builder.grounded and task.builder.attitude is None:
+        task.builder.attitude = edge
+        task.builder.notes.append(f"'{event.text}': it lies flat, so it begins on its edge.")
     acted = add_steady(task, ActionType.TRANSLATION, task.direction, event.strength)
     girth = TURN * 0.25 * (brief.extents[0] + brief.extents[2]) / brief.size
     add_steady(task, ActionType.TORQUE, axis, event.strength / (girth if task.rolls_on else 1.0))

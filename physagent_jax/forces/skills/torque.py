@@ -28,13 +28,13 @@ class Torque(Skill):
     prescribed_by = "enforce_particle_rotation"
 
     def make_forces(self, bound):
-        """The turn, the force that overcomes friction and weight, and the one that lets what rolled come to rest."""
+        """The turn, what overcomes friction and weight, keeps up what rolls on its edge, and lets what rolled rest."""
         from physagent_jax.forces import terms
 
         k = self.find_k(bound.scaling, bound.values.vector)
         turn, axis = bound.leaf(k * bound.values.magnitude), bound.leaf(bound.values.vector)
         made = [terms.Torque(axis, turn, *bound.window, bound.weight), *bound.overcome_righting(k)]
-        return [*made, *bound.let_settle()]
+        return [*made, *bound.keep_axle(), *bound.let_settle()]
 
     def draw_icon(self, reverse):
         """A turning arrow about the axis."""

@@ -3,11 +3,12 @@
 All are accelerations, evaluated at the particles and accumulated on the grid by P2G, so that a region is
 exact and the total force is that of the particles. Each implements `mpm.protocols.BodyForce`. The skills
 compile to `Stretch`, `Torque`, `UniformAcceleration` and `VelocityChange`, over the ground with `PushCompensation`,
-`TurnCompensation`, `Balance`, `Landing`, `Settling` and `Launch`; the others follow a time profile
+`TurnCompensation`, `Balance`, `AxleBalance`, `Landing`, `Settling` and `Launch`; the others follow a time profile
 (`forces.envelope`) and are for scenes and library users.
 """
 
 from physagent_jax.forces.terms.attractor import Attractor as Attractor
+from physagent_jax.forces.terms.balance import AxleBalance as AxleBalance
 from physagent_jax.forces.terms.balance import Balance as Balance
 from physagent_jax.forces.terms.balance import Landing as Landing
 from physagent_jax.forces.terms.balance import Settling as Settling

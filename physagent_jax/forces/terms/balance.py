@@ -70,6 +70,47 @@ class Balance:
 
 @register_dataclass
 @dataclasses.dataclass(frozen=True)
+class AxleBalance:
+    """Keeps the axle of what rolls on its edge as it is at rest: a coin or a plate rolls on and does not fall over.
+
+    As `Balance`, but for the spin about the axle, which is free.
+
+    Attributes:
+        rest: Positions at rest [m], shape (n, 3).
+        axes: Unit vectors, shape (3, 3): the axle, and two across it.
+        most: Largest angular acceleration [rad/s^2], scalar.
+        start, end: Window [s], scalars.
+        edge: Width of the window's smooth edges [s], scalar; None = hard.
+    """
+
+    rest: jax.Array = dataclasses.field(metadata=PER_PARTICLE)
+    axes: jax.Array
+    most: jax.Array
+    start: jax.Array = dataclasses.field(metadata=START)
+    end: jax.Array = dataclasses.field(metadata=END)
+    edge: jax.Array | None = dataclasses.field(default=None, metadata=EDGE)
+
+    def acceleration(self, x, v, mass, time, dt):
+        """Mean over the substep [m/s^2], shape (n, 3)."""
+        r, first = x - mass_centre(x, mass), self.rest - mass_centre(self.rest, mass)
+        axle, *across = self.axes
+        # Where the disc's two lines have been turned to: their own moments tell it better than the thin axle's.
+        one, other = (sum_particles(((mass * (first @ line))[:, None] * r).sum(0)) for line in across)
+        now = cross(one, other)
+        off = cross(now, axle) / jnp.sqrt((now**2).sum() + jnp.finfo(x.dtype).tiny)
+        moment = sum_particles((mass[:, None] * cross(r, v)).sum(0)) / sum_particles(mass.sum())
+        spin, _ = find_turn(moment, r, mass)
+        turn = limit(RATE**2 * off - 2 * RATE * (spin - (spin @ axle) * axle), self.most)
+        turn = turn * window_fraction(time, dt, self.start, self.end, self.edge)
+        return cross(jnp.broadcast_to(turn, x.shape), r)
+
+    def gradient(self, x, time, dt):
+        """None, as of `TurnCompensation`."""
+        del x, time, dt
+
+
+@register_dataclass
+@dataclasses.dataclass(frozen=True)
 class Landing:
     """Lets what was tipped over lie where it falls, and neither bounce nor roll on over its next edge.
 
