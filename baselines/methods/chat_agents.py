@@ -140,7 +140,7 @@ def open_model(place: str, record: str) -> ChatModel:
 
 
 def _withhold(context: AgentContext) -> AgentContext:
-    """What is asked, without the library's words."""
+    """The context without the library's words."""
     return dataclasses.replace(context, skills=dataclasses.replace(context.skills, text="(see the schema)"))
 
 

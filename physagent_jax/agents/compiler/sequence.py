@@ -88,7 +88,7 @@ def _open_and_close(event: Event, brief: SceneBrief) -> list[Event]:
     """The steps of what opens and closes on a hinge, or is screwed off; what has no hinge goes to and fro."""
     motions, after = read_lexicon().motions, event.verb.after if event.parts and event.verb else None
     words = [after, event.phrase] if after else event.phrase.split(" and ")
-    steps = [word if word in motions else word.split()[0] for word in words]
+    steps = [word if word in motions else word.partition(" ")[0] for word in words]
     limbs = find_limbs(event.parts[0], brief) if event.parts else find_hinged(brief)
     swings = event.effect is Effect.SWAY and len(steps) == 2 and all(each in motions for each in steps)
     if not after and not (swings and any(find_hinge(brief.parts[limb], brief) for limb in limbs)):
