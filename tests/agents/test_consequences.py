@@ -227,3 +227,11 @@ def test_what_is_lifted_and_held_there_for_a_time_is_up_there_so_long():
     ).expectations
     assert (raised.kind, held.kind, fall.kind) == (MotionKind.MOVE, MotionKind.STILL, MotionKind.FALL)
     assert raised.amount is None and (held.window[1] - held.window[0]) * 0.04 == pytest.approx(1.0, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    ("words", "counted"), [("a few times", False), ("several times", False), ("twice", True)]
+)
+def test_only_a_number_is_counted(words, counted):
+    (sway,) = read(f"the robot sways left and right {words}", brief(anchored="base")).expectations
+    assert sway.counted is counted

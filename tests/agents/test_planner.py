@@ -564,6 +564,14 @@ def test_once_is_there_and_back():
     assert not passes(once, show(lambda t: (-0.2 * ramp(t, 0, 24), 0, 0)), HELD)
 
 
+@pytest.mark.parametrize(("counted", "passed"), [(False, True), (True, False)])
+def test_what_swings_on_after_its_pushes_belongs_to_it(counted, passed):
+    """A gust's tree rings down through its place; a told number is of what was done."""
+    swaying = expected(KINDS.SWAY, window=(0, 16), repeats=3, counted=counted)
+    seen = show(lambda t: (0.2 * math.exp(-t / 60) * math.sin(2 * math.pi * t / 16), 0, 0))
+    assert passes(swaying, seen, HELD) == passed
+
+
 # --- parts --------------------------------------------------------------------------------------------------
 
 
@@ -1167,6 +1175,7 @@ def test_reversals(path, turns):
         ([0, 1, -2, 0], [1, 2]),
         ([1, 3, 0, 3, 0.2], [1, 2, 3]),
         ([0, 3, 2, 3, 0], [3]),
+        ([0, 0.4, -0.6, 0.6, 0.4], [1, 2]),  # the first swing of what begins at rest is half a way
     ],
 )
 def test_returns(path, turns):

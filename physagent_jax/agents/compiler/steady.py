@@ -99,7 +99,7 @@ class Task:
         values = dict(
             strength=event.strength, part=event.part, excludes_part=event.excludes_part, stays=event.stays,
             partial=event.region is not None, manner=motion.manner, jiggles=motion.jiggles or event.trembles,
-            means=event.means, counted=any(each.times is not None for each in clause.repetitions),
+            means=event.means, counted=any(each.times is not None and not each.often for each in clause.repetitions),
             springs=any(later.motion.springs for later in self.after),
             even=even and kind in (MotionKind.MOVE, MotionKind.ROTATE),
             put_back=motion.puts_back or event.is_back and window[0] > 0,

@@ -225,7 +225,8 @@ def _is_measured(reader: Reader, at: int) -> bool:
 def _read_count(reader: Reader, at: int) -> Mention | None:
     """Reads "three times", and the number in "three gusts", "two small jumps"."""
     if counted := match_count(reader.words, at):
-        repeat = Repeat(int(min(max(counted[0], 1), _MOST_STROKES)))
+        vague = reader.get_text(at) in get_set("vague")
+        repeat = Repeat(int(min(max(counted[0], 1), _MOST_STROKES)), vague=vague)
         return reader.make_span(MentionKind.REPEAT, repeat, "times", at, counted[1])
     counted = match_number(reader.words, at)
     whole = counted is not None and counted[0] > 1 and counted[0] == int(counted[0])

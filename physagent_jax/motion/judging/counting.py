@@ -99,7 +99,7 @@ def count_turns(asked: Asked, path: list[float], hysteresis: float, rest: float 
 
     def list_turns(threshold: float) -> list[int]:
         if rest is None:
-            return find_turning_points(path, threshold)
+            return find_turning_points(path, threshold, first=0.5 * threshold)
         return find_returns(path, threshold, rest)
 
     least, most = 2 * count - 1, (2 * count + 2 if count > 1 else 7)

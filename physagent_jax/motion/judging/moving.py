@@ -388,7 +388,19 @@ def _check_swing(asked: Asked) -> list[Check]:
         spread = find_spread(2.0 * amplitude, asked.view)
         checks.append(compare_direction(asked, "along which line?", sense, spread))
     hysteresis = max(2.0 * _SWING * amplitude, 0.5 * tolerances.VISIBLE)
+    if not asked.motion.counted:  # what swings on afterwards belongs to it
+        further = asked.clear_of_others(
+            asked.course(asked.span[0], _find_end_of_swings(asked)), (0.0, 0.0, 0.0)
+        )
+        path = [dot(p, direction) for _, p in further]
     return [*checks, count_turns(asked, path, hysteresis, _find_rest(asked, direction))]
+
+
+def _find_end_of_swings(asked: Asked) -> int:
+    """The last frame before another motion is asked for: stillness is not, which what swings comes to by itself."""
+    view, (_, last) = asked.view, asked.span
+    later = [each.window[0] for each in view.expectations if each.kind is not MotionKind.STILL]
+    return int(min((begin for begin in later if begin >= last - 0.5), default=view.last))
 
 
 def _find_half_width(asked: Asked, amplitude: float) -> float | None:
