@@ -228,6 +228,16 @@ def test_a_surface_that_looks_like_nothing_else_is_certain(rivals):
     assert part.unsure is rivals and part.joint[2] > 0.8
 
 
+@pytest.mark.parametrize("alone", [False, True])
+def test_a_slim_cork_is_certain_where_no_other_piece_is_like_one(alone):
+    points = np.random.default_rng(0).uniform((-0.1, -0.1, 0.0), (0.1, 0.1, 1.0), (4000, 3))
+    cork = (points[:, 2] > 0.75) & (np.hypot(points[:, 0], points[:, 1]) < 0.06)
+    foot, collar = points[:, 2] < 0.1, np.abs(points[:, 2] - 0.7) < 0.05
+    told = dict(shells=SimpleNamespace(candidates=[cork, foot if alone else collar], are_cut=bool))
+    (part,) = guess_parts(points, [], ["cork"], VIEWER, **told)
+    assert part.unsure is not alone and part.joint[2] > 0.7
+
+
 def test_a_hat_may_be_more_than_half_of_a_head_that_the_file_names():
     points = np.random.default_rng(0).uniform((-0.1, -0.1, 0.0), (0.1, 0.1, 1.0), (4000, 3))
     hat, badge = points[:, 2] > 0.84, np.abs(points[:, 2] - 0.9) < 0.02

@@ -37,6 +37,10 @@ _CLEAR, _AHEAD = (
     0.85,
     0.15,
 )  # mean of the measures of such, and by how much more that is than of anything else
+_ALONE, _FAR_AHEAD = (
+    0.75,
+    0.4,
+)  # the same of what is alone of its kind: a slim cork, where no other piece is like one
 _LARGEST = 0.4  # share of the figure that a limb has at most
 _BULK = 0.5  # the same of shells: what is more is the object itself
 _LOOSE = frozenset(("side", "top", "bottom"))  # roles of limbs of which only the place is known
@@ -193,7 +197,9 @@ class _Search:
                 chosen = [
                     max(chosen, key=lambda each: float((self.points[each.mask] @ self.viewer.toward).mean()))
                 ]
-            clear = own_pieces and scores[best] > max(least, max(rivals, default=0.0) + _AHEAD)
+            rival = max(rivals, default=0.0)
+            alone = scores[best] > max(_ALONE, rival + _FAR_AHEAD)
+            clear = own_pieces and (alone or scores[best] > max(least, rival + _AHEAD))
             return list(self._name(noun, row, chosen, _LIKELY if clear else _CHANCE))
         return []
 
