@@ -80,6 +80,7 @@ def test_the_sentences_are_many_different_and_of_every_kind():
         ("twentysixth", 20, 5, "3fee7311cf004e81"),
         ("twentyseventh", 20, 5, "9d764af322504f9e"),
         ("twentyeighth", 20, 5, "6119aaf329110f9b"),
+        ("twentyninth", 20, 5, "731ffcd45cce95b0"),
     ],
 )
 def test_pairs_that_were_held_back_are_as_they_were_written(group, pairs, things, digest):

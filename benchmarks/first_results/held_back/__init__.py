@@ -33,6 +33,7 @@ from benchmarks.first_results.held_back import (
     twentyfifth,
     twentyfirst,
     twentyfourth,
+    twentyninth,
     twentysecond,
     twentyseventh,
     twentysixth,
@@ -69,6 +70,7 @@ _LOTS = (
     twentysixth,
     twentyseventh,
     twentyeighth,
+    twentyninth,
 )
 
 FILES: Mapping[str, PinnedFile] = {name: file for lot in _LOTS for name, file in lot.FILES.items()}
