@@ -15,7 +15,7 @@ from physagent_jax.core.strict import Vector
 from physagent_jax.forces.part import Part, split_name
 from physagent_jax.motion.doors import find_edge
 from physagent_jax.motion.schema import Amount, ExpectedMotion, SceneBrief
-from physagent_jax.motion.vectors import add, clamp, cross, dot, norm, normalise, scale, subtract
+from physagent_jax.motion.vectors import add, clamp, cosine, cross, dot, norm, normalise, scale, subtract
 
 _NEAR = 0.06  # [body lengths] beyond the least distance, within which a piece touches the rest
 _OFF = 0.25  # of its reach across the hinge, by which its middle is away from it at least
@@ -23,6 +23,7 @@ _LONG = 2.5  # length of a hinge over its breadth, at least
 _STEPS = 20  # of the search for the direction of a hinge
 _GAP = 4.0  # [degrees] that are left where it is closed
 _OPENED, _FURTHER = 100.0, 30.0  # [degrees] by which it opens, and what stands open already
+_STEEP = 0.5  # cosine to the way out, from which on the way from where it touches is how it stands
 _OPEN = 45.0  # [degrees] to the rest from which on it stands open
 _LEAST_OPENED = 0.35  # of that angle, at most so little where it opens slightly
 _SLIDES = frozenset("drawer drawers curtain curtains".split())
@@ -96,11 +97,16 @@ def slides_open(part: Part) -> bool:
 
 
 def stand_up(part: Part, brief: SceneBrief) -> Part:
-    """A part that sits on the rest, as what sways on it: its joint is where it touches that."""
+    """A part that sits on the rest, as what sways on it: its joint is where it touches that.
+
+    What is broad and low touches it at one of its sides as well as below: it is stood up as far as it is high.
+    """
     box = find_box(brief)
     inside, _, gaps = _find_gaps(part, box)
-    base = _average([here for here, _ in gaps])
-    arm = scale(subtract(_find_middle(inside), base), 2.0)
+    base, middle, out = _average([here for here, _ in gaps]), _find_middle(inside), normalise(part.arm)
+    if out is not None and cosine(subtract(middle, base), out) < _STEEP:
+        base = subtract(middle, scale(out, dot(subtract(middle, base), out)))
+    arm = scale(subtract(middle, base), 2.0)
     if norm(arm) < _OFF * max(math.dist(base, each) for each in inside):
         return part
     x, y, z = (a / b for a, b in zip(base, box))

@@ -1,6 +1,7 @@
 """Doors and lids that are closed: the edge that is their hinge, and how far they open."""
 
 import itertools
+import math
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from physagent_jax.agents.compiler import compile_intent
 from physagent_jax.agents.grammar.semantic import read_intent
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import CellsRegion
-from physagent_jax.motion.hinges import find_hinge
+from physagent_jax.motion.hinges import find_hinge, stand_up
 from physagent_jax.motion.schema import MotionKind
 from tests.agents.scenes import brief
 
@@ -157,3 +158,15 @@ def test_what_opens_and_closes_on_a_hinge_does_so_in_steps():
 def test_what_goes_to_and_fro_on_a_hinge_is_no_two_steps(words):
     told = compile_intent(read_intent(f"the lid {words}", make_chest()), make_chest()).expectations
     assert [each.kind for each in told] == ["sway"]
+
+
+def test_what_is_broad_and_low_does_not_turn_about_its_side():
+    """A stem's foot touches the melon at its side as well: it was turned about the upright."""
+    foot = CellsRegion(
+        inside=tuple((x, y, 0.97) for x in (0.4, 0.5, 0.6) for y in (0.4, 0.5, 0.6)),
+        outside=((0.34, 0.5, 0.97), (0.5, 0.5, 0.5)),
+    )
+    told = dict(moved=foot, rest=foot, joint=(0.5, 0.5, 0.97), side=(0.0, 0.0, 1.0), share=0.01)
+    stem = Part(name="stem", seated=True, arm=(0.0, 0.0, 0.2), **told)
+    arm = stand_up(stem, brief(box=(1.0, 1.0, 1.0))).arm
+    assert arm[2] > 0.9 * math.hypot(*arm)
