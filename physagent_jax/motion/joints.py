@@ -121,6 +121,7 @@ class Turning:
         slides: Whether it sits loose on the rest, as a lid does, and is moved rather than turned.
         curls: Whether it bends over all of its length.
         held: Whether the object is held somewhere; else the rest carries the limb.
+        brought: Whether it has been brought where it is, and is not raised first to wave.
     """
 
     part: Part
@@ -129,6 +130,7 @@ class Turning:
     slides: bool = False
     curls: bool = False
     held: bool = True
+    brought: bool = False
 
     @functools.cached_property
     def arm(self) -> Vector:
@@ -258,6 +260,21 @@ class Turning:
         down = self.brief.world == "ground" and course is not None and dot(course, up) > _BESIDE
         height = min(place[2] for place in self.part.moved.inside) * self.brief.extents[1]
         return down and height < norm(self.part.arm) * math.sin(math.radians(OVERSHOOT * abs(angle)))
+
+    def swing_on(
+        self, done: ExpectedMotion, motion: ExpectedMotion, until: float
+    ) -> tuple[list[VelocityConstraint], ExpectedMotion]:
+        """As `drive`, to and fro about where ``done`` has brought it: a raised arm waves from side to side."""
+        done = self._face(done)
+        way = done.direction or self.swing
+        axis = None if self.slides or done.kind is not MotionKind.MOVE else self.find_axis(way)
+        if axis is None:
+            return self.drive(motion, until)
+        arm = rotate(self.part.arm, scale(axis, self._find_seen(done, way)))
+        own = motion.direction is not None and abs(cosine(motion.direction, self.swing)) > _ALONG
+        motion = motion.model_copy(update=dict(direction=None)) if own else motion  # of the limb at rest
+        part = self.part.model_copy(update=dict(arm=arm))
+        return dataclasses.replace(self, part=part, brought=True).drive(motion, until)
 
     def undo(
         self, done: ExpectedMotion, motion: ExpectedMotion, until: float
@@ -422,6 +439,7 @@ class Turning:
         """
         up, way = self.brief.directions.up, self._nod(motion) or motion.direction or self.swing
         waves = "arm" in self.part.roles[:1] and (self.hangs or abs(dot(way, up)) > _ALONG)
+        waves &= not self.brought
         if not waves and not (self.hangs and abs(cosine(way, self.out)) > -_INWARD):
             angle = self._widen(_SWAYS * self.find_angle(motion, self.find_axis(way)), motion)
             return way, _list_strokes(angle, count)

@@ -392,6 +392,20 @@ def test_an_arm_waves_above_and_beside_the_body():
     assert motion.kind is MotionKind.SWAY and motion.repeats >= 2
 
 
+@pytest.mark.parametrize("arm", ["hanging", "level"])
+def test_a_raised_arm_waves_from_side_to_side_about_where_it_is(arm):
+    """It was raised a second time, and its hand went into the head."""
+    arms = HANGING if arm == "hanging" else [make_limb("arm", (0, 0, 0.3), (s * 0.35, 0, 0)) for s in (-1, 1)]
+    reply = read("it raises its right arm and waves goodbye", *arms, HEAD)
+    raised, *turns = [find_turn(each) for each in reply.force_field.constraints]
+    assert not reply.unsure and len(turns) >= 5
+    way = reply.expectations[1].direction
+    up = Rotation.from_rotvec(raised, degrees=True).apply(np.asarray(arms[1].arm))
+    assert way is not None and abs(np.dot(way, up)) < 0.4 * np.linalg.norm(up)
+    angles = np.cumsum([turn[1] for turn in turns])
+    assert -0.25 < (angles.max() + angles.min()) / np.ptp(angles) < 0.25
+
+
 def test_a_head_that_nods_goes_forward_and_back():
     """A word that tells its own way keeps it."""
     (motion,) = read("the robot nods its head", HEAD).expectations

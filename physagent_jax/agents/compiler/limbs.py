@@ -198,4 +198,6 @@ def _drive(
     before = [e for e in before if e.kind in (motion.kind, MotionKind.MOVE) or not part.seated]
     if before and is_undone(before[-1], motion):
         return turning.undo(before[-1], motion, until)
+    if before and motion.kind is MotionKind.SWAY and not before[-1].released:
+        return turning.swing_on(before[-1], motion, until)
     return turning.drive(motion, until)
