@@ -110,7 +110,7 @@ PRIORS: dict[str, Prior] = {
     ),
     "food": Prior(
         ("loaf", "bread", "cake", "food", "bun", "toast", "muffin", "donut", "doughnut", "cookie", "burger",
-         "sandwich", "pizza", "pancake", "baguette", "pie", "cheese"),
+         "sandwich", "pizza", "pancake", "baguette", "pie", "cheese", "hotdog", "corndog"),
         5e4, 0.25, 250.0,
         "bread is an open foam (250 kg/m^3, low nu); crumb has E of 2 to 30 kPa",
         damping_ratio=0.1,
@@ -211,7 +211,7 @@ PRIORS: dict[str, Prior] = {
     "tool": Prior(
         ("tool", "hammer", "axe", "wrench", "screwdriver", "pliers", "shovel", "cannon", "laptop", "computer",
          "camera", "clock", "telephone", "phone", "barrel", "crate", "chest", "anvil", "sword", "shield", "gun",
-         "knife"),
+         "knife", "cutter", "slicer", "spatula", "whisk"),
         2e5, 0.3, 400.0,
         "wood, plastic and metal with hollows (400 kg/m^3), all 1e4 times stiffer or more: chosen for visible motion",
         damping_ratio=0.02,
@@ -250,8 +250,7 @@ PRIORS: dict[str, Prior] = {
         parameters={"yield_stress": 1.8e4},
     ),
     "liquid": Prior(
-        ("liquid", "water", "juice", "milk", "honey", "oil", "syrup", "soup", "wine", "coffee", "fountain",
-         "splash"),
+        ("liquid", "water", "juice", "milk", "honey", "oil", "syrup", "soup", "wine", "coffee", "splash"),
         3e5, 0.45, 1000.0,
         "water (1000 kg/m^3, 1 mPa s); its bulk modulus of 1 MPa carries sound at 32 m/s, ten times the speed of a "
         "fall from half a body length, so that it looks incompressible; the real one is 2000 times that",
@@ -292,6 +291,13 @@ PRIORS: dict[str, Prior] = {
 }  # fmt: skip
 
 
+_CONTAINERS = frozenset(
+    (*PRIORS["vessel"].words, "can", "tin", "bucket", "kettle", "pan", "barrel", "crate", "chest", "box", "carton",
+     "bag", "sack", "basket", "tank", "tub", "tube", "packet", "package", "canister", "flask", "pitcher", "bathtub",
+     "plate", "dish", "saucer", "spoon")
+)  # fmt: skip
+
+
 def find_kind(name: str, what: str = "the kind") -> str:
     """The kind of that name, or the one that it is a word of ("ficus" -> "plant"); case does not matter.
 
@@ -317,8 +323,9 @@ def guess_kind(name: str, sentence: str = "") -> str:
 
     Words are compared whole (a plural is allowed), so that "carpet" is no car. A name of several nouns goes
     by the last known one before any preposition, its head: "toy robot", "a loaf of rye", "plant in a pot". An
-    amount does not count: "a pile of sand" is sand. A substance before another noun tells what that is for: "coffee
-    grinder" tells nothing. Where ``sentence`` calls a substance something else, "honey.obj" is a jar.
+    amount does not count: "a pile of sand" is sand. A substance beside what holds it, on either side, tells what that
+    is for: "bottle oil". So it does before another noun: "coffee grinder" tells nothing. Where ``sentence`` calls a
+    substance something else, "honey.obj" is a jar.
     """
     words = re.findall(r"[a-z]+", re.sub(r"([a-z])([A-Z])", r"\1 \2", name).lower())
     amounts = [
@@ -327,15 +334,28 @@ def guess_kind(name: str, sentence: str = "") -> str:
     words = words[amounts[0] + 1 :] if amounts else words
     cut = next((i for i, word in enumerate(words) if word in _PREPOSITIONS), len(words))
     words = [word for word in words[:cut] if word not in _FILE_WORDS and len(word) > 2]
-    for behind, word in enumerate(reversed(words)):
-        for kind, prior in PRIORS.items():
-            if {word, word.removesuffix("s"), word.removesuffix("es")} & set(prior.words):
-                before_noun = behind > 0 and words[-1].removesuffix("s") not in _AMOUNTS
-                if kind not in _SUBSTANCES:
-                    return kind
-                said = _find_said_kind(re.findall(r"[a-z]+", sentence.lower()), ())
-                return UNKNOWN if before_noun else said or kind
-    return UNKNOWN
+    joined = [before + word for before, word in zip(["", *words], words)]  # "hot dog", as "hotdog"
+    kinds = [_find_word_kind(pair) or _find_word_kind(word) for pair, word in zip(joined, words)]
+    known = [kind for kind in kinds if kind is not None]
+    if not known or known[-1] not in _SUBSTANCES:
+        return known[-1] if known else UNKNOWN
+    holders = [kind for kind, word in zip(kinds, words) if kind and _CONTAINERS & _list_singulars(word)]
+    if holders:
+        return holders[-1]
+    before_noun = kinds[-1] is None and words[-1].removesuffix("s") not in _AMOUNTS
+    said = _find_said_kind(re.findall(r"[a-z]+", sentence.lower()), ())
+    return UNKNOWN if before_noun else said or known[-1]
+
+
+def _find_word_kind(word: str) -> str | None:
+    """The kind that a noun tells; `UNKNOWN` of what holds anything, None of no such noun."""
+    forms = _list_singulars(word)
+    found = next((kind for kind, prior in PRIORS.items() if forms & set(prior.words)), None)
+    return found or (UNKNOWN if forms & _CONTAINERS else None)
+
+
+def _list_singulars(word: str) -> set[str]:
+    return {word, word.removesuffix("s"), word.removesuffix("es")}
 
 
 @functools.cache
