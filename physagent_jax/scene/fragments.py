@@ -11,8 +11,22 @@ from scipy.spatial import KDTree
 
 FIRM = 1e4
 """Factor of the strength inside a fragment over that between two."""
+CHUNK, FEWEST = 5.0, 4
+"""Cells across a fragment at least, of which the seams around it leave some whole; and how many there are of what is
+small or slender all the same."""
 _SEED = 7
 _ROUNDS = 2  # of Lloyd's algorithm: cells of different sizes, none of them tiny
+
+
+def count_fragments(most: int, volume: float, dx: float) -> int:
+    """The number of fragments that the grid can show: smaller ones would be nothing but seams, and crumble as sand does.
+
+    Args:
+        most: Number that is asked for.
+        volume: Of all that breaks [m^3].
+        dx: Grid spacing [m].
+    """
+    return min(most, max(round(volume / (CHUNK * dx) ** 3), FEWEST))
 
 
 def find_seams(x: np.ndarray, count: int, width: float) -> np.ndarray:

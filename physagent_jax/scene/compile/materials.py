@@ -20,7 +20,7 @@ from physagent_jax.scene.burden import find_firmness
 from physagent_jax.scene.compile.idle import SOFT
 from physagent_jax.scene.compile.select import DTYPE, select_box
 from physagent_jax.scene.damping import Mode, compute_viscosity
-from physagent_jax.scene.fragments import FIRM, find_seams
+from physagent_jax.scene.fragments import FIRM, count_fragments, find_seams
 
 SEAM = 2.0
 """Cells of the weak layer between two fragments."""
@@ -188,9 +188,11 @@ def _find_strength(
     """The cohesion of what breaks into fragments, shape (n,): it is weak only between them."""
     if material.fragments is None:
         return {}
+    dx = config.domain.dx
+    count = count_fragments(material.fragments, float(body.particles.volume[chosen].sum()), dx)
     cohesion = np.full(len(chosen), material.cohesion)
     firm = chosen.copy()
-    firm[chosen] = ~find_seams(body.particles.x[chosen], material.fragments, SEAM * config.domain.dx)
+    firm[chosen] = ~find_seams(body.particles.x[chosen], count, SEAM * dx)
     return {"cohesion": np.where(firm, FIRM, 1.0) * cohesion}
 
 
