@@ -3,7 +3,7 @@
 Two opposed translations of the ends, or two opposed plates, change the length of the whole; two opposed rotations wring
 it. Moved as slabs, ends would tear off what is thin between them; with a motion that grows evenly from end to end every
 section is strained alike, and nothing is toppled. One plate that presses towards the ground or the fixture has that for
-its partner, and so has an end of what is held that is turned.
+its partner, and so has an end of what is held that is turned. Two pieces of their own come apart instead.
 """
 
 from __future__ import annotations
@@ -13,7 +13,14 @@ import dataclasses
 import numpy as np
 
 from physagent_jax.forces.regions import make_region_mask
-from physagent_jax.forces.schema import ForceField, HalfSpaceRegion, Region, SkillScaling, VelocityConstraint
+from physagent_jax.forces.schema import (
+    CellsRegion,
+    ForceField,
+    HalfSpaceRegion,
+    Region,
+    SkillScaling,
+    VelocityConstraint,
+)
 from physagent_jax.forces.skills import get_skill
 
 _OPPOSED, _ALONG = -0.99, 0.999  # cosines
@@ -76,6 +83,7 @@ def _match(one: VelocityConstraint, other: VelocityConstraint) -> bool:
     skill = get_skill(one)
     ends = skill.deforms is not None or _turns(one)
     same = one.constraint_type == other.constraint_type and one.object == other.object
+    same &= not any(isinstance(each.region, CellsRegion) and each.region.rigid for each in (one, other))
     together = one.active_time == other.active_time and one.held_until == other.held_until
     ways = np.sign(one.magnitude) * np.sign(other.magnitude) * np.dot(one.vector, other.vector)
     return ends and same and together and ways < _OPPOSED

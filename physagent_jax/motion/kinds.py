@@ -26,7 +26,14 @@ from physagent_jax.forces.calibration import (
     find_magnitude,
 )
 from physagent_jax.forces.driving import PartDriver
-from physagent_jax.forces.schema import Bend, ConstraintType, ForceField, Region, VelocityConstraint
+from physagent_jax.forces.schema import (
+    Bend,
+    CellsRegion,
+    ConstraintType,
+    ForceField,
+    Region,
+    VelocityConstraint,
+)
 from physagent_jax.forces.skills import list_skills
 from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.axes import find_lean_axis
@@ -82,6 +89,7 @@ _AROUND = 2.0  # [body lengths]: all of a limb's joint, and all of its length
 _LENGTHENED = 0.5  # of its length, by which a plain word draws a limb out
 _LONGER = 0.15  # [body lengths] the same at least, but no more than it is long
 _DRAWN_BACK, _SLASHED = 0.7, 0.4  # [s] in which something is drawn back, and slashes with a strength of 1
+_PARTED, _ASIDE, _PARTING = 0.22, 0.7, 0.4  # [body lengths] that halves are led, and [s] in which
 _DRAWN_OUT, _SNAP = 1.0, 0.2  # [s] in which it is drawn out, at most, and snaps back
 _NO_WAY = (0.0, 0.0, 0.0)
 _PLATE = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
@@ -293,6 +301,32 @@ def _deform(wish: Wish) -> _Replaced:
         why = f"the two ends are moved together, {where}"
     held = wish.brief.anchored is not None or wish.force_field.default_drop
     return None if upright and held else (move_ends(wish, causes), why)
+
+
+def _split(wish: Wish) -> _Replaced:
+    """Lead two halves apart, as far as the grid's kernels reach, and then let them go: left and right, or its top off.
+
+    What is split across the upright lies beside the rest in the end: on it, it would be seen as whole.
+    """
+    expectation, axis, table = wish.expectation, wish.expectation.direction, wish.brief.directions
+    if expectation.manner != "split" or axis is None or expectation.partial:
+        return None
+    causes = _find_forces(wish, lambda c: c.item.region is None and agrees(c, expectation))
+    if not causes:
+        return None
+    first, end = wish.get_span(causes[:1])
+    upright = abs(cosine(axis, table.up)) > _VERTICAL
+    sides = [(axis, table.right, _ASIDE)] if upright else [(w, w, _PARTED) for w in (axis, scale(axis, -1.0))]
+    until = first + min(max(round(wish.brief.count_frames(_PARTING)), 2.0), max(end - first, 2.0))
+    pair, box = [], find_box(wish.brief)
+    for side, way, length in sides:
+        width = sum(abs(x) * extent for x, extent in zip(way, box))
+        pace = length / width * wish.reference / PRESCRIBED_TRAVEL / (until - first)
+        off = [0.25 * min(box) * x / extent for x, extent in zip(side, box)]
+        inside, outside = ((tuple(0.5 + sign * x for x in off),) for sign in (1, -1))
+        half = CellsRegion(inside=inside, outside=outside, label="half of it", rigid=True)
+        pair.append(_prescribe(causes[0], way, pace, (first, until), None, half))
+    return _put(wish, causes, *pair), "its halves are led apart, and let go"
 
 
 def _crumple(wish: Wish) -> _Replaced:
@@ -702,6 +736,7 @@ def _lead(wish: Wish) -> _Replaced:
 _RULES = (
     _crumple,
     _press_part,
+    _split,
     _deform,
     _squeeze_limb,
     _stretch_limb,

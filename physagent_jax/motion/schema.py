@@ -16,10 +16,11 @@ from physagent_jax.forces.calibration import MAGNITUDE_MAX, MAGNITUDE_MIN, find_
 from physagent_jax.forces.part import Part
 from physagent_jax.forces.schema import CellsRegion
 
-Manner = Literal["", "bend", "rock", "wobble", "shake", "fly", "fold", "crumple", "hinge", "detach"]
+Manner = Literal["", "bend", "rock", "wobble", "shake", "fly", "fold", "crumple", "hinge", "detach", "split"]
 """The manner of a motion: it bends over its foot, which stays; it tilts over the edges of its foot as a whole; its foot
 stays and its own stiffness does the rest; it goes to and fro, foot and all; it leaves the ground; one half
-goes over the other; it is pressed from one side after another; it turns about its hinge; it comes off; or any ("")."""
+goes over the other; it is pressed from one side after another; it turns about its hinge; it comes off; it
+comes apart in two halves; or any ("")."""
 SeenManner = Manner | Literal["spin", "circle", "slash"]
 """The same of what is to be seen; what spins shows all of its sides, a circle is gone along, heading first, and what
 is swung as a sword turns about the end that it is held by."""

@@ -19,11 +19,11 @@ _ROUNDS = 2  # of Lloyd's algorithm: cells of different sizes, none of them tiny
 
 
 def count_fragments(most: int, volume: float, dx: float) -> int:
-    """The number of fragments that the grid can show: smaller ones would be nothing but seams, and crumble as sand does.
+    """The number of fragments that the grid can show: smaller ones would be nothing but seams, and crumble like sand.
 
     Args:
         most: Number that is asked for.
-        volume: Of all that breaks [m^3].
+        volume: The volume of all that breaks [m^3].
         dx: Grid spacing [m].
     """
     return min(most, max(round(volume / (CHUNK * dx) ** 3), FEWEST))

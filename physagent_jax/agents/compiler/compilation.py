@@ -137,9 +137,16 @@ def _choose_materials(intent: Intent, events: Iterable[Event], brief: SceneBrief
     firm &= any(each.gives for each in happens)
     severed = [event.words.lower() for event in events if event.motion.manner == "detach"]
     told = tuple(word for word in intent.materials if not any(word in each for each in severed))
+    if any(each.manner == "split" for each in happens) and not any(each.gives for each in happens):
+        told = tuple(word for word in told if not _is_brittle(word))  # whole but for where it is split
     crushed = any(each.effect is Effect.STRIKE and each.gives for each in happens)
     broken = any(event.phrase == "break" for event in events)  # "it snaps"
     return (*told, CRUSHED if crushed else BROKEN if broken else YIELDING) if firm else told
+
+
+def _is_brittle(word: str) -> bool:
+    meaning = find_meaning(word)
+    return meaning is not None and meaning.becomes and meaning.preset == "brittle"
 
 
 def _is_soft(presets: tuple[str, ...], intent: Intent, brief: SceneBrief) -> bool:

@@ -62,6 +62,7 @@ _WINGS = frozenset("wing wings fin fins flipper flippers".split())  # what beats
 _SCURRYING = ("scuttle", "scurry", "paddle", "run")  # what legs and fins do by themselves
 _OTHERS = frozenset(("other", "another", "one", "each", "next"))  # beside a limb's name: not that of before
 _BEARERS = dict(hand="arm", hands="arms", fist="arm", fists="arms", head="neck")
+_HALVES = frozenset(("two", "half", "halves"))
 _SEVERING = ("break", "snap", "crack", "cut", "chop", "saw", "hack", "shear", "tear", "rip")
 _BITING = frozenset("jaw jaws claw claws pincer pincers beak mouth bill teeth gripper grabber".split())
 _HALF = 0.5  # of the object, as which no part is that comes off
@@ -176,7 +177,8 @@ def _choose_motion(event: Event, brief: SceneBrief, before: Event | None) -> tup
         ("roll", phrase == "tumble" and event.goes_aside and before is None),  # "tumbles to the right"
         ("fall over", severed and head in _SEVERING and brief.object_kind == "plant"),  # "is sawn off"
         ("clack", phrase == "snap" and part[-1] in _BITING),  # "it snaps its claws"
-        ("break", snaps and motion.manner and not event.parts),  # "the sword snaps in two"
+        ("split", severed and not _HALVES.isdisjoint(phrase.split())),  # "the sword snaps in two"
+        ("break", snaps and motion.manner and not event.parts),
         (head, severed and head in motions),  # "the robot falls off"
         ("fly off", motion.manner == "detach" and event.is_in_wind),  # not up
         # "Swings its arm forward", "stretches its arms forward": once.
@@ -193,7 +195,8 @@ def _choose_motion(event: Event, brief: SceneBrief, before: Event | None) -> tup
         ("cruise", (effect is Effect.ROLL or motion.steps) and has_wheels(brief)),  # its wheels turn
     )
     if chosen := next((word for word, holds in rules if holds), ""):
-        return motions[chosen], chosen
+        across = chosen == "split" and stands_slim(brief) and "middle" not in phrase  # its top breaks off
+        return replace(motions[chosen], direction="up") if across else motions[chosen], chosen
     if effect is Effect.FALL and motion.by == "whole" and event.parts and head in motions:
         return replace(motions[head], direction="down"), head  # "bang the lid down"
     if motion.gives and _droops(event, brief):  # "slumps to one side", "the plant sags"

@@ -197,6 +197,8 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     fall = events[-1] if events and events[-1].effect is Effect.FALL else None
     bursts = fall and event.effect is Effect.BURST
     yields = event.motion.gives or bursts and builder.breaks or fall and _yields(event, builder.soft)
+    if event.motion.manner == "split" and events and falls:
+        event.clause = event.clause.model_copy(update=dict(order="then"))  # "it falls and breaks in two"
     if yields and falls and any(each.effect not in _RESTING for each in events):
         events[-1].doubts += event.doubts
         events[-1].trembles |= builder.soft and not event.motion.gives

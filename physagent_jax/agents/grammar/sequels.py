@@ -114,7 +114,7 @@ def read_debris(mentions: list[Mention], _names: frozenset[str]) -> list[Mention
                 strewn = mention.phrase.endswith("directions")  # "its three balls roll off in all directions"
                 result[at - 1] = replace(noun, kind=MentionKind.IGNORED) if strewn else noun
             if motion is not None:
-                parted |= motion.gives or motion.effect is Effect.BURST
+                parted |= motion.gives or motion.effect is Effect.BURST or motion.manner == "split"
                 parted |= mention.phrase.split()[0] in get_set("smashing")
                 falls |= motion.effect is Effect.FALL
                 relative = get_phrase(mentions, at + 1) in get_set("relatives")

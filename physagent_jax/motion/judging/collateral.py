@@ -405,8 +405,8 @@ def _gives_way(view: View) -> bool:
 
 
 def _comes_apart(view: View) -> bool:
-    """Return whether a part is to come off, which goes its own way from then on."""
-    return any(each.manner == "detach" for each in view.expectations)
+    """Return whether a part is to come off, or a half, which goes its own way from then on."""
+    return any(each.manner in ("detach", "split") for each in view.expectations)
 
 
 def _list_taken_off(view: View) -> set[int]:

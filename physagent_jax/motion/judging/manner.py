@@ -15,6 +15,7 @@ from physagent_jax.perception.schema import Box
 _FOOT = 0.6  # of the top's way that the foot may go: of what tips about its middle it goes as far
 _FLIGHT = 0.04  # [body lengths] between what flies and the ground
 _LESS = 0.75  # of its outline at first that what was folded or crumpled may have
+_APART = 0.15  # [body lengths] by which the ends of what is split come apart at least
 _LASTING = 3  # frames that a flight takes
 
 
@@ -43,6 +44,17 @@ def check_outline(asked: Asked) -> list[Check]:
     sizes = [[_find_length(box, line) for line in lines] for box in (boxes[0], boxes[-1])]
     before, after = map(math.prod, sizes)
     return [check_limit(asked, name, after / before, _LESS, asked.sigma / min(sizes[0]))]
+
+
+def check_split(asked: Asked) -> list[Check]:
+    """The room between the ends of what is split, in the end: what is only stretched comes back."""
+    view, (first, _), way = asked.view, asked.span, asked.direction or asked.view.brief.directions.right
+    ends = [view.find_end(each) for each in (way, scale(way, -1.0))]
+    one, other = (dict(view.course(first, view.last, each)) if each else {} for each in ends)
+    both = [subtract(place, other[t]) for t, place in one.items() if t in other]
+    if not both:
+        return [make_unseen_check(asked, "the ends of the object are not told apart")]
+    return [check_limit(asked, "splits", norm(both[-1]), _APART, asked.sigma)]
 
 
 def _check_foot(asked: Asked, up: Vector) -> list[Check]:

@@ -9,7 +9,7 @@ from physagent_jax.motion.judging.changing import check_rotation, check_still, c
 from physagent_jax.motion.judging.collateral import check_collateral
 from physagent_jax.motion.judging.explaining import explain_failure
 from physagent_jax.motion.judging.following import check_following
-from physagent_jax.motion.judging.manner import check_manner, check_outline
+from physagent_jax.motion.judging.manner import check_manner, check_outline, check_split
 from physagent_jax.motion.judging.moving import check_fall, check_move, check_sway
 from physagent_jax.motion.judging.seen import View
 from physagent_jax.motion.judging.stages import find_stage, judge_stages
@@ -75,6 +75,9 @@ def _make_checks(view: View) -> list[Check]:
         crumples = expectation.manner == "crumple" and not expectation.partial
         if expectation.manner == "fold" or crumples:
             checks += check_outline(asked)
+            continue
+        if expectation.manner == "split":
+            checks += check_split(asked)
             continue
         checks += _CHECKERS[expectation.kind](asked) + check_following(asked) + check_manner(asked)
     checks = _leave_to_fellows(view, checks)
