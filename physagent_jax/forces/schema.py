@@ -104,6 +104,7 @@ class _Timed(Strict):
     active_time: tuple[_Frame, _Frame] | None = None
     region: Region | None = None
     object: Annotated[str, Field(max_length=200)] | None = None
+    touched: bool = False
 
     @field_validator("magnitude")
     @classmethod
@@ -117,10 +118,11 @@ class _Timed(Strict):
 
     @model_serializer(mode="wrap")
     def _leave_out_usual(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Leave a gain of 1 unsaid: files and prompts hold it only where k was calibrated again."""
+        """Leave a gain of 1 unsaid, and that no hand does it: files and prompts hold only what is not usual."""
         data = write(self)
-        if data.get("gain") == 1.0:
-            del data["gain"]
+        for name, usual in (("gain", 1.0), ("touched", False)):
+            if data.get(name) == usual:
+                del data[name]
         return data
 
     @field_validator("active_time")
@@ -148,6 +150,7 @@ class Action(_Timed):
         active_time: ``[first, last]`` in frames; None = the whole clip.
         region: Which particles; None = the whole object.
         object: Object id in a scene of several; None = all.
+        touched: Whether people are shown the hand that does it.
     """
 
     action_type: ActionType
@@ -165,7 +168,7 @@ class VelocityConstraint(_Timed):
         bend: Where the part bends beside its joint, whose own particles then move too; None = nowhere: those of
             ``region`` move as a whole.
         carried: Whether it comes on top of the mean motion of the rest, which something else moves meanwhile.
-        vector, magnitude, gain, active_time, region, object: as for `Action`.
+        vector, magnitude, gain, active_time, region, object, touched: as for `Action`.
     """
 
     constraint_type: ConstraintType

@@ -62,7 +62,7 @@ from physagent_jax.motion.pressing import find_pressed
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.slashing import find_grip
 from physagent_jax.motion.tolerances import SPIN, expect_rotation, expect_wrung, find_told
-from physagent_jax.motion.vectors import clamp, cosine, cross, norm, normalise, scale
+from physagent_jax.motion.vectors import add, clamp, cosine, cross, norm, normalise, scale
 from physagent_jax.motion.windows import divide
 from physagent_jax.motion.wishes import Wish, replace_items
 
@@ -89,7 +89,13 @@ _AROUND = 2.0  # [body lengths]: all of a limb's joint, and all of its length
 _LENGTHENED = 0.5  # of its length, by which a plain word draws a limb out
 _LONGER = 0.15  # [body lengths] the same at least, but no more than it is long
 _DRAWN_BACK, _SLASHED = 0.7, 0.4  # [s] in which something is drawn back, and slashes with a strength of 1
-_PARTED, _ASIDE, _PARTING = 0.22, 0.7, 0.4  # [body lengths] that halves are led, and [s] in which
+_PARTED, _ASIDE, _PARTING = (
+    0.22,
+    0.5,
+    0.4,
+)  # [body lengths] that halves are led, or a top aside, and [s] in which
+_RAISED_TOP = 0.4  # of its way aside, by which a top is raised
+_SETTLED = 0.35  # [s] that what splits rests before, after another motion
 _DRAWN_OUT, _SNAP = 1.0, 0.2  # [s] in which it is drawn out, at most, and snaps back
 _NO_WAY = (0.0, 0.0, 0.0)
 _PLATE = next(skill.name for skill in list_skills("constraints") if skill.deforms == "plates")
@@ -154,7 +160,7 @@ def press_between(wish: Wish, causes: Sequence[Cause]) -> ForceField:
 
 def replace_blows(wish: Wish, causes: Sequence[Cause]) -> ForceField:
     """Instantaneous changes of velocity in place of ``causes``, with the same magnitudes."""
-    told = {"vector", "magnitude", "active_time", "region", "object"}
+    told = {"vector", "magnitude", "active_time", "region", "object", "touched"}
     return _put(wish, causes, *[cause.prescribe(**cause.item.model_dump(include=told)) for cause in causes])
 
 
@@ -304,9 +310,10 @@ def _deform(wish: Wish) -> _Replaced:
 
 
 def _split(wish: Wish) -> _Replaced:
-    """Lead two halves apart, as far as the grid's kernels reach, and then let them go: left and right, or its top off.
+    """Lead two halves apart, as far as the grid's kernels reach, and let them go: to both sides, or the top off.
 
-    What is split across the upright lies beside the rest in the end: on it, it would be seen as whole.
+    What is split across the upright lies beside the rest in the end: on it, it would be seen as whole. How far it has
+    rolled or spun before is not known, and so it is split across the axis of that.
     """
     expectation, axis, table = wish.expectation, wish.expectation.direction, wish.brief.directions
     if expectation.manner != "split" or axis is None or expectation.partial:
@@ -315,18 +322,37 @@ def _split(wish: Wish) -> _Replaced:
     if not causes:
         return None
     first, end = wish.get_span(causes[:1])
+    turned = [
+        e.direction
+        for e in wish.expectations
+        if e.kind is MotionKind.ROTATE and e.limb is None and e.window[1] < first + 0.5
+    ]
+    axis = next((each for each in turned[-1:] if each), axis)
+    first += (
+        min(wish.brief.count_frames(_SETTLED), 0.3 * (end - first)) if first > 0 else 0.0
+    )  # it has landed
+    span = (first, first + min(max(round(wish.brief.count_frames(_PARTING)), 2.0), max(end - first, 2.0)))
+    box, back = find_box(wish.brief), scale(axis, -1.0)
     upright = abs(cosine(axis, table.up)) > _VERTICAL
-    sides = [(axis, table.right, _ASIDE)] if upright else [(w, w, _PARTED) for w in (axis, scale(axis, -1.0))]
-    until = first + min(max(round(wish.brief.count_frames(_PARTING)), 2.0), max(end - first, 2.0))
-    pair, box = [], find_box(wish.brief)
-    for side, way, length in sides:
+    ways = [(table.up, normalise(add((table.right, scale(table.up, _RAISED_TOP)))) or axis)]
+    led = []
+    for side, way in ways if upright else [(axis, axis), (back, back)]:
         width = sum(abs(x) * extent for x, extent in zip(way, box))
-        pace = length / width * wish.reference / PRESCRIBED_TRAVEL / (until - first)
-        off = [0.25 * min(box) * x / extent for x, extent in zip(side, box)]
-        inside, outside = ((tuple(0.5 + sign * x for x in off),) for sign in (1, -1))
-        half = CellsRegion(inside=inside, outside=outside, label="half of it", rigid=True)
-        pair.append(_prescribe(causes[0], way, pace, (first, until), None, half))
-    return _put(wish, causes, *pair), "its halves are led apart, and let go"
+        length = _ASIDE if upright else _PARTED
+        pace = length / width * wish.reference / PRESCRIBED_TRAVEL / (span[1] - span[0])
+        led.append(_prescribe(causes[0], way, pace, span, None, _make_half(side, box)))
+    if upright:  # sheared, the rest would go along
+        least = MAGNITUDE_MIN * GAIN_MIN
+        rest = _make_half(scale(table.up, -1.0), box)
+        led.append(_prescribe(causes[0], table.up, least, (first, first + 1.0), span[1], rest))
+    return _put(wish, causes, *led), "its halves are led apart, and let go"
+
+
+def _make_half(side: Vector, box: Vector) -> CellsRegion:
+    """All that lies on one side of its middle, as a piece of its own."""
+    off = [0.25 * min(box) * x / extent for x, extent in zip(side, box)]
+    inside, outside = ((tuple(0.5 + sign * x for x in off),) for sign in (1, -1))
+    return CellsRegion(inside=inside, outside=outside, label="half of it", rigid=True)
 
 
 def _crumple(wish: Wish) -> _Replaced:

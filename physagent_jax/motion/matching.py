@@ -264,7 +264,8 @@ def _list_ends(region: Region) -> list[Vector]:
 def find_strays(expectations: Sequence[ExpectedMotion], force_field: ForceField) -> list[Cause]:
     """Entries that nothing in the sentence asks for; none while an expectation lacks a cause, which they may become.
 
-    What acts the other way along the line of a cause that has ended is its brake, or the other half of a swing.
+    What acts the other way along the line of a cause that has ended is its brake, or the other half of a swing. What a
+    finger or a hand does was asked for, whatever comes of it.
     """
     serving: list[Cause] = []
     for expectation in expectations:
@@ -278,7 +279,7 @@ def find_strays(expectations: Sequence[ExpectedMotion], force_field: ForceField)
             serving += find_causes(expectation, force_field)
     names = {cause.name for cause in serving}
     others = [cause for cause in list_causes(force_field) if cause.name not in names]
-    return [cause for cause in others if not _brakes(cause, serving)]
+    return [cause for cause in others if not (cause.item.touched or _brakes(cause, serving))]
 
 
 def _brakes(cause: Cause, serving: Sequence[Cause]) -> bool:

@@ -94,7 +94,8 @@ def poke(
     quick, stays = min(brief.count_frames(_QUICK), 0.4 * room), min(brief.count_frames(_STAYS), 0.2 * room)
     comes = min(brief.count_frames(_COMES), 0.2 * room)
     spans = [(begin + comes, begin + comes + quick) for begin, _ in divide(window, [1.0] * count)]
-    made = [driver.press(way, _POKED * strength, span, span[1] + stays) for span in spans]
+    plates = [driver.press(way, _POKED * strength, span, span[1] + stays) for span in spans]
+    made = [each.model_copy(update=dict(touched=True)) for each in plates]
     after = (find_end_of_poke(made, window), window[1])
     return [*made, *(quiver(brief, way, strength, after, held) if quivers else ())]
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 
+from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.forces.schema import CellsRegion
 from physagent_jax.forces.skills import get_skill
 from physagent_jax.mpm.constraints import MovingPlate, PrescribedMotion
@@ -19,6 +22,11 @@ PANEL, THICKNESS = (
 GRIP = 1.08  # times as large as what it holds a hand is drawn
 FINGER = 0.07  # half the length of what is drawn of a finger or a hand [sizes]
 COMES = 0.2  # [s] in which it is seen to come, and to go
+_AWAY = 0.3  # [sizes] from where it comes
+_HIGH, _BAND = 0.7, 0.08  # of what it acts on, how high its place is, and from there how far that reaches
+_PALM = (0.05, 0.05)  # the same of a hand, across its way [sizes]
+_LEAST = 0.12  # [s] for which it stays at what it hits
+_UPRIGHT = 0.9  # cosine of a way that goes up or down
 MOST_HELD = 0.5  # share of the particles; who moves more of the object than that is no hand
 
 
@@ -33,12 +41,14 @@ def find_actors(config: SceneConfig, body: Body, x: np.ndarray) -> list[tuple[Bl
     times = np.arange(len(x)) * config.timing.frame_dt
     grips = _compile_grips(config, body)
     moving = [each for each in config.boundaries if _acts(each)]
+    hands = _find_hands(config, x)
     return [
         tuple(
             block
             for block in (
                 *(_draw_grip(each, time, x[index], body.extent) for each in grips),
                 *(_draw_obstacle(each, time, x[index], body.extent) for each in moving),
+                *(each.draw(index, time, body.extent) for each in hands),
             )
             if block is not None
         )
@@ -78,6 +88,59 @@ def _compile_grips(config: SceneConfig, body: Body) -> tuple:
     )
     rest, volume = np.asarray(body.particles.x), np.asarray(body.particles.volume)
     return compile_skills(config, body, rest, volume)[1]
+
+
+@dataclasses.dataclass(frozen=True)
+class _Hand:
+    """A hand that is shown where something is pushed, and does nothing itself.
+
+    Attributes:
+        path: The place that it touches in each frame [m], shape (T, 3).
+        way: The unit vector along which it pushes, shape (3,).
+        start, end: When it is there [s].
+    """
+
+    path: np.ndarray
+    way: np.ndarray
+    start: float
+    end: float
+
+    def draw(self, index: int, time: float, size: float) -> Block | None:
+        """The hand in a frame; None while it is not there."""
+        early, late = self.start - time, time - self.end
+        if max(early, late) >= COMES:
+            return None
+        away = _AWAY * max(early, late, 0.0) / COMES
+        aside = np.cross(self.way, [0, 0, 1] if abs(self.way[2]) < _UPRIGHT else [1, 0, 0])
+        aside = aside / np.linalg.norm(aside)
+        axes = np.stack([self.way, aside, np.cross(self.way, aside)])
+        half = np.array([FINGER, *_PALM]) * size
+        return Block(self.path[index] - (half[0] + away * size) * self.way, axes, half)
+
+
+def _find_hands(config: SceneConfig, x: np.ndarray) -> list[_Hand]:
+    """The hands of what is `touched`, on the side that it goes away from; what is turned goes as its top does."""
+    field, dt, made = config.force_field, config.timing.frame_dt, []
+    for each in (*field.actions, *field.constraints):
+        if not each.touched or get_skill(each).deforms == "plates":
+            continue
+        way = np.sign(each.magnitude) * np.asarray(each.vector, float)
+        way = np.cross(way, [0, 0, 1]) if get_skill(each).is_axis else way
+        if np.linalg.norm(way) < 1e-6:
+            continue
+        way = way / np.linalg.norm(way)
+        mask = np.ones(x.shape[1], bool) if each.region is None else make_region_mask(each.region, x[0])
+        low, high = x[0, mask, 2].min(), x[0, mask, 2].max()
+        height = abs(x[0, :, 2] - low - _HIGH * (high - low))
+        near = np.flatnonzero(mask & (height <= max(_BAND * (high - low), height[mask].min())))
+        middle = x[0, near].mean(0)
+        across = np.linalg.norm(np.cross(x[0, near] - middle, way), axis=1)
+        touched = near[np.argmin((x[0, near] - middle) @ way + across)]
+        start, last = (frame * dt for frame in each.active_time or (0, len(x) - 1))
+        end = max(last, start + _LEAST)
+        path = x[np.clip(np.arange(len(x)), round(start / dt), round(end / dt)).clip(0, len(x) - 1), touched]
+        made.append(_Hand(path.astype(float), way, start, end))
+    return made
 
 
 def _acts(boundary) -> bool:

@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
+from physagent_jax.agents.compiler import compile_intent
+from physagent_jax.agents.grammar.semantic import read_intent
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.forces.schema import ActionType, ConstraintType
+from physagent_jax.motion.matching import find_strays
 from physagent_jax.motion.schema import MotionKind
 from physagent_jax.motion.vectors import cross, dot
 from tests.agents.scenes import brief, read
@@ -165,3 +168,31 @@ def test_what_is_said_to_quiver_does_so_when_the_hand_has_gone():
     first = min(each.active_time[0] for each in reply.force_field.constraints if each is not hand)
     assert first >= hand.held_until
     assert [each.kind for each in reply.expectations] == [MotionKind.SWAY, MotionKind.SWAY]
+
+
+@pytest.mark.parametrize(
+    ("sentence", "seen"),
+    [
+        ("a hand pushes the robot so that it wobbles back and forth", True),
+        ("a finger pokes the robot and it rocks to and fro", True),
+        ("someone flicks the robot", True),
+        ("the robot wobbles back and forth", False),
+        ("a gust of wind makes the robot rock to and fro", False),
+    ],
+)
+def test_the_hand_that_sets_something_going_is_seen_at_the_first_stroke(sentence, seen):
+    """Led to and fro, it moved as if by itself."""
+    scene = brief(world="ground", may_be_held=True)
+    field = compile_intent(read_intent(sentence, scene), scene).force_field
+    touched = [each.touched for each in (*field.constraints, *field.actions)]
+    assert sum(touched) == seen and touched[0] == seen
+
+
+def test_a_poke_is_no_stray_and_what_it_sets_wobbling_may_move_from_then_on():
+    """The poke of a jelly was taken out of the next round, as nothing seemed to ask for it."""
+    scene = brief(world="ground", object_kind="jelly", object_name="jelly")
+    reply = compile_intent(read_intent("a hand pokes the jelly so that it jiggles all over", scene), scene)
+    (wobble,) = reply.expectations
+    assert any(each.touched for each in reply.force_field.constraints) and wobble.window[0] == 0
+    strays = find_strays(reply.expectations, reply.force_field)
+    assert not any(cause.item.touched for cause in strays)

@@ -1,4 +1,4 @@
-"""What splits in halves: how a sentence says so, that the halves come apart, and when."""
+"""Splitting in halves: how a sentence says so, that the halves come apart, and when."""
 
 import numpy as np
 import pytest
@@ -67,7 +67,7 @@ def test_a_part_that_breaks_in_two_comes_off_all_the_same():
 
 @pytest.mark.parametrize(("apart", "verdict"), [(0.3, "SUCCESS"), (0.02, "FAIL")])
 def test_what_has_split_lies_in_two_halves_in_the_end(apart, verdict):
-    """What is only drawn out comes back."""
+    """A thing that is only drawn out comes back."""
     sentence, scene = "the melon splits in half", brief(**PLAIN)
     reply = read_whole(sentence)
     ball = np.random.default_rng(0).uniform(-0.5, 0.5, (800, 3))
@@ -82,7 +82,7 @@ def test_what_has_split_lies_in_two_halves_in_the_end(apart, verdict):
 
 
 def test_two_halves_are_no_two_ends_of_what_is_drawn_out():
-    """What lies between two ends follows in proportion; between two halves, it tears."""
+    """Between two ends all follows in proportion; between two halves, it tears."""
     field = read_whole("the melon splits in half").force_field
     soft = [
         each.model_copy(update=dict(region=each.region.model_copy(update=dict(rigid=False))))

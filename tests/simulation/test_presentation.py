@@ -210,6 +210,25 @@ def test_a_plate_that_acts_is_drawn_where_it_is(dropped):
     assert changed == [False] * 2 + [True] * 6
 
 
+def test_a_hand_is_drawn_where_it_pushes_on_the_side_that_is_left(dropped):
+    """It comes, stays as long as it pushes, and goes back; what turns about y moves its top along x."""
+    turn = VelocityConstraint(
+        constraint_type=ConstraintType("enforce_particle_rotation"), vector=(0, 1, 0), active_time=(3, 4)
+    )
+    scene = dropped.scene
+    x = np.repeat(np.asarray(scene.body.particles.x)[None], 8, axis=0)
+
+    def find(touched):
+        field = ForceField(constraints=(turn.model_copy(update=dict(touched=touched)),))
+        return find_actors(scene.config.model_copy(update=dict(force_field=field)), scene.body, x)
+
+    seen = [each[0].center for each in find(True) if each]
+    assert not any(find(False)) and len(seen) == 8
+    there, low, high = seen[4], x[0].min(0), x[0].max(0)
+    assert there[0] < x[0, :, 0].mean() and low[2] + 0.5 * (high - low)[2] < there[2] < high[2]
+    assert seen[0][0] < there[0] > seen[-1][0], "it comes and goes"
+
+
 def test_what_moves_along_the_line_of_sight_is_seen_from_aside():
     cube = np.random.default_rng(0).uniform(-0.5, 0.5, (200, 3))
     camera = CameraConfig(azimuth_degrees=0)

@@ -93,6 +93,7 @@ class Event:
         amount: A quantity that the sentence names.
         rebounds: How often it comes up again from what it falls onto.
         trembles: Whether it stands where it lands and wobbles there.
+        nudged: Whether a push that was named by itself sets it going.
         obstacles: Solids that it meets.
         means: Whether it only makes possible what is asked, as a lift before a drop.
         sources: Where each value comes from.
@@ -124,6 +125,7 @@ class Event:
     amount: Amount | None = None
     rebounds: int = 0
     trembles: bool = False
+    nudged: bool = False
     obstacles: list[ObstacleRequest] = field(default_factory=list)
     means: bool = False
     sources: dict[str, ValueSource] = field(default_factory=dict)
@@ -211,6 +213,12 @@ class Event:
     def is_in_wind(self) -> bool:
         """Return whether a wind does it."""
         return any(each is not None and each.wind for each in (self.cause, self.verb))
+
+    @property
+    def is_nudged(self) -> bool:
+        """Return whether a finger or a hand does it, or sets it going."""
+        pushed = self.cause is not None and self.cause.touches
+        return self.nudged or pushed or self.motion.touches and self.effect is Effect.STRIKE
 
 
 def is_landing_meanwhile(before: Event, event: Event) -> bool:

@@ -504,7 +504,8 @@ def _join_push(before: Event, event: Event) -> Event:
     way = {} if own else dict(direction=before.direction, notes=before.notes)
     sources = event.sources if own else event.sources | {"vector": before.sources["vector"]}
     motion = replace(event.motion, manner="rock")
-    return replace(event, motion=motion, doubts=[*before.doubts, *event.doubts], sources=sources, **way)
+    doubts = [*before.doubts, *event.doubts]
+    return replace(event, motion=motion, doubts=doubts, sources=sources, nudged=before.motion.touches, **way)
 
 
 def _join_fall(before: Event, event: Event) -> Event:

@@ -19,7 +19,7 @@ from physagent_jax.agents.compiler.schedule import Slot
 from physagent_jax.agents.compiler.steady import Task, add_steady
 from physagent_jax.agents.lexicon import Effect, read_lexicon
 from physagent_jax.forces.calibration import MAGNITUDE_MAX, QUICK, SWING, TURN
-from physagent_jax.forces.schema import ActionType
+from physagent_jax.forces.schema import ActionType, ConstraintType
 from physagent_jax.forces.skills import find_skill
 from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.attitudes import stand_on_edge
@@ -57,11 +57,25 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
             if event.is_quick and (event.motion.quick or not builder.anchored):
                 end = min(end, first + QUICK / builder.brief.frame_dt)
             task = Task(event, (first, end), after, builder)
+            made = len(builder.actions), len(builder.constraints)
             if event.motion.skill is not None and not event.repeat.alternate:
                 _compile_by_skill(task, event.motion.skill)
             else:
                 _COMPILERS[event.effect](task)
+            if event.is_nudged:
+                _show_hand(builder, *made)
         builder.earlier += [event.effect for event in slot.events]
+
+
+def _show_hand(builder: ForceFieldBuilder, actions: int, constraints: int) -> None:
+    """Let people see the hand that makes the first of an event's new strokes, unless a plate is seen to."""
+    new = builder.constraints[constraints:]
+    if any(each.constraint_type is ConstraintType.MOVING_PLATE for each in new):
+        return
+    items, first = (builder.constraints, constraints) if new else (builder.actions, actions)
+    items[first : first + 1] = [
+        each.model_copy(update=dict(touched=True)) for each in items[first : first + 1]
+    ]
 
 
 def _compile_push(task: Task) -> None:
@@ -102,8 +116,8 @@ def _compile_by_skill(task: Task, name: str) -> None:
 
 def _compile_sway(task: Task) -> None:
     """To and fro; what bobs on the ground is thrown up each time, and weight brings it back."""
-    begin = find_end_of_poke(task.builder.constraints, task.window)
-    hit, task = begin > task.window[0], replace(task, window=(begin, task.window[1]))
+    first, begin = task.window[0], find_end_of_poke(task.builder.constraints, task.window)
+    hit, task = begin > first, replace(task, window=(begin, task.window[1]))
     event, builder, brief, up = task.event, task.builder, task.brief, task.brief.directions.up
     count, held = task.limit_count(event.repeat.count or event.motion.cycles), builder.anchored
     magnitude, leads = event.strength, builder.rooted and leads_aside(task.direction, brief)
@@ -116,6 +130,7 @@ def _compile_sway(task: Task) -> None:
     seen = builder.expectations
     if hit and seen and seen[-1].kind is MotionKind.MOVE:
         seen.pop()  # what is poked goes along as it wobbles, by more than a finger's depth
+        begin = first
     if hit and not (held or event.repeat.count or event.limbs or event.region):
         builder.constraints += quiver(brief, task.direction, 2 * magnitude, task.window)
     elif builder.grounded and not held and abs(dot(task.direction, up)) > _UPRIGHT:
@@ -131,7 +146,8 @@ def _compile_sway(task: Task) -> None:
     else:
         _alternate(task, ActionType.TRANSLATION, magnitude, divide_swings(task.window, count, held))
     released = task.is_released
-    task.expect(MotionKind.SWAY, event.direction, task.window, repeats=count, released=released)
+    seen_from = (begin, task.window[1])
+    task.expect(MotionKind.SWAY, event.direction, seen_from, repeats=count, released=released)
 
 
 def _travels(task: Task) -> bool:

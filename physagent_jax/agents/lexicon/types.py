@@ -137,6 +137,12 @@ class Motion:
     skill: str | None = None
 
     @property
+    def touches(self) -> bool:
+        """Return whether a finger or a hand does it, whoever's it is."""
+        pushes = self.effect is Effect.PUSH and not (self.wind or self.pulls or self.gravity or self.manner)
+        return pushes or self.pokes or self.taps or self.palm
+
+    @property
     def drops(self) -> bool:
         """Return whether it is a plain fall."""
         return self.effect is Effect.FALL and not (self.topples or self.lands or self.gives or self.bounces)

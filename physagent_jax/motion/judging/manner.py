@@ -47,14 +47,15 @@ def check_outline(asked: Asked) -> list[Check]:
 
 
 def check_split(asked: Asked) -> list[Check]:
-    """The room between the ends of what is split, in the end: what is only stretched comes back."""
-    view, (first, _), way = asked.view, asked.span, asked.direction or asked.view.brief.directions.right
-    ends = [view.find_end(each) for each in (way, scale(way, -1.0))]
-    one, other = (dict(view.course(first, view.last, each)) if each else {} for each in ends)
-    both = [subtract(place, other[t]) for t, place in one.items() if t in other]
-    if not both:
+    """The room between two opposite ends of what is split, in the end: what is only stretched comes back."""
+    view, table, apart = asked.view, asked.view.brief.directions, []
+    for way in (table.right, table.up, table.toward):
+        ends = [view.find_end(each) for each in (way, scale(way, -1.0))]
+        one, other = (dict(view.course(asked.span[0], view.last, each)) if each else {} for each in ends)
+        apart += [norm(subtract(place, other[t])) for t, place in one.items() if t in other][-1:]
+    if not apart:
         return [make_unseen_check(asked, "the ends of the object are not told apart")]
-    return [check_limit(asked, "splits", norm(both[-1]), _APART, asked.sigma)]
+    return [check_limit(asked, "splits", max(apart), _APART, asked.sigma)]
 
 
 def _check_foot(asked: Asked, up: Vector) -> list[Check]:
