@@ -136,7 +136,9 @@ def _find_hands(config: SceneConfig, x: np.ndarray) -> list[_Hand]:
         middle = x[0, near].mean(0)
         across = np.linalg.norm(np.cross(x[0, near] - middle, way), axis=1)
         touched = near[np.argmin((x[0, near] - middle) @ way + across)]
-        start, last = (frame * dt for frame in each.active_time or (0, len(x) - 1))
+        first, last = each.active_time or (0, len(x) - 1)
+        last = getattr(each, "held_until", None) or last
+        start, last = first * dt, last * dt
         end = max(last, start + _LEAST)
         path = x[np.clip(np.arange(len(x)), round(start / dt), round(end / dt)).clip(0, len(x) - 1), touched]
         made.append(_Hand(path.astype(float), way, start, end))

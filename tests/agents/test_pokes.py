@@ -176,6 +176,7 @@ def test_what_is_said_to_quiver_does_so_when_the_hand_has_gone():
         ("a hand pushes the robot so that it wobbles back and forth", True),
         ("a finger pokes the robot and it rocks to and fro", True),
         ("someone flicks the robot", True),
+        ("a hand presses against the robot so that it bends to the left", True),
         ("the robot wobbles back and forth", False),
         ("a gust of wind makes the robot rock to and fro", False),
     ],

@@ -272,10 +272,11 @@ def _check_deformation(view: View, asked: list[ExpectedMotion]) -> list[Check]:
         return _check_lasting(view, "shape", left, _STRAIN, sigma)
     twists = sum(e.kind is MotionKind.ROTATE and e.part is not None for e in asked) > 1
     limbs = [view.brief.parts[e.limb] for e in asked if e.limb is not None]
+    poked = any(each.touched for each in view.force_field.constraints)
     turned_limb = bool(limbs)  # no one map fits what is led beside what is held
     limit = (
         _STRAIN_PRESSED
-        if tumbles and view.soft or any(limb.share > _HALF_OF_IT for limb in limbs)
+        if (tumbles or poked) and view.soft or any(limb.share > _HALF_OF_IT for limb in limbs)
         else _STRAIN_TUMBLING
         if tumbles or turned_limb
         else _STRAIN_TWISTED
