@@ -148,8 +148,12 @@ def find_box(brief: SceneBrief) -> Vector:
     """The object's extents along the world's axes [body lengths]; where not measured, from those along the viewer's."""
     if brief.box is not None:
         return brief.box
-    (width, height, depth), (x, y, _) = brief.extents, brief.directions.right
-    c, s = abs(x), abs(y)
+    (width, height, depth), table = brief.extents, brief.directions
+    c, s = (abs(each) for each in table.right[:2])
+    if c + s < 0.5:  # another axis than z points up
+        ways = zip((table.right, table.up, table.toward), brief.extents)
+        x, y, z = zip(*(scale(way, extent) for way, extent in ways))
+        return norm(x), norm(y), norm(z)
     if abs(c - s) < 0.1:
         return width / (c + s), depth / (c + s), height
     along = ((width * c - depth * s) / (c * c - s * s), (depth * c - width * s) / (c * c - s * s))
