@@ -572,6 +572,25 @@ def test_what_swings_on_after_its_pushes_belongs_to_it(counted, passed):
     assert passes(swaying, seen, HELD) == passed
 
 
+@pytest.mark.parametrize(
+    ("end", "passed"), [(lambda t: t / LAST, True), (lambda t: 1.0, True), (lambda t: t < 17, False)]
+)
+def test_small_swings_count_as_far_as_a_number_needs_them(end, passed):
+    """What swings up begins small; of a single large swing and stillness nobody counts three."""
+    seen = show(lambda t: (-0.12 * end(t) * math.sin(6 * math.pi * t / LAST), 0, 0))
+    assert passes(expected(KINDS.SWAY, repeats=3, counted=True), seen) is passed
+
+
+@pytest.mark.parametrize("degrees", [1.0, 8.0])
+def test_what_is_broad_and_low_wobbles_with_its_sides_up_and_down(degrees):
+    """Its middle stays, and its height is too little for a tilt to show at its top."""
+    scene = brief(extents=(1.0, 0.15, 0.3))
+    turn = np.multiply(scene.directions.toward, degrees)
+    seen = show(turn=lambda t: turn * math.sin(6 * math.pi * t / LAST))
+    wobble = expected(KINDS.SWAY, repeats=3, counted=False, jiggles=True, manner="rock")
+    assert passes(wobble, seen, scene) is (degrees > 4.0)
+
+
 # --- parts --------------------------------------------------------------------------------------------------
 
 

@@ -21,6 +21,8 @@ _SOME, _MANY = (
     2,
     16,
 )  # turns of what goes to and fro again and again: to one side, and to the other; and what is still followed
+_CLEAR = 4.0  # times its noise, by which a swing stands out
+_FAINT = 0.5  # of the hysteresis: from there on a swing may be counted, as its neighbours tower above it
 
 
 def estimate_jitter(path: Sequence[float]) -> float:
@@ -87,7 +89,8 @@ def count_turns(asked: Asked, path: list[float], hysteresis: float, rest: float 
     """To and fro ``repeats`` times is ``2 repeats - 1`` turns, and some more while it comes to rest.
 
     Without a count, any number that can be followed is a sway. Ways back shorter than ``hysteresis`` do not
-    count, nor do those that end before the place of rest: what is held in place and bent to one side rings there.
+    count but where the number needs them, as the last ones of what comes to rest; nor do those that end before the
+    place of rest: what is held in place and bent to one side rings there.
 
     Args:
         asked: What is asked.
@@ -97,10 +100,16 @@ def count_turns(asked: Asked, path: list[float], hysteresis: float, rest: float 
     """
     count = asked.motion.repeats
 
-    def list_turns(threshold: float) -> list[int]:
+    noise = math.sqrt(2.0) * estimate_jitter(path)
+
+    def count_those(threshold: float) -> int:
         if rest is None:
-            return find_turning_points(path, threshold, first=0.5 * threshold)
-        return find_returns(path, threshold, rest)
+            return len(find_turning_points(path, threshold, first=0.5 * threshold))
+        return len(find_returns(path, threshold, rest))
+
+    def count_needed(threshold: float) -> int:
+        faint = min(max(_FAINT * threshold, _CLEAR * noise), threshold)
+        return max(count_those(threshold), min(count_those(faint), least))
 
     least, most = 2 * count - 1, (2 * count + 2 if count > 1 else 7)
     if not asked.motion.counted and count > 1:  # a viewer does not count what no number is told of
@@ -108,13 +117,13 @@ def count_turns(asked: Asked, path: list[float], hysteresis: float, rest: float 
     return check_count(
         asked,
         "how often does it turn back?",
-        lambda threshold: len(list_turns(threshold)),
+        count_needed,
         least=least,
         most=most,
         aim=0.5 * (least + most),
         threshold=hysteresis,
         span=max(path) - min(path),
-        noise=math.sqrt(2.0) * estimate_jitter(path),
+        noise=noise,
         noun="turns",
         fix=f"alternate {asked.causes or 'pushes'} {count} times to and fro",
     )

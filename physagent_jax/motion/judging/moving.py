@@ -325,12 +325,14 @@ def _list_wobbles(asked: Asked) -> Iterator[list[Check]]:
 
 
 def _list_changes(view: View, first: int, last: int) -> list[list[float]]:
-    """Ways of the sides and the top by its tilt, its breadth and its height, frame by frame [body lengths]."""
+    """Ways of the ends by its tilt, of the sides and the top by its breadth and height, by frame [body lengths].
+
+    What is broad and low tilts with its sides up and down, and what is tall with its top to and fro.
+    """
     table, turns = view.brief.directions, view.turns(first, last)
-    width, height, _ = view.brief.extents
-    tilts = [
-        [math.radians(dot(v, axis)) * height / 2 for _, v in turns] for axis in (table.right, table.toward)
-    ]
+    width, height, depth = view.brief.extents
+    arms = ((table.right, max(height, depth)), (table.toward, max(height, width)))
+    tilts = [[math.radians(dot(v, axis)) * arm / 2 for _, v in turns] for axis, arm in arms]
     sides = ((table.right, width), (table.up, height))
     return tilts + [
         [strain * length / 2 for _, strain in view.strains(axis, first, last)] for axis, length in sides
