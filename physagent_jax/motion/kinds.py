@@ -350,9 +350,9 @@ def _split(wish: Wish) -> _Replaced:
 
 def _make_half(side: Vector, box: Vector) -> CellsRegion:
     """All that lies on one side of its middle, as a piece of its own."""
-    off = [0.25 * min(box) * x / extent for x, extent in zip(side, box)]
-    inside, outside = ((tuple(0.5 + sign * x for x in off),) for sign in (1, -1))
-    return CellsRegion(inside=inside, outside=outside, label="half of it", rigid=True)
+    x, y, z = (0.25 * min(box) * along / extent for along, extent in zip(side, box))
+    inside, outside = ((0.5 + sign * x, 0.5 + sign * y, 0.5 + sign * z) for sign in (1, -1))
+    return CellsRegion(inside=(inside,), outside=(outside,), label="half of it", rigid=True)
 
 
 def _crumple(wish: Wish) -> _Replaced:

@@ -576,7 +576,7 @@ def test_what_swings_on_after_its_pushes_belongs_to_it(counted, passed):
     ("end", "passed"), [(lambda t: t / LAST, True), (lambda t: 1.0, True), (lambda t: t < 17, False)]
 )
 def test_small_swings_count_as_far_as_a_number_needs_them(end, passed):
-    """What swings up begins small; of a single large swing and stillness nobody counts three."""
+    """A growing swing begins small; nobody counts three of a single large swing and stillness."""
     seen = show(lambda t: (-0.12 * end(t) * math.sin(6 * math.pi * t / LAST), 0, 0))
     assert passes(expected(KINDS.SWAY, repeats=3, counted=True), seen) is passed
 

@@ -72,10 +72,10 @@ def _show_hand(builder: ForceFieldBuilder, actions: int, constraints: int) -> No
     new = builder.constraints[constraints:]
     if any(each.constraint_type is ConstraintType.MOVING_PLATE for each in new):
         return
-    items, first = (builder.constraints, constraints) if new else (builder.actions, actions)
-    items[first : first + 1] = [
-        each.model_copy(update=dict(touched=True)) for each in items[first : first + 1]
-    ]
+    if new:
+        builder.constraints[constraints] = new[0].model_copy(update=dict(touched=True))
+    elif len(builder.actions) > actions:
+        builder.actions[actions] = builder.actions[actions].model_copy(update=dict(touched=True))
 
 
 def _compile_push(task: Task) -> None:

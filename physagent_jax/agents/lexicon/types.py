@@ -140,8 +140,8 @@ class Motion:
     def touches(self) -> bool:
         """Return whether a finger or a hand does it, whoever's it is."""
         pushes = self.effect is Effect.PUSH and not (self.wind or self.pulls or self.gravity or self.manner)
-        pushes |= self.effect is Effect.SCALE and self.sign < 0 and not self.gives  # "presses against it"
-        return pushes or self.pokes or self.taps or self.palm
+        presses = self.effect is Effect.SCALE and self.sign < 0 and not self.gives  # "presses against it"
+        return any((pushes, presses, self.pokes, self.taps, self.palm))
 
     @property
     def drops(self) -> bool:
