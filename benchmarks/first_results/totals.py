@@ -50,18 +50,26 @@ _FIGURES: dict[str, tuple[Callable[[Seen], bool], Callable[[Seen], bool], str]] 
 """Rows that a figure is a share of, rows that count, and the share that is wanted."""
 
 
+_POOLED = 4
+"""Sets that are counted together in a row of their own: of 20 pairs alone, 50 % is 30 to 70 % (Wilson, 95 %)."""
+
+
 def count_totals(result: Result, remarks: Remarks) -> str:
-    """A table with a column per set, and a line per figure: percent, and the counts that it is made of."""
-    groups = [group for group in SETS if group in result]
-    rows = {group: result[group]["rows"] for group in groups}
-    seen = {group: look_up(rows[group], remarks) for group in groups}
-    lines = [["pairs", "", *(len(rows[group]) for group in groups)]]
-    lines.append(["looked at", "", *(len(seen[group]) for group in groups)])
-    for name, (whole, counts, wanted) in _FIGURES.items():
-        shares = [write_share([counts(pair) for pair in seen[group] if whole(pair)]) for group in groups]
-        lines.append([name, wanted, *shares])
-    lines.append(["seconds, median", "", *(_find_median(rows[group]) for group in groups)])
-    return table(("", "wanted", *(f"`{group}`" for group in groups)), lines)
+    """A table with a row per set, the newest first, and one of the newest sets together; figures with their counts."""
+    groups = [group for group in SETS if group in result][::-1]
+    rows = {f"`{group}`": result[group]["rows"] for group in groups}
+    if len(groups) > _POOLED:
+        newest = [row for group in groups[:_POOLED] for row in result[group]["rows"]]
+        rows = {f"newest {_POOLED} together": newest} | rows
+    lines = [["wanted", "", "", *(wanted for _, _, wanted in _FIGURES.values()), ""]]
+    for name, section in rows.items():
+        seen = look_up(section, remarks)
+        shares = [
+            write_share([counts(pair) for pair in seen if whole(pair)])
+            for whole, counts, _ in _FIGURES.values()
+        ]
+        lines.append([name, len(section), len(seen), *shares, _find_median(section)])
+    return table(("set", "pairs", "looked at", *_FIGURES, "seconds, median"), lines)
 
 
 def look_up(rows: Sequence[Row], remarks: Remarks) -> list[Seen]:
