@@ -31,6 +31,11 @@ _FIGURES: dict[str, tuple[Callable[[Seen], bool], Callable[[Seen], bool], str]] 
         lambda seen: seen[1].viewer == "yes",
         "",
     ),
+    "shows it, of sequences": (
+        lambda seen: _is_of("sequence", seen),
+        lambda seen: seen[1].viewer == "yes",
+        "",
+    ),
     "false SUCCESS, of clips that do not show it": (
         lambda seen: seen[1].viewer == "no",
         lambda seen: seen[0]["verdict"] == _SUCCESS,

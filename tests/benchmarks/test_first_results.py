@@ -390,6 +390,7 @@ def test_totals_count_what_viewers_say_and_what_verdicts_do():
         ("would show", "at least 50 %", "20 % (1 of 5)"),
         ("shows it, of parts", "at least 60 %", "50 % (1 of 2)"),
         ("shows it, of materials", "", "0 % (0 of 1)"),
+        ("shows it, of sequences", "", ""),
         ("false SUCCESS, of clips that do not show it", "at most 3 %", "50 % (1 of 2)"),
         ("false FAIL, of clips that show it", "at most 10 %", "50 % (1 of 2)"),
         ("shows it, of runs that went past round 1", "", "50 % (1 of 2)"),
