@@ -345,7 +345,8 @@ def test_the_page_has_success_cost_and_pairs():
         "| rules | 1 | 0 | 1 | 1 | 1 | 1 | 1 | 10 | 9 | 2 |" in page
         and "(`rules`) are rules of English" in page
     )
-    absent = "suite, ablation, iterations, distillation, materials, neighbourhood, gradients, clipsim, fidelity, verify"
+    absent = "suite, ablation, iterations, models, distillation, materials, neighbourhood, gradients, "
+    absent += "clipsim, fidelity, verify"
     assert f"Not measured yet: {absent}" in page and "| adam | 1 | 10 | 0 | 1 | 1 | 1 | none |" in page
     assert "tasks by run" not in page
     rows += [make_row("adam", True, True) | {"seed": 1}]
