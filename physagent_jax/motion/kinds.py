@@ -27,6 +27,8 @@ from physagent_jax.forces.calibration import (
 )
 from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.schema import (
+    Action,
+    ActionType,
     Bend,
     CellsRegion,
     ConstraintType,
@@ -47,6 +49,7 @@ from physagent_jax.motion.efforts import (
     spread_effort,
 )
 from physagent_jax.motion.hinges import find_box
+from physagent_jax.motion.landing import list_rebounds
 from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.matching import (
     AXIAL,
@@ -63,7 +66,7 @@ from physagent_jax.motion.schema import ExpectedMotion, MotionKind, SceneBrief
 from physagent_jax.motion.slashing import find_grip
 from physagent_jax.motion.tolerances import SPIN, expect_rotation, expect_wrung, find_told
 from physagent_jax.motion.vectors import add, clamp, cosine, cross, norm, normalise, scale
-from physagent_jax.motion.windows import divide
+from physagent_jax.motion.windows import divide, make_impulse_window
 from physagent_jax.motion.wishes import Wish, replace_items
 
 SLAB = 0.75  # where a gripped end begins, as a fraction of the extent; a thinner one tears off what tapers
@@ -594,6 +597,31 @@ def _set_down(wish: Wish) -> _Replaced:
     return field, f"it is {'turned back and ' * len(back)}carried down again"
 
 
+def _bounce(wish: Wish) -> _Replaced:
+    """Throw up again what falls from where it was carried to, and bounces."""
+    expectation, brief, lifts = wish.expectation, wish.brief, _list_lifts(wish)
+    if expectation.kind is not MotionKind.FALL or not expectation.rebounds or not lifts:
+        return None
+    (begun, stopped), (first, last) = wish.get_span(lifts[-1:]), expectation.window
+    lift = lifts[-1].item
+    height = lift.magnitude * lift.gain * (stopped - begun) * PRESCRIBED_TRAVEL / wish.reference
+    leaps, _ = list_rebounds(height, expectation.rebounds, last - first, brief)
+    kicks, field = [], wish.force_field
+    for begin, rise in leaps:
+        size = clamp(rise, MAGNITUDE_MIN, MAGNITUDE_MAX)
+        kick = Action(
+            action_type=ActionType.IMPULSE,
+            vector=brief.directions.up,
+            magnitude=round(size, 4),
+            gain=round(clamp(rise / size, GAIN_MIN, GAIN_MAX), 4),
+            active_time=make_impulse_window(first + begin),
+        )
+        kicks.append(kick)
+    return field.model_copy(
+        update={"actions": (*field.actions, *kicks)}
+    ), "it is thrown up again where it lands"
+
+
 def _find_tilt(wish: Wish, lifted: float, first: float) -> tuple[Cause | None, float]:
     """The cause that tilted it in the air until frame ``first``, and the effort of all that did; 0 if it is level."""
     up, efforts, tilt = wish.brief.directions.up, [0.0], None
@@ -771,6 +799,7 @@ _RULES = (
     _raise_side,
     _carry,
     _set_down,
+    _bounce,
     _tilt_back,
     _lead_round,
     _slash,

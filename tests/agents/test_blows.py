@@ -217,3 +217,31 @@ def test_what_is_long_and_low_tips_over_across_its_length(prompt):
     field = compile_whole(prompt, long_axis=(1.0, 0.0, 0.0), frames_fixed=False).force_field
     (turn,) = [each for each in field.actions if each.action_type is ActionType.TORQUE]
     assert abs(turn.vector[0]) == pytest.approx(1)
+
+
+@pytest.mark.parametrize(
+    "prompt",
+    [
+        "the statue gets picked up, held in the air for a second, then dropped",
+        "the statue is lifted, held up for a second and then dropped",
+        "the statue hovers in the air for a second and then drops",
+    ],
+)
+def test_what_is_held_up_for_a_time_rises_first_and_has_its_weight(prompt):
+    """The air took its weight from it, or the time was that of its rise."""
+    reply = compile_whole(prompt)
+    rise, rest, fall = reply.expectations
+    assert reply.world.gravity in (None, "down") and not reply.unsure
+    assert [each.kind for each in (rise, rest, fall)] == [MotionKind.MOVE, MotionKind.STILL, MotionKind.FALL]
+    (hand,) = reply.force_field.constraints
+    assert rise.window[1] <= rest.window[0] and hand.held_until == rest.window[1] <= fall.window[0]
+
+
+def test_what_was_carried_up_is_thrown_up_again_where_it_lands():
+    reply = compile_whole("the statue is lifted, dropped, and bounces twice")
+    fall = reply.expectations[-1]
+    (hand,), kicks = reply.force_field.constraints, reply.force_field.actions
+    assert fall.rebounds == len(kicks) == 2
+    assert all(each.vector == (0.0, 0.0, 1.0) and each.active_time[0] > hand.active_time[1] for each in kicks)
+    heights = [each.magnitude * each.gain for each in kicks]
+    assert heights[0] > heights[1]

@@ -330,3 +330,37 @@ def test_what_is_pushed_goes_the_way_that_it_then_rolls(sentence):
     car = brief(object_name="van", object_kind="vehicle", world="ground")
     ways = {each.direction for each in read(sentence, car).expectations}
     assert ways == {read("it rolls backward", car).expectations[0].direction}
+
+
+@pytest.mark.parametrize(
+    ("prompt", "way"),
+    [
+        ("the robot turns left and then walks forward", (-1.0, 0.0, 0.0)),
+        ("the robot turns around and walks away", (0.0, 1.0, 0.0)),
+        ("the robot does a 180 and walks forward", (0.0, 1.0, 0.0)),
+        ("the robot turns right, then left, and walks forward", (0.0, -1.0, 0.0)),
+        ("the robot turns left and then moves up", UP),
+    ],
+)
+def test_what_has_turned_goes_the_way_that_it_faces_by_then(prompt, way):
+    """It went where it had faced before, sideways or backwards."""
+    seen = read(prompt, brief(world="ground")).expectations
+    going = seen[-1]
+    assert going.kind is MotionKind.MOVE and going.window[0] >= seen[-2].window[1]
+    assert going.direction == pytest.approx(way, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("prompt", "angle"),
+    [
+        ("the robot does a 180", 180.0),
+        ("the robot makes a complete turn and falls over", 360.0),
+        ("the robot spins 270 and stops", 270.0),
+        ("the robot does a u-turn", 180.0),
+    ],
+)
+def test_bare_numbers_and_whole_turns_are_angles(prompt, angle):
+    reply = read(prompt, brief(world="ground"))
+    turn = reply.expectations[0]
+    assert turn.kind is MotionKind.ROTATE and turn.amount is not None and turn.amount.value == angle
+    assert turn.direction == UP and not reply.unsure

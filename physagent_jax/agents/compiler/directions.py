@@ -19,7 +19,7 @@ from physagent_jax.motion.limbs import sum_directions
 from physagent_jax.motion.schema import Amount, SceneBrief
 from physagent_jax.motion.swaying import lies
 from physagent_jax.motion.tipping import find_own_side
-from physagent_jax.motion.vectors import add, cross, dot, normalise, scale
+from physagent_jax.motion.vectors import add, cross, dot, normalise, rotate, scale
 
 ASSUMED = "left"
 TOWARDS = (Effect.PUSH, Effect.STRIKE, Effect.SCALE, Effect.LEAN, Effect.ROLL, Effect.JUMP, Effect.TOPPLE)
@@ -29,6 +29,7 @@ _FOOT = 0.9  # cosine to the vertical from which on a side is what it stands on
 _LEVEL = 0.5  # cosine to the vertical below which a way is level
 _NORMALS: dict[Names, Names] = {("right",): ("up",), ("up",): ("right",)}
 """Turning horizontally is about the vertical."""
+_AHEAD = ("ahead", "behind")
 _OWN_ENDS = dict(toward="ahead", away="behind")
 _INWARDS = 0.1  # cosine to the viewer, above which a circle would lie before the object
 _SAME, _ALL_ROUND = 0.99, 360.0  # cosine; [degrees]
@@ -64,6 +65,13 @@ def find_side(part: KnownPart, brief: SceneBrief) -> Vector | None:
     """The way to the side that a part tells (unit world vector), of a vehicle its own front or rear; None = none."""
     own = _OWN_ENDS if has_wheels(brief) else {}
     return normalise(sum_directions([own.get(name, name) for name in part.place.names], brief))
+
+
+def _sum_own(names: Names, event: Event, brief: SceneBrief) -> Vector:
+    """The sum of directions by their names; the object's own turn with what it did before."""
+    total = sum_directions(names, brief)
+    turned = event.facing and not set(_AHEAD).isdisjoint(names)
+    return rotate(total, scale(brief.directions.up, event.facing)) if turned else total
 
 
 def _find_axis(event: Event, brief: SceneBrief) -> Heading | None:
@@ -112,11 +120,11 @@ def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
         return None
     pulled_from = motion.pulls and not event.pick(WayKind.TO)  # "pull it from left to right"
     drives = event.effect in TOWARDS and not event.parts and has_wheels(brief)
-    goes = motion.direction in ("ahead", "behind") or drives
+    goes = motion.direction in _AHEAD or drives or bool(event.facing)
     own = read_lexicon().own_ways if goes else {}  # "walks forward"
     distinct = dict.fromkeys((way.kind, own.get(way.phrase, way.names)) for way in told)
     parts = [
-        scale(sum_directions(names, brief), -1.0 if kind is WayKind.FROM and not pulled_from else 1.0)
+        scale(_sum_own(names, event, brief), -1.0 if kind is WayKind.FROM and not pulled_from else 1.0)
         for kind, names in distinct
     ]
     total = normalise(add(parts))
@@ -175,7 +183,7 @@ def _find_obstacle(event: Event, brief: SceneBrief) -> Heading | None:
     words, told = solids[0].text or solids[0].kind, normalise(sum_directions(solids[0].sides, brief))
     usual = "ahead" if has_wheels(brief) else ASSUMED
     event.notes += [] if told else [f"'{words}': no side given, assumed {usual}."]
-    return Heading(told or sum_directions((usual,), brief), words, "towards what is in the way")
+    return Heading(told or _sum_own((usual,), event, brief), words, "towards what is in the way")
 
 
 def _find_blow(event: Event, brief: SceneBrief) -> Heading | None:
@@ -203,10 +211,10 @@ def _assume(event: Event, brief: SceneBrief) -> Heading:
     name = "right" if sides and motion.effect is Effect.SCALE else usual
     missing = "no axis given: it points" if motion.effect is Effect.TURN else "no direction given:"
     event.notes += [] if motion.direction else [f"'{event.words}': no direction given, assumed {name}."]
-    vector = normalise(sum_directions((name,), brief))
+    vector = normalise(_sum_own((name,), event, brief))
     if motion.manner == "circle" and vector:  # it begins and ends in front, where the viewer sees it best
         inwards = cross(vector, sum_directions(("ahead",), brief))
         vector = scale(vector, -1.0) if dot(inwards, brief.directions.toward) > _INWARDS else vector
-    if motion.effect is Effect.TURN and vector and name in ("ahead", "behind"):
+    if motion.effect is Effect.TURN and vector and name in _AHEAD:
         vector = find_lean_axis(vector, brief)  # "a backflip"
     return Heading(vector, event.words, f"{missing} {name} {'' if motion.bound else BY_DEFAULT}".strip())

@@ -82,6 +82,7 @@ class Event:
         unknown_parts: Words for parts that the object does not show.
         doubts, notes: What was not understood and matters; what was assumed.
         repeat: Count and alternation.
+        facing: Angle about the vertical by which it has been turned before, counter-clockwise from above [degrees].
         direction: Unit world direction, stretch axis or rotation axis; None if the motion needs none or acts in all
             directions.
         strength: Magnitude in [0.4, 1.6].
@@ -115,6 +116,7 @@ class Event:
     doubts: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     repeat: Repeat = Repeat()
+    facing: float = 0.0
     direction: Vector | None = None
     strength: float = 1.0
     region: Region | None = None

@@ -47,6 +47,8 @@ _OVER = 120.0  # [degrees] from where on it is turned over
 _LEVEL = 0.5  # cosine to the vertical below which what stands falls aside
 _ALOFT = (Effect.FALL, Effect.JUMP)  # or thrown, or lifted
 _FLYING = (Effect.FALL, Effect.ROLL, Effect.PUSH, Effect.JUMP)  # what has come off
+_QUARTER = 90.0  # [degrees] by which it turns to a side, to go there
+_VERTICAL = 0.9  # cosine
 _PIECES = ("tip", "end", "top", "half", "piece")  # of a part that has broken
 _BUCKLING = ("give", "buckle")
 _STAYS = ("stay", "remain")
@@ -143,6 +145,20 @@ def _put_landings_first(clauses: list[Event]) -> list[Event]:
     return ordered
 
 
+def _face(event: Event, events: list[Event], brief: SceneBrief) -> None:
+    """Tells an event how far the whole object has been turned about the vertical: "it turns left and walks forward"."""
+    goes = event.verb is not None and event.verb.effect in (Effect.PUSH, Effect.JUMP)
+    for turn in events:
+        rise = 0.0 if turn.direction is None else dot(turn.direction, brief.directions.up)
+        if turn.effect is not Effect.TURN or turn.parts or turn.limbs or abs(rise) < _VERTICAL:
+            continue
+        if turn.amount is None and turn.pick(WayKind.TO) and goes and not turn.is_timed:
+            turn.amount = Amount(value=_QUARTER, unit="degrees")
+        if turn.amount is not None and turn.amount.unit == "degrees":
+            event.facing += math.copysign(turn.amount.value, rise)
+    event.facing %= 360.0
+
+
 def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) -> None:
     """Adds what a clause tells."""
     if events and not events[-1].parts and event.clause.parts == events[-1].clause.parts:
@@ -155,6 +171,7 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
     if event.effect is Effect.SCALE and pulled and [e.phrase for e in event.parts] in ([], pulled):
         event.parts = events.pop().parts  # "pulls on his tail and it stretches"
     alike = [each for each in events[-2:] if each.direction == events[-1].direction]
+    _face(event, events, builder.brief)
     interpret(event, _find_measure(events, event), builder.brief)
     for each in alike:  # what knocks it over goes the way that it falls
         each.direction = events[-1].direction
@@ -700,6 +717,9 @@ def apply_holding(clauses: list[Event], held: Held | None) -> list[Event]:
         hovers = last is not None and event.motion.floats and last.motion.direction == "up"
         if hovers and after is not None and not event.ways:
             event, hovers = _wait(event), False  # "it rises, hovers, then drops"
+        elif last is None and event.motion.floats and _falls_later(event, after):
+            result.append(replace(event, when=Timing()))  # "it hovers for a second": it has risen by then
+            event = _wait(event)
         if last is not None and (event.stays or hovers) and event.is_bare and event.effect is last.effect:
             last.stays = True  # "compress it and keep it compressed", "it takes off and hovers"
             continue
@@ -713,6 +733,11 @@ def apply_holding(clauses: list[Event], held: Held | None) -> list[Event]:
         else:
             result.append(event)
     return result
+
+
+def _falls_later(event: Event, after: Event | None) -> bool:
+    """Return whether it is up for a time that is told, and then falls."""
+    return event.is_timed and not event.ways and after is not None and after.effect is Effect.FALL
 
 
 def _hold(event: Event, last: Event | None, after: Event | None) -> list[Event]:

@@ -53,6 +53,8 @@ _REST = {("nothing", "else"), ("everything", "else"), ("all", "else")}
 _UPPERMOST = ("top", "lid", "crown", "head")  # first roles of what is on top
 _HOVERING = (Effect.TURN, Effect.ROLL, Effect.STILL)
 _ALOFT = frozenset(("in the air", "in mid air", "in midair"))
+_HELD_ALOFT = frozenset(("held in the air", "hold ~ in the air"))
+_HELD = "hold ~ there"
 _NEAR = 6  # words from a part to the one that it is on
 _REBOUNDING = ("bounc", "rebound", "ricochet")
 _LATER = frozenset((Join.THEN, Join.AFTER, Join.BEFORE))
@@ -439,6 +441,8 @@ def read_aloft(mentions: list[Mention], _names: frozenset[str]) -> list[Mention]
     def lift(each: Mention) -> Mention:
         if each.phrase in _ALOFT:
             return empty(each) if falls else replace(each, kind=MentionKind.GRAVITY, value="none")
+        if each.phrase in _HELD_ALOFT and falls:
+            return replace(each, kind=MentionKind.VERB, value=LEXICON.motions[_HELD], phrase=_HELD)
         phrase = turned.get(each.motion.effect) if each.motion else None
         return replace(each, value=LEXICON.motions[phrase], phrase=phrase) if phrase else each
 

@@ -161,6 +161,7 @@ def _make_quantity(
         "leaned": Effect.LEAN in done,
         "pressed": Effect.SCALE in done,
         "spun": Effect.TURN in done,
+        "wide": value >= _LEAST_DEGREES and turned in _TABLES["turns"],
         "apposed": before == "," and Effect.TURN in done,
         "driven": Effect.PUSH in done,
         "large": value >= _LEAST_DEGREES,

@@ -238,8 +238,18 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
                 clause.modifiers = [m for m in clause.modifiers if told or not flies or m.kind not in WAYS]
             if clause.join is Join.AND and before.has(Effect.STRIKE) and clause.has(Effect.PUSH):
                 clause.join = Join.THEN  # "it is thrown to the left and slides down"
+            if clause.join is Join.AND and clause.has(Effect.PUSH) and _is_turning_about(before, clause):
+                clause.join = Join.THEN  # "it turns around and drives away"
             merged.append(clause)
     return merged
+
+
+def _is_turning_about(clause: Clause, later: Clause) -> bool:
+    """Return whether it turns as a whole, by an angle or to a side, before it goes on its own way."""
+    verb, places = get_verb(clause.head), clause.select(MentionKind.PLACE)
+    degrees = [m for m in clause.select(MentionKind.QUANTITY) if getattr(m.value, "unit", "") == "degrees"]
+    told = verb.angle or degrees or get_verb(later.verb).direction == "ahead" and clause.select(*WAYS)
+    return verb.effect is Effect.TURN and verb.direction == "up" and bool(told) and not places
 
 
 def _is_saying_size_again(before: Clause, clause: Clause) -> bool:
