@@ -364,3 +364,15 @@ def test_bare_numbers_and_whole_turns_are_angles(prompt, angle):
     turn = reply.expectations[0]
     assert turn.kind is MotionKind.ROTATE and turn.amount is not None and turn.amount.value == angle
     assert turn.direction == UP and not reply.unsure
+
+
+@pytest.mark.parametrize(
+    "prompt", ["shake the robot and throw it away", "the robot wobbles and is tossed up"]
+)
+def test_what_is_shaken_is_thrown_after_that(prompt):
+    sway, throw = read(prompt, brief(world="ground")).expectations[:2]
+    assert sway.kind is MotionKind.SWAY and throw.sudden and throw.window[0] >= sway.window[1]
+
+
+def test_a_wave_may_be_what_acts():
+    assert not read("a big wave lifts the robot up and drops it", brief(world="ground")).unsure

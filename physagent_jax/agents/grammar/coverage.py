@@ -401,7 +401,8 @@ _RULES: tuple[tuple[Callable[[_Spot], bool], bool], ...] = (
     (lambda s: s.is_parting and s.word in get_set("crowds") | get_set("paths") | NUMBERS.keys(), True),
     (lambda s: s.word == "head" and s.mentions[s.index - 1].words in s.names and s.motion is None, True),
     (_is_its_own_path, True),
-    (lambda s: s.word in get_set("paths") | get_set("worlds"), False),  # "in a spiral", "on the moon"
+    # "In a spiral", "on the moon"; "a wave lifts the boat".
+    (lambda s: s.word in get_set("paths") | get_set("worlds") and not _is_acting(s), False),
     # "3.2 Push it", "Run 3:".
     (lambda s: s.word[0].isdigit() and (s.index == 0 or s.get(1) in (":", ".")), True),
     (_is_in_a_fragment, True),

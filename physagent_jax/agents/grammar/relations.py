@@ -238,6 +238,8 @@ def _merge_results(clauses: list[Clause]) -> list[Clause]:
                 clause.modifiers = [m for m in clause.modifiers if told or not flies or m.kind not in WAYS]
             if clause.join is Join.AND and before.has(Effect.STRIKE) and clause.has(Effect.PUSH):
                 clause.join = Join.THEN  # "it is thrown to the left and slides down"
+            if clause.join is Join.AND and before.has(Effect.SWAY) and get_verb(clause.verb).gravity:
+                clause.join = Join.THEN  # "shakes it and throws it away"
             if clause.join is Join.AND and clause.has(Effect.PUSH) and _is_turning_about(before, clause):
                 clause.join = Join.THEN  # "it turns around and drives away"
             merged.append(clause)
