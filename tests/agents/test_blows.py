@@ -245,3 +245,9 @@ def test_what_was_carried_up_is_thrown_up_again_where_it_lands():
     assert all(each.vector == (0.0, 0.0, 1.0) and each.active_time[0] > hand.active_time[1] for each in kicks)
     heights = [each.magnitude * each.gain for each in kicks]
     assert heights[0] > heights[1]
+
+
+@pytest.mark.parametrize("told", ["it gets squashed and comes back up", "it squishes and springs back"])
+def test_what_is_pressed_and_gives_way_is_pressed_once(told):
+    (squeeze,) = compile_whole(f"something heavy presses the statue down, {told}").expectations
+    assert squeeze.kind is MotionKind.SQUEEZE and squeeze.released

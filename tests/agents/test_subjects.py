@@ -216,6 +216,20 @@ def test_what_a_head_does_is_done_by_the_head_where_there_is_one():
     assert list_limbs(read("the robot nods twice", LEFT_ARM, RIGHT_ARM)) == [(SWAY, None)]
 
 
+@pytest.mark.parametrize("words", ["looks around", "looks left and right"])
+def test_what_looks_around_turns_its_head_to_and_fro(words):
+    (look,) = read(f"the robot {words}").expectations
+    assert (look.kind, look.limb) == (MotionKind.ROTATE, 2) and look.repeats > 1
+    assert abs(look.direction[2]) == 1.0
+    assert read(f"the robot {words}", LEFT_ARM, RIGHT_ARM).unsure  # no head is known
+
+
+def test_what_the_whole_does_between_ends_what_a_part_does():
+    """Its arm tilted and fell over."""
+    seen = list_limbs(read("its left arm waves, the robot jumps up, tilts forward and falls over"))
+    assert seen[0][1] is not None and {limb for _, limb in seen[1:]} == {None}
+
+
 def test_the_leaves_of_a_plant_move_one_by_one():
     sides = [(1, 0, 0.2), (-1, 0, 0.2), (0, 1, 0.2), (0, -1, 0.2)]
     fronds = [make_part("arm", tuple(0.3 * c for c in side), tuple(c / 1.02 for c in side)) for side in sides]

@@ -376,3 +376,8 @@ def test_what_is_shaken_is_thrown_after_that(prompt):
 
 def test_a_wave_may_be_what_acts():
     assert not read("a big wave lifts the robot up and drops it", brief(world="ground")).unsure
+
+
+def test_what_rolls_down_to_a_side_rolls_along_the_ground():
+    move, _ = read("the robot rolls down to the left", brief(world="ground")).expectations
+    assert move.direction == LEFT

@@ -115,7 +115,8 @@ def _find_long_axis(event: Event, brief: SceneBrief) -> Heading | None:
 def _add_ways(event: Event, brief: SceneBrief) -> Heading | None:
     """The sum of all ways that are told."""
     motion, up = event.motion, brief.directions.up
-    told = event.pick(*WAYS)
+    rolls = event.effect is Effect.ROLL and brief.world == "ground"  # "rolls down to the left"
+    told = [way for way in event.pick(*WAYS) if not rolls or way.names != ("down",)]
     if not told:
         return None
     pulled_from = motion.pulls and not event.pick(WayKind.TO)  # "pull it from left to right"

@@ -55,6 +55,14 @@ _UPRIGHT = 0.9  # the same, from which on a part lies above or below
 _OWN_PARTS = dict(
     {"give paw": "paw"}, nod="head", wag="tail", flap="wings", wave="arm", salute="arm", clap="arms"
 )  # with no other named
+_LOOKING = (
+    "look around",
+    "look about",
+    "look left and right",
+    "look right and left",
+    "look from side to side",
+)
+_OWN_PARTS |= dict.fromkeys(_LOOKING, "head")
 _SAID = ("head", "paw")  # parts within a phrase: "dip its head"
 # Seldom pressed aside.
 _TOPS = frozenset("hood bonnet roof deck seat saddle cushion mattress shoulder shoulders".split())
@@ -349,7 +357,8 @@ def _sum_repeats(event: Event) -> Repeat:
     often = any(each.often for each in found)
     if event.effect is Effect.JUMP:  # "up and down": it comes down by itself
         return Repeat(count, vague=often)
-    return Repeat(count, any(each.alternating for each in found), names, often)
+    alternate = any(each.alternating for each in found) or event.phrase in _LOOKING
+    return Repeat(count, alternate, names, often)
 
 
 def _act_from_sides(event: Event, brief: SceneBrief) -> None:

@@ -258,8 +258,11 @@ def _is_saying_size_again(before: Clause, clause: Clause) -> bool:
     """Return whether a second verb only measures the change of size: "it deflates and shrinks to half its size"."""
     first, second = get_verb(before.head), get_verb(clause.verb)
     alike = first.effect is second.effect in (Effect.SCALE, Effect.SWELL) and first.sign == second.sign
-    measured = bool(clause.select(MentionKind.QUANTITY)) and not before.modifiers
-    return alike and measured and clause.join is Join.AND and before.verb is not clause.verb
+    other = before.verb is not clause.verb
+    measured = bool(clause.select(MentionKind.QUANTITY)) and not before.modifiers and clause.join is Join.AND
+    # "Somebody sits on it, it gets squashed".
+    comes = first.sign < 0 and not clause.modifiers and clause.join in (Join.AND, Join.COMMA)
+    return alike and other and (measured or comes)
 
 
 def _is_dented(blow: Clause, clause: Clause) -> bool:

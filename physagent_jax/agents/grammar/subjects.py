@@ -62,6 +62,9 @@ def read_subjects(mentions: list[Mention], names: frozenset[str]) -> list[Mentio
                 result = [empty(each) if each == part.mention else each for each in result]
             segment = _name_again(_name_one(segment, part.mention), part, names)
         verb, place = _find(segment, MentionKind.VERB), _find(segment, MentionKind.PLACE)
+        whole = verb is not None and place is None and any(e.phrase in names for e in segment[:verb])
+        if part is not None and whole:  # "its head nods, the horse leaps and tilts forward"
+            part = replace(part, leads=False)
         if place is not None or part is not None:  # "it raises one arm and points up"
             points = [m.form in ("point", "points") and m.kind is not MentionKind.DIRECTION for m in segment]
             segment = [empty(each) if idle else each for each, idle in zip(segment, points)]
