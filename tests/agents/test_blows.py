@@ -251,3 +251,22 @@ def test_what_was_carried_up_is_thrown_up_again_where_it_lands():
 def test_what_is_pressed_and_gives_way_is_pressed_once(told):
     (squeeze,) = compile_whole(f"something heavy presses the statue down, {told}").expectations
     assert squeeze.kind is MotionKind.SQUEEZE and squeeze.released
+
+
+@pytest.mark.parametrize(
+    "told", ["something pushes it from behind and it tips over", "it gets pushed from behind and falls over"]
+)
+def test_who_is_pushed_over_after_leaps_falls_after_them(told):
+    """It tipped over in the air, from the first frame on."""
+    reply = compile_whole(f"the statue jumps twice, then {told}")
+    leap = next(each for each in reply.expectations if each.kind is MotionKind.MOVE)
+    turn = next(each for each in reply.expectations if each.kind is MotionKind.ROTATE)
+    assert turn.window[0] >= leap.window[1]
+    (hand,) = [each for each in reply.force_field.constraints if each.constraint_type is TURN]
+    assert hand.touched
+
+
+@pytest.mark.parametrize(("told", "turns"), [("a couple of times", 2), ("a few times", 3)])
+def test_turns_that_are_counted_vaguely_are_counted(told, turns):
+    (turn,) = compile_whole(f"the statue spins around {told}").expectations
+    assert turn.amount is not None and turn.amount.value == 360.0 * turns

@@ -476,7 +476,7 @@ def _count_turns(event: Event, brief: SceneBrief) -> None:
     counts = event.effect is Effect.TURN and repeat.count is not None and not repeat.alternate
     if counts and event.amount is None:
         event.repeat = replace(repeat, count=None)
-        angle = angle if repeat.vague and not loose else 360.0 * (repeat.count or 0)
+        angle = 360.0 * (repeat.count or 0)
     if angle > MOST:
         event.doubts.append(f"So many turns ('{event.text}') cannot be shown.")
     if angle and event.amount is None:

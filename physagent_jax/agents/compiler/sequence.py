@@ -20,7 +20,7 @@ from physagent_jax.agents.compiler.events import (
 from physagent_jax.agents.compiler.interpretation import GOING, interpret, resolve_obstacles
 from physagent_jax.agents.compiler.limbs import find_limbs, moves_pot
 from physagent_jax.agents.compiler.schedule import follows
-from physagent_jax.agents.intent import Duration, Held, Timing
+from physagent_jax.agents.intent import Clause, Duration, Held, Timing
 from physagent_jax.agents.lexicon import Effect, Repeat, read_lexicon
 from physagent_jax.agents.lexicon.types import HOLDABLE, is_end
 from physagent_jax.core.strict import Vector
@@ -514,6 +514,12 @@ def _sets_rocking(before: Event, event: Event) -> bool:
     return pushed and not (told or goes) and level and rocks and soon
 
 
+def _keep_order(before: Event, event: Event) -> Clause:
+    """The event's clause, as late as what leads to it: "it leaps, then is pushed and falls over"."""
+    later = before.clause.order == "then"
+    return event.clause.model_copy(update=dict(order="then")) if later else event.clause
+
+
 def _join_push(before: Event, event: Event) -> Event:
     """The rocking along the way of the push that sets it going, unless it tells its own, or that is upright."""
     own = not event.sources["vector"].why.endswith(BY_DEFAULT)
@@ -522,7 +528,9 @@ def _join_push(before: Event, event: Event) -> Event:
     sources = event.sources if own else event.sources | {"vector": before.sources["vector"]}
     motion = replace(event.motion, manner="rock")
     doubts = [*before.doubts, *event.doubts]
-    return replace(event, motion=motion, doubts=doubts, sources=sources, nudged=before.motion.touches, **way)
+    clause = _keep_order(before, event)
+    nudged = before.motion.touches
+    return replace(event, clause=clause, motion=motion, doubts=doubts, sources=sources, nudged=nudged, **way)
 
 
 def _join_fall(before: Event, event: Event) -> Event:
@@ -531,7 +539,9 @@ def _join_fall(before: Event, event: Event) -> Event:
     own = not assumed[1] or all(assumed)  # what lies falls over its long side, wherever it is pushed
     told = {key: before.sources[key] for key in ("vector", "magnitude")}
     way = {} if own else dict(direction=before.direction, notes=before.notes, sources=event.sources | told)
-    return replace(event, strength=event.strength if event.strengths else before.strength, **way)
+    clause = _keep_order(before, event)
+    strength = event.strength if event.strengths else before.strength
+    return replace(event, clause=clause, strength=strength, nudged=before.motion.touches, **way)
 
 
 def _is_upright(event: Event) -> bool:
