@@ -46,7 +46,13 @@ from physagent_jax.forces.terms import (
 )
 from physagent_jax.forces.twisting import Twist, find_twist
 from physagent_jax.mpm.boundaries import HalfSpace
-from physagent_jax.mpm.constraints import GradedRotation, GradedTranslation, MovingPlate, PrescribedMotion
+from physagent_jax.mpm.constraints import (
+    GradedRotation,
+    GradedTranslation,
+    MovingPlate,
+    PrescribedMotion,
+    Shatter,
+)
 from physagent_jax.mpm.fields import FOREVER
 
 PLATE_FRICTION = (
@@ -672,6 +678,11 @@ class Binding:
         back = velocity * ((start - end) / time)
         faces.append(HalfSpace(stop, normal, friction, until, until + time, velocity=back))
         return [MovingPlate(face, edges, depth) for face in faces]
+
+    def shatter(self, k: float | Array, pieces: int) -> list[Shatter]:
+        """So many fragments, which fly apart with k M from the window's start on."""
+        speed = jnp.linalg.norm(self.vector(k))
+        return [Shatter.of(self._rest, pieces, self._way, speed, self.window[0])]
 
     def change_length(
         self, other: Binding | None, k: float | Array, sign: float, *, retreats: bool = False

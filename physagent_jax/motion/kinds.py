@@ -39,6 +39,7 @@ from physagent_jax.forces.schema import (
 from physagent_jax.forces.skills import list_skills
 from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.axes import find_lean_axis
+from physagent_jax.motion.breaking import let_go_of_pieces
 from physagent_jax.motion.efforts import (
     MOVING,
     find_pace,
@@ -131,7 +132,7 @@ def choose_kinds(
         if replaced is not None:
             force_field, why = replaced
             reasons.append(f"'{expectation.words}': {why}.")
-    return Choice(force_field, tuple(reasons))
+    return Choice(let_go_of_pieces(force_field), tuple(reasons))
 
 
 _Replaced = tuple[ForceField, str] | None

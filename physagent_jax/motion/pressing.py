@@ -9,13 +9,27 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 from physagent_jax.core.strict import Vector
+from physagent_jax.forces.calibration import (
+    GAIN_MAX,
+    GAIN_MIN,
+    MAGNITUDE_MAX,
+    MAGNITUDE_MIN,
+    find_reference_time,
+)
 from physagent_jax.forces.driving import PartDriver
 from physagent_jax.forces.part import Part
-from physagent_jax.forces.schema import Bend, BoxRegion, CellsRegion, Region, VelocityConstraint
+from physagent_jax.forces.schema import (
+    Bend,
+    BoxRegion,
+    CellsRegion,
+    ConstraintType,
+    Region,
+    VelocityConstraint,
+)
 from physagent_jax.forces.slabs import make_box
 from physagent_jax.motion.schema import ExpectedMotion, SceneBrief
 from physagent_jax.motion.swaying import make_upper
-from physagent_jax.motion.vectors import add, cosine, cross, scale
+from physagent_jax.motion.vectors import add, clamp, cosine, cross, scale
 from physagent_jax.motion.windows import Window, divide
 
 _VERTICAL = 0.7  # cosine
@@ -27,8 +41,11 @@ LEAST_ROOM = 4.0  # frames of a poke, without which nothing of it is seen
 _QUICK, _STAYS = 0.24, 0.04  # [s] in which a finger goes in, and for which it stays
 _COMES = 0.2  # [s] in which it is seen to come
 _QUIVERS = 0.08  # [body lengths] by which the top goes to either side at first, with a strength of 1
-_FADES = (1.0, -0.75, 0.55, -0.38, 0.25, -0.12, 0.0)  # of that, where each of its strokes ends
+_FADES, _LASTS = 0.84, 1.7  # of that, which is left after each stroke, and [s] for which it quivers, at most
 _STROKE = 0.12  # [s] that a stroke takes
+_QUICKLY = 2.5  # [body lengths / s] at which its ends begin to quiver, with a strength of 1
+_LIES = 0.5  # [s] in which what tips over has come down, after it has been let go
+_RECOVERS = 0.2  # [s] after it has landed, in which it is pressed together
 _AROUND = 2.0  # [body lengths]: all of its foot, and all of its height
 _DEEP = 1.0  # of a squeeze's strain, by which a dent goes in: much of it is given way to
 
@@ -101,7 +118,11 @@ def poke(
 
 
 def quiver(
-    brief: SceneBrief, way: Vector, strength: float, window: Window, held: bool = False
+    brief: SceneBrief,
+    way: Vector,
+    strength: float,
+    window: Window,
+    held: bool = False,
 ) -> list[VelocityConstraint]:
     """The strokes to and fro, less and less, of what is soft and stands on its foot.
 
@@ -113,9 +134,11 @@ def quiver(
         held: Whether the object is held somewhere.
     """
     level = way if abs(cosine(way, brief.directions.up)) < _VERTICAL else brief.directions.right
-    part, ends = make_upper(brief), (0.0, *_FADES)
+    part = make_upper(brief)
     driver = PartDriver(part, brief.frame_dt, brief.frame_count, held=held)
-    frames = min(brief.count_frames(_STROKE), (window[1] - window[0]) / len(_FADES))
+    span = min(window[1] - window[0], brief.count_frames(_LASTS))
+    count = max(round(span / brief.count_frames(_STROKE)), 4)
+    frames, ends = span / count, [0.0, *((-_FADES) ** k for k in range(count - 1)), 0.0]
     place = Bend(joint=part.joint, rest=part.rest, reach=_AROUND, depth=min(brief.extents[1], _AROUND))
     made = [
         driver.shift(
@@ -127,6 +150,36 @@ def quiver(
         for k, (before, after) in enumerate(pairwise(ends))
     ]
     return [each.model_copy(update=dict(bend=place)) for each in made]
+
+
+def shake_itself(
+    brief: SceneBrief, way: Vector, strength: float, window: Window, lies: bool = False
+) -> list[VelocityConstraint]:
+    """The quiver of what is soft as it has come down, less and less; none if there is no time for it.
+
+    Args:
+        brief: The scene.
+        way: Where its upper end goes (unit world vector) as long as it stands.
+        strength: Factor on the way.
+        window: First and last frame.
+        lies: Whether it has tipped over, and needs some time until it lies.
+    """
+    begin = window[0] + brief.count_frames(_LIES if lies else _RECOVERS)
+    end = min(begin + brief.count_frames(_LASTS), window[1])
+    if end - begin < 2 * brief.count_frames(_STROKE):
+        return []
+    across = way if abs(cosine(way, brief.directions.up)) < _VERTICAL else brief.directions.right
+    size = clamp(strength, MAGNITUDE_MIN, MAGNITUDE_MAX)
+    gain = _QUICKLY * find_reference_time(False, brief.seconds) * strength / size
+    return [
+        VelocityConstraint(
+            constraint_type=ConstraintType("quiver"),
+            vector=across,
+            magnitude=round(size, 3),
+            gain=round(clamp(gain, GAIN_MIN, GAIN_MAX), 3),
+            active_time=(round(begin, 3), round(end, 3)),
+        )
+    ]
 
 
 def find_end_of_poke(made: Sequence[VelocityConstraint], window: Window) -> float:

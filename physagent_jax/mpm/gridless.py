@@ -3,7 +3,7 @@
 Rigid velocities come back from the grid as they went there: quadratic B-splines reproduce what is linear, and APIC
 keeps linear and angular momenta (Jiang et al. 2015). Its nodes have the body's centre, momenta and moment of inertia,
 so that the results are those of the grid but for round-off. Stress within a rigid body does not move it. It may be
-led: all of it by one prescribed motion after the other.
+led: all of it by one prescribed motion after the other; and from some moment on it may be in fragments.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import jax
 import jax.numpy as jnp
 
 from physagent_jax.mpm import transfer
-from physagent_jax.mpm.constraints import PrescribedMotion, RigidBody
+from physagent_jax.mpm.constraints import PrescribedMotion, RigidBody, Shatter
 from physagent_jax.mpm.constraints.rigid import RigidMotion
 from physagent_jax.mpm.health import Health
 from physagent_jax.mpm.linalg import matmul, matvec, skew
@@ -27,7 +27,10 @@ def needs_grid(model: Model) -> bool:
         return True
     body, *leads = model.constraints
     alone = isinstance(body, RigidBody) and body.whole
-    led = all(isinstance(lead, PrescribedMotion) and lead.leads_as_one for lead in leads)
+    led = all(
+        isinstance(lead, Shatter) or isinstance(lead, PrescribedMotion) and lead.leads_as_one
+        for lead in leads
+    )
     return not (alone and led and all(boundary.acts_on_points for boundary in model.boundaries))
 
 
@@ -54,6 +57,21 @@ def move_body(model: Model, state: State, forced: State) -> tuple[State, Health]
         state: At the start.
         forced: The same with the v and C that forces have left.
     """
+    bursts = [each for each in model.constraints if isinstance(each, Shatter)]
+    whole = model.replace(constraints=tuple(each for each in model.constraints if each not in bursts))
+    after = (
+        _move_whole(whole, state, forced)
+        if not bursts
+        else jax.lax.cond(
+            bursts[0].is_broken(state.time, model.dt),
+            lambda: bursts[0].move(model, state, forced),
+            lambda: _move_whole(whole, state, forced),
+        )
+    )
+    return _stop_at_walls(model, dataclasses.replace(after, time=state.time + model.dt))
+
+
+def _move_whole(model: Model, state: State, forced: State) -> State:
     body, *leads = model.constraints
     free = _measure_motion(model, forced)
     if model.damping_rate is not None:
@@ -73,11 +91,10 @@ def move_body(model: Model, state: State, forced: State) -> tuple[State, Health]
         v=turned.field(motion.velocity, w),
         C=jnp.broadcast_to(skew(w), forced.C.shape),
         F=matmul(turn, forced.F),
-        time=state.time + model.dt,
     )
     for lead in leads:
         after = lead.after_g2p(model, state, after)
-    return _stop_at_walls(model, after)
+    return after
 
 
 def _measure_motion(model: Model, state: State) -> RigidMotion:

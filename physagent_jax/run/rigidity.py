@@ -12,6 +12,7 @@ import dataclasses
 from physagent_jax.agents.schema import SemanticReply
 from physagent_jax.forces.schema import Action, ConstraintType, VelocityConstraint
 from physagent_jax.forces.skills import get_skill
+from physagent_jax.motion.breaking import SHATTER
 from physagent_jax.motion.schema import ExpectedMotion, MotionKind
 from physagent_jax.run.spec import MaterialChoice
 from physagent_jax.scene import materials, priors
@@ -53,11 +54,16 @@ def keeps_shape(reply: SemanticReply) -> bool:
     field, falls = reply.force_field, any(each.kind is MotionKind.FALL for each in reply.expectations)
     led = any(each.constraint_type is ConstraintType.PARTICLE_ROTATION for each in field.constraints)
     entries = (*field.actions, *field.constraints)
-    return (
+    return bursts(reply) or (
         bool(reply.expectations)
         and all(_is_whole(each, falls or led) for each in reply.expectations)
         and not any(entry.region or _presses(entry) for entry in entries)
     )
+
+
+def bursts(reply: SemanticReply) -> bool:
+    """Return whether it goes to pieces, and is in one until then, whatever it is made of."""
+    return any(each.constraint_type == SHATTER for each in reply.force_field.constraints)
 
 
 def _presses(entry: Action | VelocityConstraint) -> bool:
@@ -92,6 +98,8 @@ def is_hard(choice: MaterialChoice, kind: str, said: str | None, reply: Semantic
     """
     if _is_chosen(choice):
         return False
+    if reply is not None and bursts(reply):
+        return True
     if said is None and kind == UNKNOWN and reply is not None:
         return not any(each.jiggles for each in reply.expectations)
     if said is None or said in PRIORS:

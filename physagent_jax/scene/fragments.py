@@ -9,13 +9,13 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import KDTree
 
+from physagent_jax.mpm.pieces import place_seeds
+
 FIRM = 1e4
 """Factor of the strength inside a fragment over that between two."""
 CHUNK, FEWEST = 5.0, 4
 """Cells across a fragment at least, of which the seams around it leave some whole; and how many there are of what is
 small or slender all the same."""
-_SEED = 7
-_ROUNDS = 2  # of Lloyd's algorithm: cells of different sizes, none of them tiny
 
 
 def count_fragments(most: int, volume: float, dx: float) -> int:
@@ -40,12 +40,7 @@ def find_seams(x: np.ndarray, count: int, width: float) -> np.ndarray:
     count = min(count, len(x))
     if count < 2:
         return np.zeros(len(x), bool)
-    seeds = x[np.random.default_rng(_SEED).choice(len(x), count, replace=False)]
-    for _ in range(_ROUNDS):
-        nearest = KDTree(seeds).query(x)[1]
-        sizes = np.bincount(nearest, minlength=count)
-        sums = np.stack([np.bincount(nearest, x[:, axis], minlength=count) for axis in range(3)], axis=1)
-        seeds = np.where(sizes[:, None] > 0, sums / np.maximum(sizes, 1)[:, None], seeds)
+    seeds = place_seeds(x, count)
     distance, pair = map(np.asarray, KDTree(seeds).query(x, k=2))
     apart = np.linalg.norm(seeds[pair[:, 0]] - seeds[pair[:, 1]], axis=1)
     return (distance[:, 1] ** 2 - distance[:, 0] ** 2) / np.maximum(2 * apart, 1e-12) < width / 2

@@ -33,7 +33,10 @@ FOLLOWED = (0.0, 0.2, 0.4, 0.6, 0.8)  # shares of its way that a camera goes alo
 SEEN_WAY = 0.06  # [sizes] that it moves at least for the camera to stand aside
 NEITHER = 15.0  # [degrees] from the line of sight up to which a motion goes to neither side
 ASIDE = 40.0  # [degrees] at least between a motion over the ground and the line of sight
-BESIDE_WALL = 70.0  # [degrees] the same where it meets a wall, which would stand before it
+BEFORE_WALL = (
+    90.0,
+    110.0,
+)  # [degrees] between the line of sight and the way that a wall faces: it hides nothing
 
 
 def find_stage(config: SceneConfig, centre: np.ndarray, size: float) -> Stage:
@@ -109,8 +112,10 @@ def place_cameras(config: SceneConfig, x: np.ndarray, rendering: Rendering) -> l
         rendering: Size of the pictures.
     """
     points = _choose_points(np.asarray(x, np.float64))
-    aside = BESIDE_WALL if _list_walls(config) else ASIDE
-    camera = turn_aside(config.camera, points, aside) if config.camera.turn else config.camera
+    upright = [each for each in _list_walls(config) if abs(each.normal[2]) < LEVEL]
+    camera = config.camera
+    if camera.turn:
+        camera = stand_before(camera, upright[0]) if upright else turn_aside(camera, points)
     start, seen = points[0], _trim(points)
     centres = 0.5 * (seen.min(1) + seen.max(1))
     way = _smooth(centres, SMOOTHING / config.timing.frame_dt)
@@ -156,7 +161,19 @@ def _is_large(
     return min(measure_share(each, placed, rendering) for each in (start, moved)) >= LARGE
 
 
-def turn_aside(camera: CameraConfig, points: np.ndarray, least: float = ASIDE) -> CameraConfig:
+def stand_before(camera: CameraConfig, wall: HalfSpace) -> CameraConfig:
+    """The camera about the vertical until a wall stands beside what it looks at, and never before it.
+
+    A wall on the left stays on the left. One that is straight ahead, or behind the camera, comes to stand on the right.
+    """
+    faces = camera.azimuth_degrees + 90 - np.degrees(np.arctan2(wall.normal[1], wall.normal[0]))
+    faces = 180 - (180 - faces) % 360  # clockwise from the line of sight
+    wanted = np.copysign(np.clip(abs(faces), *BEFORE_WALL), -1.0 if faces % 180 == 0 else faces)
+    azimuth = 180 - (180 - camera.azimuth_degrees - (wanted - faces)) % 360
+    return camera.model_copy(update=dict(azimuth_degrees=float(azimuth)))
+
+
+def turn_aside(camera: CameraConfig, points: np.ndarray) -> CameraConfig:
     """The camera about the vertical until what moves does so clearly sideways, or as it is if it does already.
 
     To the left stays to the left, and toward stays toward. Where it goes to neither side, the camera stands on the
@@ -165,7 +182,6 @@ def turn_aside(camera: CameraConfig, points: np.ndarray, least: float = ASIDE) -
     Args:
         camera: Where it looks from.
         points: Points of the object [m], shape (T, k, 3).
-        least: Angle between the motion and the line of sight from which on it goes clearly sideways [degrees].
     """
     moved = (points - points[:1]).mean(axis=1)[:, :2]
     length = np.linalg.norm(moved, axis=1)
@@ -176,10 +192,10 @@ def turn_aside(camera: CameraConfig, points: np.ndarray, least: float = ASIDE) -
     right, away = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
     sideways, along = moved[far] @ right, moved[far] @ away
     angle = np.degrees(np.arctan2(abs(sideways), abs(along)))
-    if angle >= least:
+    if angle >= ASIDE:
         return camera
     side = 1 if (sideways >= 0) == (along >= 0) else -1
-    turn = side * (least - angle) if angle > NEITHER else -least - side * angle
+    turn = side * (ASIDE - angle) if angle > NEITHER else -ASIDE - side * angle
     azimuth = 180 - (180 - camera.azimuth_degrees - turn) % 360
     return camera.model_copy(update=dict(azimuth_degrees=azimuth))
 

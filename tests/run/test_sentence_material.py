@@ -207,7 +207,7 @@ def test_a_scene_built_from_a_sentence_has_its_material(robot_path):
 
 @pytest.mark.parametrize(
     ("words", "model"),
-    [("of glass falls and shatters", "brittle"), ("of chocolate melts", "viscoplastic")],
+    [("of glass falls and cracks", "brittle"), ("of chocolate melts", "viscoplastic")],
 )
 def test_what_matter_becomes_outweighs_what_it_was(robot_path, body, words, model):
     chosen, _, _ = place(robot_path, body, f"the robot made {words}")

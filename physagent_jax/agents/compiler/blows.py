@@ -28,7 +28,7 @@ from physagent_jax.motion.attitudes import find_attitude
 from physagent_jax.motion.axes import find_lean_axis
 from physagent_jax.motion.efforts import find_held_magnitude, find_lengths
 from physagent_jax.motion.landing import LANDED, land, list_rebounds, spin_until_landed, stand_after_drop
-from physagent_jax.motion.pressing import LEAST_ROOM, poke
+from physagent_jax.motion.pressing import LEAST_ROOM, poke, shake_itself
 from physagent_jax.motion.schema import Amount, MotionKind
 from physagent_jax.motion.tipping import find_end_axis, tip, tip_off_end
 from physagent_jax.motion.vectors import add, dot, normalise, scale
@@ -44,6 +44,7 @@ _ASIDE = 0.9  # cosine below which a leap goes aside
 _THROWN, _LED = 0.45, 0.77
 _HOPS = 1.0  # the same of each of several leaps: they are as high as there is time for
 _FLUNG = 1.5  # power of a strength by which what is flung hard goes farther: it flies, and does not hop
+
 _AGAINST = 1.6  # strength as which it is taken where a wall is to be reached
 
 
@@ -116,11 +117,11 @@ def _poke(task: Task) -> None:
     height = 0.5 if box is None else 0.5 * (box.low[2] + box.high[2])
     hand, held = "hand" if event.motion.palm else "finger", task.builder.anchored and event.motion.palm
     above = event.motion.palm and dot(way, brief.directions.down) > _UPRIGHT  # hit aside, it swings by itself
-    about = dict(palm=event.motion.palm, held=held, quivers=above and event.trembles)
+    about = dict(palm=event.motion.palm, held=held, quivers=above and event.trembles > 0)
     task.builder.constraints += poke(brief, way, height, event.strength, event.count, task.window, **about)
     task.builder.notes.append(f"'{event.words}': it is soft, so that a {hand} goes in and back.")
     # It goes along as a whole, as far as it is not held.
-    whole = dict(part=None, partial=False, strength=MAGNITUDE_MIN, jiggles=above or event.trembles)
+    whole = dict(part=None, partial=False, strength=MAGNITUDE_MIN, jiggles=above or event.trembles > 0)
     kind, way = (MotionKind.SWAY, brief.directions.right) if above else (MotionKind.MOVE, way)
     task.expect(kind, way, task.window, repeats=event.count, sudden=True, released=True, **whole)
 
@@ -275,7 +276,10 @@ def _stand(task: Task, height: float, since: float = 0.0) -> None:
     goes_on = any(each.effect is not Effect.STILL for each in task.after)
     until = task.window[1] if goes_on else task.brief.last
     landing = stand_after_drop(height, until, task.brief, since)
-    task.builder.constraints += [] if landing is None else [landing]
+    if landing is not None and landing.active_time:
+        about = (landing.active_time[0], until)
+        shaken = shake_itself(task.brief, task.brief.directions.right, task.event.trembles, about)
+        task.builder.constraints += [landing, *shaken]
 
 
 def compile_topple(task: Task) -> None:

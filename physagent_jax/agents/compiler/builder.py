@@ -25,7 +25,8 @@ class ForceFieldBuilder:
         brief, anchored: The scene, with the clip's length.
         rooted: Whether its foot is held, whoever says so.
         soft: Whether a finger goes into it.
-        breaks: Whether it is said to go to pieces.
+        breaks: Whether it is said to break.
+        bursts: How strongly it bursts into pieces, in one piece until then (`motion.breaking`); 0 = it does not.
         gravity: What the sentence says about gravity: "down", "up", "none"; None = nothing.
         room: Frame at which what follows the present event is over: its brake ends there.
         earlier: What the slots before do.
@@ -46,6 +47,7 @@ class ForceFieldBuilder:
     rooted: bool = False
     soft: bool = False
     breaks: bool = False
+    bursts: float = 0.0
     actions: list[Action] = field(default_factory=list)
     constraints: list[VelocityConstraint] = field(default_factory=list)
     expectations: list[ExpectedMotion] = field(default_factory=list)

@@ -33,6 +33,7 @@ from physagent_jax.agents.schema import Evidence, SemanticReply
 from physagent_jax.core.errors import UserError
 from physagent_jax.forces.description import describe_entry
 from physagent_jax.forces.schema import ForceField
+from physagent_jax.motion.breaking import find_burst
 from physagent_jax.motion.kinds import choose_kinds
 from physagent_jax.motion.matching import find_new_places
 from physagent_jax.motion.parts import explain_missing, list_names
@@ -41,6 +42,7 @@ from physagent_jax.motion.schema import AnchorRequest, MotionKind, SceneBrief, W
 EXAMPLES = (
     '"push the robot to the left", "a gentle wind sways the plant", "drop the guitar", "twist the loaf"'
 )
+_SHAPING = (Effect.LEAN, Effect.SWAY, Effect.SCALE, Effect.SWELL, Effect.BURST)
 _RESTITUTION = 0.7
 """Coefficient of restitution of what is hard and is to come off a wall [1]: high enough to be seen."""
 
@@ -81,6 +83,7 @@ def compile_forces(intent: Intent, brief: SceneBrief) -> SemanticReply:
     rooted = anchored and "top" not in (anchor.kind or brief.anchored or "")
     builder = ForceFieldBuilder(brief, anchored, intent.surroundings.gravity, rooted=rooted)
     builder.soft, builder.breaks = _is_soft(GIVING, intent, brief), _is_of(("brittle",), intent)
+    builder.bursts = 0.0 if anchored or builder.gravity else _find_burst(clauses, intent, brief)
     builder.notes += intent.notes
     builder.obstacles += resolve_obstacles(intent.surroundings.solids, None, brief)
     slots, frame_count, remarks = schedule(make_events(clauses, builder), brief, anchored)
@@ -139,14 +142,25 @@ def _choose_materials(intent: Intent, events: Iterable[Event], brief: SceneBrief
     told = tuple(word for word in intent.materials if not any(word in each for each in severed))
     if any(each.manner == "split" for each in happens) and not any(each.gives for each in happens):
         told = tuple(word for word in told if not _is_brittle(word))  # whole but for where it is split
+    if any(event.bursts for event in events):
+        told, firm = tuple(word for word in told if not _is_brittle(word)), False  # whole until it bursts
     crushed = any(each.effect is Effect.STRIKE and each.gives for each in happens)
     broken = any(event.phrase == "break" for event in events)  # "it snaps"
     return (*told, CRUSHED if crushed else BROKEN if broken else YIELDING) if firm else told
 
 
+def _find_burst(clauses: list[Event], intent: Intent, brief: SceneBrief) -> float:
+    """How strongly it goes to pieces, after motions of the whole alone or by itself; 0 = it does not."""
+    shaped = any(each.effect in _SHAPING and not each.motion.gives for each in clauses)
+    parted = shaped or any(each.parts or each.motion.manner in ("detach", "split") for each in clauses)
+    solids = intent.surroundings.solids or any(each.clause.solids for each in clauses)
+    said = all(_is_brittle(word) for word in intent.materials)
+    return 0.0 if parted or solids else find_burst(intent.materials, brief, by_kind=said)
+
+
 def _is_brittle(word: str) -> bool:
     meaning = find_meaning(word)
-    return meaning is not None and meaning.becomes and meaning.preset == "brittle"
+    return meaning is not None and meaning.becomes and meaning.preset in ("brittle", "sand")
 
 
 def _is_soft(presets: tuple[str, ...], intent: Intent, brief: SceneBrief) -> bool:

@@ -93,7 +93,8 @@ class Event:
         radial: 1 = parts go out from the middle, -1 = inwards; 0 = as ``direction`` tells.
         amount: A quantity that the sentence names.
         rebounds: How often it comes up again from what it falls onto.
-        trembles: Whether it stands where it lands and wobbles there.
+        trembles: How strongly it wobbles where it stands as it has landed; 0 = it does not.
+        bursts: Whether it ends in pieces.
         nudged: Whether a push that was named by itself sets it going.
         obstacles: Solids that it meets.
         means: Whether it only makes possible what is asked, as a lift before a drop.
@@ -126,7 +127,8 @@ class Event:
     radial: int = 0
     amount: Amount | None = None
     rebounds: int = 0
-    trembles: bool = False
+    trembles: float = 0.0
+    bursts: bool = False
     nudged: bool = False
     obstacles: list[ObstacleRequest] = field(default_factory=list)
     means: bool = False

@@ -60,6 +60,7 @@ _MOST_SWINGS = 3  # of a door in one clip
 _REBOUNDS = 2  # times that what bounces comes up again
 _LOWERING = (Effect.LEAN, Effect.SCALE, Effect.SWELL)
 _PLAIN = 0.8  # strength from which on a push is no light one
+_BREAKING = (Effect.FALL, Effect.JUMP, Effect.STRIKE, Effect.TOPPLE)
 _UPSETTING = (Effect.PUSH, Effect.STRIKE, Effect.LEAN)
 _RISING = (Effect.PUSH, Effect.STRIKE, Effect.JUMP)
 
@@ -80,7 +81,9 @@ def make_events(clauses: list[Event], builder: ForceFieldBuilder) -> list[Event]
     events = [part for each in events for part in _part_limbs(each, builder.brief)]
     events = _share_time(_find_releases(events, builder))
     for each in events if builder.soft and all(e.effect is not Effect.SWAY for e in events) else ():
-        each.trembles |= each.motion.palm
+        each.trembles = max(each.trembles, each.motion.palm)
+    if builder.bursts and events and not any(each.bursts for each in events):
+        events[-1].bursts = events[-1].effect in _BREAKING  # "it is smashed on the floor"
     if any(each.effect not in _RESTING for each in events):
         events = [each for each in events if not _is_only_posture(each, events)]
     return events
@@ -211,6 +214,15 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         slam.motion = replace(slam.motion, effect=Effect.STRIKE, gives=True)
         slam.strength, slam.doubts = MAGNITUDE_MAX, [*slam.doubts, *event.doubts]
         return  # "it crashes into the wall, and its front crumples": it is of what gives way
+    if builder.bursts and event.motion.gives:
+        done = [each for each in events if each.effect not in _RESTING][-1:]
+        event.bursts = not done or done[0].effect not in _BREAKING
+        event.clause = event.clause.model_copy(update=dict(order="then"))
+        if done and not event.bursts:  # "it falls and shatters"
+            done[0].bursts, done[0].doubts = True, [*done[0].doubts, *event.doubts]
+        else:
+            events.append(event)
+        return
     fall = events[-1] if events and events[-1].effect is Effect.FALL else None
     bursts = fall and event.effect is Effect.BURST
     yields = event.motion.gives or bursts and builder.breaks or fall and _yields(event, builder.soft)
@@ -218,7 +230,7 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
         event.clause = event.clause.model_copy(update=dict(order="then"))  # "it falls and breaks in two"
     if yields and falls and any(each.effect not in _RESTING for each in events):
         events[-1].doubts += event.doubts
-        events[-1].trembles |= builder.soft and not event.motion.gives
+        events[-1].trembles = max(events[-1].trembles, builder.soft and not event.motion.gives)
         return  # "it falls and shatters", "it falls and flattens"
     bounces = event.verb is not None and event.verb.bounces and event.effect in (Effect.FALL, Effect.JUMP)
     springs = bounces or event.effect is Effect.RELEASE and event.phrase.startswith("bounce")
@@ -231,7 +243,8 @@ def _add_event(events: list[Event], event: Event, builder: ForceFieldBuilder) ->
             return  # "it drops and bounces twice", "it falls and bounces back up"
     acted = next((each for each in reversed(events) if each.effect is not Effect.RELEASE), None)
     if builder.soft and acted and _trembles(event):
-        acted.trembles = acted is events[-1] and acted.effect is Effect.FALL
+        lands = acted is events[-1] and acted.effect is Effect.FALL
+        acted.trembles = max(event.strength, _PLAIN) if lands else 0.0
         pressed = acted.effect is Effect.SCALE and acted.motion.sign < 0 and event.effect is Effect.SWAY
         if acted.trembles or pressed:
             builder.notes.append(f"'{event.words}': what is soft does so by itself.")

@@ -18,15 +18,16 @@ from physagent_jax.agents.compiler.events import WayKind
 from physagent_jax.agents.compiler.schedule import Slot
 from physagent_jax.agents.compiler.steady import Task, add_steady
 from physagent_jax.agents.lexicon import Effect, read_lexicon
-from physagent_jax.forces.calibration import MAGNITUDE_MAX, QUICK, SWING, TURN
+from physagent_jax.forces.calibration import DROP_HEIGHT, MAGNITUDE_MAX, QUICK, SWING, TURN
 from physagent_jax.forces.schema import ActionType, ConstraintType
 from physagent_jax.forces.skills import find_skill
 from physagent_jax.forces.slabs import make_end_region
 from physagent_jax.motion.attitudes import stand_on_edge
 from physagent_jax.motion.axes import find_lean_axis
+from physagent_jax.motion.breaking import burst, find_break
 from physagent_jax.motion.efforts import find_lengths, find_strain_magnitude, find_swing_magnitude
 from physagent_jax.motion.limbs import sum_directions
-from physagent_jax.motion.pressing import find_end_of_poke, quiver
+from physagent_jax.motion.pressing import find_end_of_poke, quiver, shake_itself
 from physagent_jax.motion.schema import Amount, MotionKind
 from physagent_jax.motion.swaying import bend, find_bend, fold, leads_aside, lies, rock, shake, sway, walk
 from physagent_jax.motion.vectors import dot, normalise, reject, scale
@@ -60,8 +61,10 @@ def compile_slots(slots: list[Slot], builder: ForceFieldBuilder) -> None:
             made = len(builder.actions), len(builder.constraints)
             if event.motion.skill is not None and not event.repeat.alternate:
                 _compile_by_skill(task, event.motion.skill)
-            else:
+            elif not (event.bursts and event.motion.gives and builder.earlier):
                 _COMPILERS[event.effect](task)
+            if event.bursts:
+                _compile_break(task)
             if event.is_nudged:
                 _show_hand(builder, *made)
         builder.earlier += [event.effect for event in slot.events]
@@ -131,7 +134,15 @@ def _compile_sway(task: Task) -> None:
     if hit and seen and seen[-1].kind is MotionKind.MOVE:
         seen.pop()  # what is poked goes along as it wobbles, by more than a finger's depth
         begin = first
-    if hit and not (held or event.repeat.count or event.limbs or event.region):
+    fell = (
+        builder.soft
+        and builder.earlier[-1:] == [Effect.TOPPLE]
+        and (event.motion.jiggles or event.motion.wobbles)
+    )
+    if fell and lasts and not (held or event.ways or event.repeat.count or event.limbs or event.region):
+        begin = max((each.active_time[1] for each in builder.constraints if each.active_time), default=begin)
+        builder.constraints += shake_itself(brief, task.direction, magnitude, (begin, task.window[1]), True)
+    elif hit and not (held or event.repeat.count or event.limbs or event.region):
         builder.constraints += quiver(brief, task.direction, 2 * magnitude, task.window)
     elif builder.grounded and not held and abs(dot(task.direction, up)) > _UPRIGHT:
         for part in divide(task.window, [1.0] * count):
@@ -230,6 +241,15 @@ def _compile_burst(task: Task) -> None:
     """Outward along all axes, briefly: a uniform impulse has no outward form."""
     task.builder.notes.append("An explosion without a direction is a brief stretch in all directions.")
     _compile_scale(replace(task, window=shorten(task.window, task.builder.brief.last)))
+
+
+def _compile_break(task: Task) -> None:
+    """The burst of what breaks, as it lands or by itself."""
+    builder, event = task.builder, task.event
+    drops = builder.default_drop and event.effect is Effect.FALL and not builder.earlier
+    drop = (builder.drop_height or DROP_HEIGHT) if drops else None
+    at = find_break(task.window, task.brief, builder.actions, builder.constraints, drop)
+    builder.constraints.append(burst(at, builder.bursts * event.strength, task.brief))
 
 
 def _compile_turn(task: Task) -> None:

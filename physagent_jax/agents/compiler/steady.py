@@ -98,7 +98,7 @@ class Task:
         even = clause.pace == "even" or motion.floats or event.is_quick
         values = dict(
             strength=event.strength, part=event.part, excludes_part=event.excludes_part, stays=event.stays,
-            partial=event.region is not None, manner=motion.manner, jiggles=motion.jiggles or event.trembles,
+            partial=event.region is not None, manner=motion.manner, jiggles=motion.jiggles or event.trembles > 0,
             means=event.means, counted=any(each.times is not None and not each.often for each in clause.repetitions),
             springs=any(later.motion.springs for later in self.after),
             even=even and kind in (MotionKind.MOVE, MotionKind.ROTATE),

@@ -21,7 +21,9 @@ from physagent_jax.forces.skills.moving_plate import MovingPlate
 from physagent_jax.forces.skills.particle_impulse import ParticleImpulse
 from physagent_jax.forces.skills.particle_rotation import ParticleRotation
 from physagent_jax.forces.skills.particle_translation import ParticleTranslation
+from physagent_jax.forces.skills.quiver import Quiver
 from physagent_jax.forces.skills.scale import Scale
+from physagent_jax.forces.skills.shatter import Shatter
 from physagent_jax.forces.skills.torque import Torque
 from physagent_jax.forces.skills.translation import Translation
 from physagent_jax.forces.skills.vortex import Vortex
@@ -84,5 +86,7 @@ for _skill in (
     ParticleRotation(),
     ParticleImpulse(),
     MovingPlate(),
+    Quiver(),
+    Shatter(),
 ):
     register_skill(_skill)

@@ -31,12 +31,10 @@ _LASTING = 3  # frames: what is seen for less is noise or a flash
 _TEARS = "tear tore torn break broke burst shatter rip split apart explo piece crack crumbl snap melt".split()
 _SHATTERS = re.compile(
     r"(?<!not )(?<!without )\b(shatter|break(s|ing)?\b(?! free| away)|splinter|crumbl|crack(s|ing)?\b|melt|dissolv|"
-    r"explod|\w+ pieces|(fall|come)(s|ing)? apart|smash(es|ed|ing)? on\b)"
+    r"explod|\w+ pieces|(fall|come)(s|ing)? apart|smash(es|ed|ing)? on\b|(in|to) (bits|shards))"
 )
 """Words of who asks that its matter gives way, in whichever clause."""
-_SCATTERED = (
-    3.0  # times farther that pieces may fly: those of a dish that is smashed lie over three and a half of it
-)
+_SCATTERED = 5.0  # times farther that pieces may fly: those of a glass that bursts lie over five of it
 _TRAVELS = (MotionKind.MOVE, MotionKind.FALL, MotionKind.SWAY)
 _VIOLENT = 1.3  # strength from which leaving the picture at the end is part of it
 _LATE, _END = 0.75, 0.95  # share of the clip
@@ -434,8 +432,11 @@ def _list_growths(view: View) -> Signal:
 def _check_picture(view: View, asked: list[ExpectedMotion]) -> list[Check]:
     """Leaving the picture; what is blown away violently may do so at the end."""
     leaves = view.report.quality.leaves_frame
-    if leaves == 0 or all(place is None for place in view.report.centroid):
+    places = view.report.centroid
+    if leaves == 0 or all(place is None for place in places):
         return []  # it is cut off by the camera, not by its motion; or nobody knows
+    if places[-1] is not None and _SHATTERS.search(view.sentence.lower()):
+        return []  # splinters fly out of it
     far = any(e.strength >= _VIOLENT and e.kind in _TRAVELS for e in asked)
     limit = max((_LATE if far else _END) * view.last, 1.0)
     until = f"until frame {limit:.0f} at least" if far else "to the end"

@@ -1,4 +1,4 @@
-"""Constraints within a substep: prescribed motions, also from end to end, rigid bodies, plates that press.
+"""Constraints within a substep: prescribed motions, also from end to end, rigid bodies, fragments, plates that press.
 
 Each constraint acts at three places, in the order of `Model.constraints`: on the particles before P2G, on the
 grid velocities, and on the particles after G2P. Where two claim the same particles, the later one wins.
@@ -14,6 +14,7 @@ from physagent_jax.mpm.constraints.plate import MovingPlate as MovingPlate
 from physagent_jax.mpm.constraints.prescribed import PrescribedMotion as PrescribedMotion
 from physagent_jax.mpm.constraints.rigid import RigidBody as RigidBody
 from physagent_jax.mpm.constraints.rotation import rotate as rotate
+from physagent_jax.mpm.constraints.shatter import Shatter as Shatter
 from physagent_jax.mpm.state import Model, State
 from physagent_jax.mpm.transfer import Stencil
 
