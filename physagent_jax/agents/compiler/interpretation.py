@@ -476,7 +476,8 @@ def _count_turns(event: Event, brief: SceneBrief) -> None:
     counts = event.effect is Effect.TURN and repeat.count is not None and not repeat.alternate
     if counts and event.amount is None:
         event.repeat = replace(repeat, count=None)
-        angle = 360.0 * (repeat.count or 0)
+        tumbles = repeat.vague and event.motion.direction != "up" and not loose  # "over and over"
+        angle = angle if tumbles else 360.0 * (repeat.count or 0)
     if angle > MOST:
         event.doubts.append(f"So many turns ('{event.text}') cannot be shown.")
     if angle and event.amount is None:
