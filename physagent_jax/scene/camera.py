@@ -51,17 +51,19 @@ def frame_camera(
     rendering: Rendering,
     *,
     start: np.ndarray | None = None,
+    least: float = LEAST_SHARE,
 ) -> CameraConfig:
     """Move ``camera`` (along its direction, and sideways) until it just shows ``points``.
 
     With ``start``, it goes no nearer than that the object fills `MOST_HEIGHT` of the picture's height at first, and no
-    farther than that it fills `LEAST_SHARE`: what then does not fit is cut off, but never the object at first.
+    farther than that it fills the share ``least``: what then does not fit is cut off, but never the object at first.
 
     Args:
         points: World points that should be visible [m], shape (m, 3).
         camera: Its direction and field of view are kept.
         rendering: For the aspect ratio.
         start: The object's points in the first frame [m], shape (k, 3); None = it may be of any size.
+        least: Share of the picture's height or width that they fill at least.
     """
     centre = 0.5 * (points.min(0) + points.max(0))
     axes, half = _find_axes(camera), _find_half_picture(camera, rendering)
@@ -70,7 +72,7 @@ def frame_camera(
         local = (start - centre) @ axes
         centred = local - 0.5 * (local.min(0) + local.max(0)) * [1, 1, 0]
         distance = max(distance, _find_distance_of_share(centred[:, 1:], MOST_HEIGHT, half[1:]))
-        farthest = _find_distance_of_share(centred, LEAST_SHARE, half)
+        farthest = _find_distance_of_share(centred, least, half)
         distance = min(distance, max(farthest, _find_distance(centred, MARGIN * half)))
         centre = centre + axes[:, :2] @ _find_shift(local, distance, MARGIN * half)
     return camera.model_copy(

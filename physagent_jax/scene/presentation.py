@@ -123,7 +123,7 @@ def place_cameras(config: SceneConfig, x: np.ndarray, rendering: Rendering) -> l
     if share is None:
         share = next((each for each in FOLLOWED if _is_large(each, camera, rendering, start, seen, way)), 1.0)
     relative = (seen - share * way[:, None]).reshape(-1, 3)
-    first = frame_camera(relative, camera, rendering, start=start)
+    first = frame_camera(relative, camera, rendering, start=start, least=LARGE)
     if not share:
         return [make_reference_camera(first, rendering, config.domain)] * len(points)
     assert first.target is not None
@@ -145,7 +145,7 @@ def _is_large(
     seen: np.ndarray,
     way: np.ndarray,
 ) -> bool:
-    """Return whether the object as it is at first would be large enough all along its way.
+    """Return whether the object as it is at first would be large enough all along its way, and as it is at last there.
 
     Args:
         share: Share of the way that the camera goes along.
@@ -158,7 +158,8 @@ def _is_large(
     placed = frame_camera((seen - share * way[:, None]).reshape(-1, 3), camera, rendering)
     away = (1 - share) * way @ find_view_direction(camera)
     moved = start + (1 - share) * way[away.argmax()]
-    return min(measure_share(each, placed, rendering) for each in (start, moved)) >= LARGE
+    last = seen[-1] - share * way[-1]  # what stood may lie
+    return min(measure_share(each, placed, rendering) for each in (start, moved, last)) >= LARGE
 
 
 def stand_before(camera: CameraConfig, wall: HalfSpace) -> CameraConfig:

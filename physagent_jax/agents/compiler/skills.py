@@ -156,9 +156,8 @@ def _compile_sway(task: Task) -> None:
         builder.constraints += sway(brief, task.direction, magnitude, count, task.window)
     else:
         _alternate(task, ActionType.TRANSLATION, magnitude, divide_swings(task.window, count, held))
-    released = task.is_released
-    seen_from = (begin, task.window[1])
-    task.expect(MotionKind.SWAY, event.direction, seen_from, repeats=count, released=released)
+    told = dict(repeats=count, released=task.is_released) | (dict(manner="", jiggles=True) if fell else {})
+    task.expect(MotionKind.SWAY, event.direction, (begin, task.window[1]), **told)
 
 
 def _travels(task: Task) -> bool:
