@@ -38,7 +38,7 @@ _UPWARDS = 0.7  # vertical component of a blow by which it leaps
 
 
 def find_burst(words: Iterable[str], brief: SceneBrief, by_kind: bool) -> float:
-    """How strongly what is of some materials bursts; 0 = no word says that it goes to pieces.
+    """Strength with which what is of some materials bursts; 0 = no word says that it goes to pieces.
 
     Args:
         words: The sentence's words for materials, and for what they become.

@@ -1,4 +1,4 @@
-"""What goes to pieces: it is whole until it lands, or until the sentence says that it breaks."""
+"""Going to pieces: it is whole until it lands, or until the sentence says that it breaks."""
 
 import math
 

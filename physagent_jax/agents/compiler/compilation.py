@@ -150,7 +150,7 @@ def _choose_materials(intent: Intent, events: Iterable[Event], brief: SceneBrief
 
 
 def _find_burst(clauses: list[Event], intent: Intent, brief: SceneBrief) -> float:
-    """How strongly it goes to pieces, after motions of the whole alone or by itself; 0 = it does not."""
+    """Strength with which it goes to pieces, after motions of the whole alone or by itself; 0 = it does not."""
     shaped = any(each.effect in _SHAPING and not each.motion.gives for each in clauses)
     parted = shaped or any(each.parts or each.motion.manner in ("detach", "split") for each in clauses)
     solids = intent.surroundings.solids or any(each.clause.solids for each in clauses)
