@@ -267,7 +267,7 @@ class _Finder:
     def _find_make(self, owner: int) -> int | None:
         """The "make" before the object, if that is what stands here."""
         verb = self._back(owner, self.before | self.names | self.own)  # "make the honey jar of rubber"
-        meant = self._is_object(owner) or self._get(owner) in self.around["objects"]
+        meant = self._is_object(owner) or self._get(owner) in self.around["objects"] | self.own
         return verb if meant and self._get(verb) in self.around["make"] else None
 
     def _is_other_noun(self, at: int) -> bool:

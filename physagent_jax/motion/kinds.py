@@ -292,6 +292,19 @@ def _find_forces(wish: Wish, keep: Callable[[Cause], bool]) -> list[Cause]:
     return found if any(agrees(c, wish.expectation) for c in found) else []
 
 
+def _is_first(wish: Wish, causes: Sequence[Cause]) -> bool:
+    """Return whether nothing moves the object before."""
+    return wish.get_span(causes[:1])[0] < 1 and not wish.force_field.default_drop
+
+
+def _lies_below(wish: Wish, axis: Vector) -> bool:
+    """Return whether a plate from above meets it wherever it has gone on the ground by then."""
+    begins = wish.expectation.window[0]
+    raised = [e for e in wish.list_others() if cosine(e.direction or _NO_WAY, wish.brief.directions.up) > _VERTICAL]
+    up = any(e.kind is MotionKind.MOVE and not e.sudden and e.window[0] < begins for e in raised)
+    return _stands_on_its_end(wish, axis) and wish.brief.world == "ground" and not up
+
+
 def _deform(wish: Wish) -> _Replaced:
     """A stretch by its two ends; a squeeze between plates if nothing moves the object before, else by its ends."""
     expectation, axis = wish.expectation, wish.expectation.direction
@@ -304,7 +317,7 @@ def _deform(wish: Wish) -> _Replaced:
     pulled = any(e.kind is MotionKind.STRETCH and share_line(e, expectation) for e in wish.expectations)
     if expectation.kind is MotionKind.STRETCH:
         why = "the two ends are moved apart, whatever the stiffness"
-    elif wish.get_span(causes[:1])[0] < 1 and not wish.force_field.default_drop and (not pulled or upright):
+    elif (not pulled or upright) and (_is_first(wish, causes) or _lies_below(wish, axis)):
         return press_between(wish, causes), "it is pressed between plates, not pulled inwards at every point"
     else:
         where = "as they are moved apart in turn" if pulled else "wherever it is by then"

@@ -270,3 +270,13 @@ def test_who_is_pushed_over_after_leaps_falls_after_them(told):
 def test_turns_that_are_counted_vaguely_are_counted(told, turns):
     (turn,) = compile_whole(f"the statue spins around {told}").expectations
     assert turn.amount is not None and turn.amount.value == 360.0 * turns
+
+
+@pytest.mark.parametrize("before", ["", "the statue rolls to the right, then ", "the statue jumps up, then "])
+@pytest.mark.parametrize("thing", ["something heavy", "something", "a heavy weight"])
+def test_something_that_comes_down_presses_it_wherever_it_is(before, thing):
+    """The statue itself fell, or its ends were moved as they had stood at first."""
+    reply = compile_whole(f"{before}{thing} comes down and squashes it flat")
+    plates = [each for each in reply.force_field.constraints if each.constraint_type is PLATE]
+    assert [each.vector for each in plates] == [(0.0, 0.0, -1.0)] and not reply.force_field.default_drop
+    assert reply.expectations[-1].kind is MotionKind.SQUEEZE

@@ -222,7 +222,8 @@ def _is_done_by_another(segment: list[Mention], names: frozenset[str]) -> bool:
     told = any(m.phrase in things or m.kind in LOOSE[:2] and not m.phrase.endswith("ly") for m in noun)
     own = names | get_set("pronouns") | get_set("relatives")
     another = subject > 0 and segment[subject - 1].phrase in ("a", "an", "the")
-    if not told or not another or any(m.phrase in own for m in segment[:at]):
+    some = any(m.form == "something" for m in noun)  # "something heavy comes down"
+    if not (told and another or some) or any(m.phrase in own for m in segment[:at]):
         return False
     if segment[at].phrase.endswith(("soft", "soften")):
         return False  # "the metal goes soft": its own
