@@ -300,7 +300,9 @@ def _is_first(wish: Wish, causes: Sequence[Cause]) -> bool:
 def _lies_below(wish: Wish, axis: Vector) -> bool:
     """Return whether a plate from above meets it wherever it has gone on the ground by then."""
     begins = wish.expectation.window[0]
-    raised = [e for e in wish.list_others() if cosine(e.direction or _NO_WAY, wish.brief.directions.up) > _VERTICAL]
+    raised = [
+        e for e in wish.list_others() if cosine(e.direction or _NO_WAY, wish.brief.directions.up) > _VERTICAL
+    ]
     up = any(e.kind is MotionKind.MOVE and not e.sudden and e.window[0] < begins for e in raised)
     return _stands_on_its_end(wish, axis) and wish.brief.world == "ground" and not up
 

@@ -392,3 +392,16 @@ def test_what_was_taken_off_falls_by_itself(sentence):
     """It hung down from what it was off, or all of it fell."""
     *_, fall = read(sentence).expectations
     assert fall.manner == "detach"
+
+
+def test_the_neck_of_a_thing_is_all_that_juts_out_on_top_with_the_head_at_its_end():
+    """The head alone came off a guitar."""
+    neck = make_part("top", (0, 0, 0.3), (0, 0, 1))
+    assert list_limbs(read("its neck bends to the left", HEAD, neck))[0][1] == 1
+    assert list_limbs(read("its neck bends to the left", HEAD))[0][1] == 0  # of a figure
+
+
+def test_a_bone_is_what_a_joint_of_meat_is_held_by():
+    grip = make_part("handle", (0.3, 0, 0), (1, 0, 0))
+    reply = read("someone pulls on the bone until it snaps off", grip, object_name="ham", object_kind="food")
+    assert {limb for _, limb in list_limbs(reply)} == {0} and not reply.unsure
