@@ -83,19 +83,16 @@ def find_break(
         drop: Height from which it falls in the window without having been thrown up [body lengths]; None = it does not.
     """
     first, last = window
-    leaps = [each for each in actions if _throws_up(each, brief) and each.active_time[0] < last]
-    leads = [
-        each.active_time[1]
-        for each in constraints
-        if each.active_time and first <= each.active_time[0] < last
-    ]
-    blows = [
-        each.active_time[1] for each in actions if each.active_time and first <= each.active_time[0] < last
-    ]
+    thrown = [(each.active_time, each) for each in actions if _throws_up(each, brief)]
+    leaps = [(span, each) for span, each in thrown if span is not None and span[0] < last]
+    leads, blows = (
+        [each.active_time[1] for each in items if each.active_time and first <= each.active_time[0] < last]
+        for items in (constraints, actions)
+    )
     if leaps:
-        leap = max(leaps, key=lambda each: each.active_time[0])
+        (_, left), leap = max(leaps, key=lambda each: each[0][0])
         rise = leap.magnitude * leap.gain * dot(leap.vector, brief.directions.up) * brief.size
-        at = leap.active_time[1] + find_flight(rise) / brief.frame_dt
+        at = left + find_flight(rise) / brief.frame_dt
         if first - 1.5 <= at:
             return min(at, last)
     if drop is not None:

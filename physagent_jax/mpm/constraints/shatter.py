@@ -88,8 +88,9 @@ class Shatter(Constraint):
         level, rise = (chance.uniform(*each, size=(len(rows), 1)) for each in (_ALONG, _UP))
         turns = chance.normal(size=(len(rows), 3)) * _SPIN / np.ptp(x, axis=0).max()
         numbers = (_ASTRAY * level * astray, (1 - _ASTRAY) * level[:, 0], rise * way, turns, way)
-        along, outwards, up, spin, way = (jnp.asarray(each, dtype) for each in numbers)
-        return Shatter(jnp.asarray(particles.ravel()), along, outwards, up, spin * speed, speed, way, start)
+        along, outwards, up, spin, upwards = (jnp.asarray(each, dtype) for each in numbers)
+        owners = jnp.asarray(particles.ravel())
+        return Shatter(owners, along, outwards, up, spin * speed, speed, upwards, start)
 
     def is_broken(self, time: jax.Array, dt: jax.Array) -> jax.Array:
         """Return whether it is in fragments during the substep ``dt`` [s] that begins at ``time`` [s]."""
