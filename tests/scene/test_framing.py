@@ -182,15 +182,22 @@ def test_walls_and_boxes_that_stand_still_are_on_the_stage():
     np.testing.assert_allclose(panel.axes @ panel.axes.T, np.eye(3), atol=1e-12)
 
 
-def test_what_meets_a_wall_is_seen_from_beside_it():
-    """The wall stands across the way: seen along that, it would hide what comes towards it."""
-    way = np.array([-0.6, -0.8, 0.0])
-    x = moving(tuple(way))
+@pytest.mark.parametrize("azimuth", range(-180, 180, 20))
+@pytest.mark.parametrize("way", [(-0.6, -0.8, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)])
+def test_what_meets_a_wall_is_seen_from_beside_it(azimuth, way):
+    """The camera stands on the wall's free side, as seen along which it hides nothing of what comes towards it."""
+    way = np.array(way)
     point = tuple((np.array([2.0, 2.0, 1.0]) + 1.6 * way).tolist())
     wall = c.HalfSpace(point=point, normal=tuple((-way).tolist()))
-    across = []
-    for boundaries in ((), (wall,)):
-        config = scene(azimuth_degrees=0).model_copy(update=dict(boundaries=boundaries))
-        away = np.asarray(place_cameras(config, x, WIDE)[0].viewmat)[2, :2]
-        across.append(np.degrees(np.arccos(abs(away @ way[:2]) / np.linalg.norm(away))))
-    assert across == pytest.approx([40.0, 70.0], abs=0.5)
+    config = scene(azimuth_degrees=azimuth).model_copy(update=dict(boundaries=(wall,)))
+    away = np.asarray(place_cameras(config, moving(tuple(way)), WIDE)[0].viewmat)[2, :2]
+    forward = away @ way[:2] / np.linalg.norm(away)
+    assert -1e-9 <= forward <= np.sin(np.radians(20.5))
+
+
+def test_what_goes_towards_the_camera_is_seen_from_aside():
+    config = scene(azimuth_degrees=0).model_copy(update=dict(boundaries=()))
+    way = np.array([-0.6, -0.8, 0.0])
+    away = np.asarray(place_cameras(config, moving(tuple(way)), WIDE)[0].viewmat)[2, :2]
+    across = np.degrees(np.arccos(abs(away @ way[:2]) / np.linalg.norm(away)))
+    assert across == pytest.approx(40.0, abs=0.5)
