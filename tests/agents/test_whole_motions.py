@@ -381,3 +381,9 @@ def test_a_wave_may_be_what_acts():
 def test_what_rolls_down_to_a_side_rolls_along_the_ground():
     move, _ = read("the robot rolls down to the left", brief(world="ground")).expectations
     assert move.direction == LEFT
+
+
+def test_an_end_that_is_no_part_does_not_come_off_unnoticed():
+    """It was pushed down, and that was called a success."""
+    assert read("the top of the robot breaks off", brief(world="ground")).unsure
+    assert not read("the top of the robot slips off to the right", brief(world="ground")).unsure

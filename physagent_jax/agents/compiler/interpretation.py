@@ -105,12 +105,20 @@ def interpret(event: Event, before: Event | None, brief: SceneBrief) -> None:
     event.sources["action_type"] = ValueSource(event.words, f"'{event.phrase}' is a {event.effect.value}")
     event.sources["active_time"] = _describe_time(event)
     _take_part(event, before, brief)
-    partial = bool(event.limbs or event.region)
+    partial = bool(event.limbs or event.region and not _breaks_off(event))
     limp = brief.object_kind in _LIMP or bool(event.limbs)
     able = {"": True, "limp": limp, "part": partial, "whole": not partial}
     if not able[event.motion.by] or event.motion.gives and event.clause.solids:
         event.doubts.append(f"How '{event.words}' is done is not understood.")
     event.obstacles += resolve_obstacles(event.clause.solids, event.direction, brief)
+
+
+def _breaks_off(event: Event) -> bool:
+    """Return whether it comes off by itself, as no end of a thing in one piece does.
+
+    What is screwed off is led, and what goes off to a side is pushed there.
+    """
+    return event.motion.manner == "detach" and not (event.motion.after or event.pick(*WAYS))
 
 
 def _aim_at_parts(event: Event, brief: SceneBrief) -> None:
