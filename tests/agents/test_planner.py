@@ -673,6 +673,20 @@ def test_breaking_up_bursting_and_leaving_fail():
     assert judgement.verdict is Verdict.FAIL and "leaves it at frame 20" in judgement.suggestion
 
 
+def test_a_splinter_of_what_is_smashed_may_leave_the_picture():
+    """What is dropped and stays whole may not, nor may all of what is smashed."""
+    reply = SemanticReply(force_field=ForceField(), expectations=(expected(KINDS.FALL, None),))
+    seen = show(along(DOWN, 0.5), leaves_frame=20)
+    gone = [place if t < 40 else None for t, place in enumerate(seen.centroid)]
+    away = seen.model_copy(update={"centroid": tuple(gone)})
+
+    def ask(prompt, report):
+        return "leaves it at frame 20" in judge(prompt, reply, report, brief()).judgement.suggestion
+
+    assert not ask("it gets smashed on the floor", seen)
+    assert ask("it falls on the floor", seen) and ask("it gets smashed on the floor", away)
+
+
 def test_what_leaves_the_picture_before_it_has_moved_far_enough_is_not_observable():
     """It was going the right way, and then it was gone."""
     seen = make_report([(-0.01 * t, 0, 0) if t < 15 else None for t in range(LAST + 1)], leaves_frame=14)

@@ -1,10 +1,13 @@
 """Light touches: a finger goes into what is soft, and a push that sets something rocking is no push over the ground."""
 
+import math
+
 import numpy as np
 import pytest
 
 from physagent_jax.agents.compiler import compile_intent
 from physagent_jax.agents.grammar.semantic import read_intent
+from physagent_jax.forces.calibration import DROP_HEIGHT, GRAVITY
 from physagent_jax.forces.regions import make_region_mask
 from physagent_jax.forces.schema import ActionType, ConstraintType
 from physagent_jax.motion.matching import find_strays
@@ -197,3 +200,25 @@ def test_a_poke_is_no_stray_and_what_it_sets_wobbling_may_move_from_then_on():
     assert any(each.touched for each in reply.force_field.constraints) and wobble.window[0] == 0
     strays = find_strays(reply.expectations, reply.force_field)
     assert not any(cause.item.touched for cause in strays)
+
+
+def test_what_jiggles_as_it_lands_quivers_from_then_on():
+    """Its own swing ends with the stop of its landing; more strongly said, it quivers farther."""
+    plain, crazy, none = (
+        [each for each in read(say, JELLY).force_field.constraints if each.constraint_type == "quiver"]
+        for say in ("drop it and it wobbles", "drop it so it wobbles like crazy", "drop it")
+    )
+    (one,), (other,) = plain, crazy
+    landing = math.sqrt(2 * DROP_HEIGHT * JELLY.size / GRAVITY) / JELLY.frame_dt
+    assert landing < one.active_time[0] < landing + 0.4 / JELLY.frame_dt
+    assert one.active_time[1] - one.active_time[0] > 1.0 / JELLY.frame_dt
+    assert other.magnitude * other.gain > 1.4 * one.magnitude * one.gain and not none
+
+
+def test_what_has_tipped_over_quivers_as_it_lies():
+    reply = read("it tips over and jiggles", JELLY)
+    (shaken,) = [each for each in reply.force_field.constraints if each.constraint_type == "quiver"]
+    assert not reply.force_field.actions and reply.expectations[-1].jiggles
+    assert shaken.active_time[0] > max(
+        each.active_time[1] for each in reply.force_field.constraints if each is not shaken
+    )
