@@ -674,7 +674,7 @@ def test_breaking_up_bursting_and_leaving_fail():
 
 
 def test_a_splinter_of_what_is_smashed_may_leave_the_picture():
-    """What is dropped and stays whole may not, nor may all of what is smashed."""
+    """A thing that is dropped and stays whole may not, nor may all of one that is smashed."""
     reply = SemanticReply(force_field=ForceField(), expectations=(expected(KINDS.FALL, None),))
     seen = show(along(DOWN, 0.5), leaves_frame=20)
     gone = [place if t < 40 else None for t, place in enumerate(seen.centroid)]
